@@ -1,0 +1,79 @@
+//! Connected components of a region and of its zones.
+
+use crate::{Cell, Region, Zones};
+
+/// Cells grouped by connection: two neighbours of one kind belong to one component.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Components {
+    label: Vec<u32>,
+    count: u32,
+}
+
+impl Components {
+    /// What [`Components::label`] gives outside the region.
+    pub const OUTSIDE: u32 = u32::MAX;
+
+    /// Number of components, at least 1.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// The component of a cell, from 0 in the order of their first cells; [`Components::OUTSIDE`] outside the region.
+    pub fn label(&self, cell: Cell) -> u32 {
+        self.label[cell as usize]
+    }
+}
+
+/// The connected components of the region. Linear in the plane's cells.
+pub fn region_components(region: &Region) -> Components {
+    flood(region, |_, _| true)
+}
+
+/// The connected components of the zones: cells of one zone that hang together. Linear in the plane's cells.
+pub fn zone_components(region: &Region, zones: &Zones) -> Components {
+    flood(region, |a, b| zones.id(a) == zones.id(b))
+}
+
+fn flood(region: &Region, same: impl Fn(Cell, Cell) -> bool) -> Components {
+    let mut label = vec![Components::OUTSIDE; region.plane_len()];
+    let mut count = 0;
+    let mut open = Vec::new();
+    for first in region.cells() {
+        if label[first as usize] != Components::OUTSIDE {
+            continue;
+        }
+        label[first as usize] = count;
+        open.push(first);
+        while let Some(cell) = open.pop() {
+            for other in region.neighbours(cell) {
+                if label[other as usize] == Components::OUTSIDE && same(cell, other) {
+                    label[other as usize] = count;
+                    open.push(other);
+                }
+            }
+        }
+        count += 1;
+    }
+    Components { label, count }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn diagonal_cells_do_not_touch() {
+        let region = Region::from_mask(2, 2, vec![true, false, false, true]).unwrap();
+        let parts = region_components(&region);
+        assert_eq!((parts.count(), parts.label(0), parts.label(3)), (2, 0, 1));
+        assert_eq!(parts.label(1), Components::OUTSIDE);
+    }
+
+    #[test]
+    fn zones_split_a_region() {
+        let region = Region::rectangle(3, 1).unwrap();
+        let zones = Zones::new(&region, vec![0, 1, 0]).unwrap();
+        assert_eq!(zone_components(&region, &zones).count(), 3);
+        assert_eq!(region_components(&region).count(), 1);
+    }
+}

@@ -1,0 +1,175 @@
+//! The set of cells of a layer.
+
+use thiserror::Error;
+
+/// The number of a cell in the plane: `y * width + x`, row by row, x fastest.
+pub type Cell = u32;
+
+/// The cells of a layer to be printed: a rectangle, or any subset of one.
+///
+/// Invariant: it has at least one cell, and neither side is longer than [`Region::MAX_SIDE`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Region {
+    width: u32,
+    height: u32,
+    inside: Vec<bool>,
+    cells: u32,
+}
+
+/// Why a [`Region`] could not be made.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum RegionError {
+    /// A side is zero.
+    #[error("a region of {width} x {height} cells has zero size")]
+    ZeroSize {
+        /// Asked width in cells.
+        width: u32,
+        /// Asked height in cells.
+        height: u32,
+    },
+    /// A side is longer than [`Region::MAX_SIDE`].
+    #[error("a region of {width} x {height} cells is larger than {max} x {max}", max = Region::MAX_SIDE)]
+    TooLarge {
+        /// Asked width in cells.
+        width: u32,
+        /// Asked height in cells.
+        height: u32,
+    },
+    /// The mask has not one entry for each cell of the plane.
+    #[error("the mask has {got} entries, the plane {expected} cells")]
+    MaskLength {
+        /// Width times height.
+        expected: usize,
+        /// Length of the mask.
+        got: usize,
+    },
+    /// The mask holds no cell.
+    #[error("the region has no cells")]
+    NoCells,
+}
+
+impl Region {
+    /// The longest side, in cells.
+    pub const MAX_SIDE: u32 = 4096;
+
+    /// All cells of a plane `width` x `height`.
+    pub fn rectangle(width: u32, height: u32) -> Result<Self, RegionError> {
+        check_size(width, height)?;
+        let cells = width * height;
+        Ok(Self { width, height, inside: vec![true; cells as usize], cells })
+    }
+
+    /// The cells of a plane `width` x `height` for which `inside` holds; one entry a cell, row by row.
+    pub fn from_mask(width: u32, height: u32, inside: Vec<bool>) -> Result<Self, RegionError> {
+        check_size(width, height)?;
+        let expected = (width * height) as usize;
+        if inside.len() != expected {
+            return Err(RegionError::MaskLength { expected, got: inside.len() });
+        }
+        let cells = inside.iter().filter(|&&cell| cell).count() as u32;
+        if cells == 0 {
+            return Err(RegionError::NoCells);
+        }
+        Ok(Self { width, height, inside, cells })
+    }
+
+    /// Width of the plane, in cells.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height of the plane, in cells.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Number of cells in the region, at least 1.
+    pub fn cell_count(&self) -> u32 {
+        self.cells
+    }
+
+    /// Number of cells in the plane around it, `width * height`: the length of an array indexed by [`Cell`].
+    pub fn plane_len(&self) -> usize {
+        self.inside.len()
+    }
+
+    /// Whether every cell of the plane belongs to the region.
+    pub fn is_rectangle(&self) -> bool {
+        self.cells as usize == self.inside.len()
+    }
+
+    /// Whether `cell` belongs to the region; false also for numbers outside the plane.
+    pub fn contains(&self, cell: Cell) -> bool {
+        self.inside.get(cell as usize).copied().unwrap_or(false)
+    }
+
+    /// The number of the cell in column `x` and row `y`, which must lie in the plane.
+    pub fn cell(&self, x: u32, y: u32) -> Cell {
+        debug_assert!(x < self.width && y < self.height, "({x}, {y}) lies outside the plane");
+        y * self.width + x
+    }
+
+    /// Column and row of a cell.
+    pub fn xy(&self, cell: Cell) -> (u32, u32) {
+        (cell % self.width, cell / self.width)
+    }
+
+    /// The cells of the region in rising order.
+    pub fn cells(&self) -> impl Iterator<Item = Cell> + '_ {
+        self.inside.iter().zip(0..).filter_map(|(&inside, cell)| inside.then_some(cell))
+    }
+
+    /// The neighbours of a cell that belong to the region: right, below, left, above.
+    pub fn neighbours(&self, cell: Cell) -> impl Iterator<Item = Cell> + '_ {
+        let (x, y) = self.xy(cell);
+        let right = (x + 1 < self.width).then(|| cell + 1);
+        let below = (y + 1 < self.height).then(|| cell + self.width);
+        let left = (x > 0).then(|| cell - 1);
+        let above = (y > 0).then(|| cell - self.width);
+        [right, below, left, above].into_iter().flatten().filter(|&other| self.contains(other))
+    }
+
+    /// Whether two cells of the plane lie side by side.
+    pub fn adjacent(&self, a: Cell, b: Cell) -> bool {
+        let ((ax, ay), (bx, by)) = (self.xy(a), self.xy(b));
+        ax.abs_diff(bx) + ay.abs_diff(by) == 1
+    }
+}
+
+fn check_size(width: u32, height: u32) -> Result<(), RegionError> {
+    if width == 0 || height == 0 {
+        return Err(RegionError::ZeroSize { width, height });
+    }
+    if width > Region::MAX_SIDE || height > Region::MAX_SIDE {
+        return Err(RegionError::TooLarge { width, height });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_checked() {
+        assert_eq!(Region::rectangle(0, 3), Err(RegionError::ZeroSize { width: 0, height: 3 }));
+        assert_eq!(Region::rectangle(5000, 3), Err(RegionError::TooLarge { width: 5000, height: 3 }));
+        assert_eq!(
+            Region::from_mask(2, 2, vec![true; 3]),
+            Err(RegionError::MaskLength { expected: 4, got: 3 })
+        );
+        assert_eq!(Region::from_mask(2, 2, vec![false; 4]), Err(RegionError::NoCells));
+    }
+
+    #[test]
+    fn neighbours_stay_in_the_region() {
+        let ring = Region::from_mask(3, 3, (0..9).map(|cell| cell != 4).collect()).unwrap();
+        assert_eq!(ring.neighbours(1).collect::<Vec<_>>(), [2, 0]);
+        assert_eq!(ring.neighbours(8).collect::<Vec<_>>(), [7, 5]);
+        assert_eq!(ring.cell_count(), 8);
+        assert!(!ring.is_rectangle());
+        assert!(!ring.contains(9));
+        assert!(ring.adjacent(2, 5) && !ring.adjacent(2, 3));
+    }
+}

@@ -1,0 +1,73 @@
+//! The smallest change of a path: two parallel links of a unit cell for the other two.
+
+use crate::Cell;
+
+/// Which two of a unit cell's four sides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Sides {
+    /// The top and the bottom side: links along x.
+    Horizontal,
+    /// The left and the right side: links along y.
+    Vertical,
+}
+
+impl Sides {
+    /// The other two.
+    pub fn other(self) -> Self {
+        match self {
+            Self::Horizontal => Self::Vertical,
+            Self::Vertical => Self::Horizontal,
+        }
+    }
+}
+
+/// In one unit cell, the links of the sides `from` for the links of the other two.
+///
+/// Packed into 32 bits, so that long records of moves stay small.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Switch(u32);
+
+impl Switch {
+    /// The switch that takes the links `from` out of the unit cell whose top-left cell is `corner`.
+    ///
+    /// `corner` must be below 2^31; whether a path allows the switch is for [`Path::allows`](crate::Path::allows) to say.
+    pub fn new(corner: Cell, from: Sides) -> Self {
+        Self(corner << 1 | u32::from(from == Sides::Vertical))
+    }
+
+    /// The top-left cell of its unit cell.
+    pub fn corner(self) -> Cell {
+        self.0 >> 1
+    }
+
+    /// The links it takes out.
+    pub fn from(self) -> Sides {
+        if self.0 & 1 == 0 { Sides::Horizontal } else { Sides::Vertical }
+    }
+
+    /// The switch that undoes this one.
+    pub fn inverse(self) -> Self {
+        Self(self.0 ^ 1)
+    }
+}
+
+impl std::fmt::Debug for Switch {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Switch({}, {:?})", self.corner(), self.from())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packing_keeps_corner_and_sides() {
+        for from in [Sides::Horizontal, Sides::Vertical] {
+            let switch = Switch::new(4096 * 4096 - 1, from);
+            assert_eq!((switch.corner(), switch.from()), (4096 * 4096 - 1, from));
+            assert_eq!(switch.inverse().from(), from.other());
+            assert_eq!(switch.inverse().inverse(), switch);
+        }
+    }
+}
