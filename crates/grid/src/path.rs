@@ -82,6 +82,18 @@ impl Path {
         Ok(Self { width, order, position, links, splicer: Splicer::default(), pieces })
     }
 
+    /// Makes this path a copy of another one of the same region, without allocating.
+    ///
+    /// # Panics
+    /// If the two have different numbers of cells.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.width = other.width;
+        self.pieces = other.pieces;
+        self.order.copy_from_slice(&other.order);
+        self.position.copy_from_slice(&other.position);
+        self.links.copy_from_slice(&other.links);
+    }
+
     /// The cells in the order of their visit.
     pub fn order(&self) -> &[Cell] {
         &self.order
@@ -138,7 +150,7 @@ impl Path {
     }
 
     /// The two parallel links of the unit cell at `corner`, if exactly those two of its four sides are linked: what a
-    /// [`Switch`](crate::Switch) there can take out.
+    /// [`Switch`](crate::Switch) there can take out. `None` also where no unit cell begins, inside the plane or not.
     #[inline]
     pub fn sides(&self, corner: Cell) -> Option<Sides> {
         match self.square(corner) {

@@ -1,1 +1,70 @@
-fn main(){}
+//! Rates of the annealers and of the moves under them, from small planes to large ones.
+
+use std::hint::black_box;
+
+use beadwork_grid::{Crossings, Layout, LayoutSpec, Path, Region, Start, Switch};
+use beadwork_search::{Free, Method, Preset, Settings, anneal};
+use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+
+fn instance(side: u32) -> (Path, Crossings) {
+    let region = Region::rectangle(side, side).expect("the sides are in range");
+    let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, 0).expect("three zones fit");
+    let start = Start::RowZigzag.path(&region).expect("a rectangle has a zigzag");
+    (start, Crossings::new(&region, &zones))
+}
+
+fn paper(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("paper");
+    for side in [30, 50, 100] {
+        let (start, crossings) = instance(side);
+        group.throughput(Throughput::Elements(5000));
+        group.bench_function(BenchmarkId::from_parameter(side), |bencher| {
+            bencher.iter_batched(
+                || start.clone(),
+                |start| anneal(start, &crossings, &Settings::preset(Preset::Paper, 0)),
+                BatchSize::LargeInput,
+            );
+        });
+    }
+}
+
+fn fast(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("fast");
+    group.sample_size(10);
+    for side in [30, 100, 300, 500] {
+        let (start, crossings) = instance(side);
+        let method = Method::Free(Free { proposals: 1_000_000, ..Free::default() });
+        group.throughput(Throughput::Elements(1_000_000));
+        group.bench_function(BenchmarkId::from_parameter(side), |bencher| {
+            bencher.iter_batched(
+                || start.clone(),
+                |start| anneal(start, &crossings, &Settings { method, ..Settings::preset(Preset::Fast, 0) }),
+                BatchSize::LargeInput,
+            );
+        });
+    }
+}
+
+/// Validity of pairs of switches that touch, all over a path that annealing has tangled.
+fn validity(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("validity");
+    for side in [30, 100, 500] {
+        let (start, crossings) = instance(side);
+        let path = anneal(start, &crossings, &Settings::preset(Preset::Fast, 0)).path;
+        let first =
+            (0..side * (side - 1)).filter_map(|corner| Some(Switch::new(corner, path.sides(corner)?)));
+        let pairs: Vec<[Switch; 2]> = first
+            .flat_map(|first| {
+                let others = [first.corner() + 1, first.corner() + side, first.corner() + side + 1];
+                others.map(|corner| [first, Switch::new(corner, first.from().other())])
+            })
+            .collect();
+        group.throughput(Throughput::Elements(pairs.len() as u64));
+        group.bench_function(BenchmarkId::from_parameter(side), |bencher| {
+            bencher.iter(|| pairs.iter().filter(|[a, b]| black_box(path.allows_pair(*a, *b))).count());
+        });
+    }
+}
+
+criterion_group!(benches, paper, fast, validity);
+criterion_main!(benches);

@@ -1,1 +1,30 @@
-//! x
+//! Searches for a path of lower cost.
+//!
+//! A search takes a [`Path`](beadwork_grid::Path), a [`Cost`] and its settings, and gives back the best path it found, its
+//! cost, a proven lower bound where the caller had one, and why it stopped. It does no I/O, reads no clock and starts no
+//! thread; with the same seed it gives the same answer on every machine.
+//!
+//! - [`anneal`](anneal()): simulated annealing, by the method of Aali et al. ([`Pooled`]) or a faster one ([`Free`]).
+//! - [`bound`]: what no path can beat.
+//!
+//! # Example
+//! ```
+//! use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
+//! use beadwork_search::{Preset, Settings, anneal};
+//!
+//! let region = Region::rectangle(30, 30)?;
+//! let zones = LayoutSpec::new(Layout::Stripes).zones(&region, 0)?;
+//! let start = Start::RowZigzag.path(&region)?;
+//! let outcome = anneal(start, &Crossings::new(&region, &zones), &Settings::preset(Preset::Paper, 7));
+//! assert!(outcome.cost < outcome.initial);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod anneal;
+pub mod bound;
+mod cost;
+mod moves;
+
+pub use anneal::{Free, Method, Outcome, Pooled, Preset, Progress, Settings, Stop, UnknownPreset, anneal};
+pub use cost::Cost;
+pub use moves::Move;
