@@ -1,1 +1,129 @@
-fn main(){}
+//! `cargo xtask`: the project's tasks by short names.
+//!
+//! Checks run here; every other word is the business of the binary `beadwork`, which is built in release and handed the
+//! words as they came. Nothing of the workspace is linked, so the runner itself builds in seconds.
+//!
+//! Exit codes: 0 done, 1 failed, 2 wrong use; a forwarded word ends as the binary ends.
+
+#![allow(clippy::print_stderr, reason = "a task runner talks to its terminal")]
+
+mod forward;
+mod test;
+mod tidy;
+mod workspace;
+
+use std::ffi::OsString;
+use std::io::Write;
+use std::process::ExitCode;
+
+const HELP: &str = "\
+Usage: cargo xtask WORD [ARGUMENTS]
+
+Checks:
+  test       format, lints, tidy, tests and documentation; stops at the first failure
+  tidy       what review forgets: module docs, manifests, trailing blanks, leftovers
+
+Work; builds the binary `beadwork` in release and runs it with these words:
+  gen-data   write training data
+  inspect    show and check what a dataset holds
+  zones      find a path of few crossings for one layer
+  eval       tables beside the papers' figures
+  bench      rates on this machine
+  Any other word goes to the binary too. `cargo xtask WORD --help` tells a word's arguments.
+
+Examples:
+  cargo xtask test
+  cargo xtask zones --layout voronoi --size 30x30 --seed 1 --method anneal --svg path.svg
+  cargo xtask gen-data --preset smoke --out datasets/smoke
+  cargo xtask inspect datasets/smoke --verify
+  cargo xtask bench grid
+";
+
+/// What the words on the command line ask for.
+#[derive(Debug, PartialEq, Eq)]
+enum Task {
+    Help,
+    Test,
+    Tidy,
+    /// All words, for the binary.
+    Forward(Vec<OsString>),
+}
+
+fn main() -> ExitCode {
+    let task = match parse(std::env::args_os().skip(1).collect()) {
+        Ok(task) => task,
+        Err(error) => {
+            eprintln!("xtask: {error}\nxtask: 'cargo xtask --help' lists the tasks");
+            return ExitCode::from(2);
+        }
+    };
+    let done = match task {
+        Task::Help => {
+            // A reader that closes the pipe early has seen enough.
+            let _ = std::io::stdout().write_all(HELP.as_bytes());
+            Ok(())
+        }
+        Task::Test => test::run(),
+        Task::Tidy => tidy::run(),
+        Task::Forward(words) => forward::run(&words),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("xtask: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn parse(words: Vec<OsString>) -> Result<Task, String> {
+    let is_help = |word: &OsString| word == "--help" || word == "-h";
+    let Some(first) = words.first() else { return Ok(Task::Help) };
+    let own = match first.to_str() {
+        Some("help" | "--help" | "-h") => return Ok(Task::Help),
+        Some("test") => Task::Test,
+        Some("tidy") => Task::Tidy,
+        _ if first.as_encoded_bytes().starts_with(b"-") => {
+            return Err(format!("unknown option '{}'", first.display()));
+        }
+        _ => return Ok(Task::Forward(words)),
+    };
+    match words.get(1) {
+        None => Ok(own),
+        Some(word) if is_help(word) => Ok(Task::Help),
+        Some(word) => {
+            Err(format!("'{}' takes no arguments, but '{}' was given", first.display(), word.display()))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(line: &str) -> Vec<OsString> {
+        line.split_whitespace().map(OsString::from).collect()
+    }
+
+    #[test]
+    fn own_words_take_no_arguments() {
+        assert_eq!(parse(words("test")), Ok(Task::Test));
+        assert_eq!(parse(words("tidy")), Ok(Task::Tidy));
+        assert!(parse(words("test crates/grid")).is_err());
+        assert!(parse(words("--json")).is_err());
+    }
+
+    #[test]
+    fn help_is_never_forwarded_for_own_words() {
+        for line in ["", "help", "--help", "-h", "test --help", "tidy -h"] {
+            assert_eq!(parse(words(line)), Ok(Task::Help), "'{line}'");
+        }
+    }
+
+    #[test]
+    fn other_words_go_through_as_they_came() {
+        for line in ["gen-data --out x", "zones --help", "no-such-word -- --json"] {
+            assert_eq!(parse(words(line)), Ok(Task::Forward(words(line))), "'{line}'");
+        }
+    }
+}

@@ -1,1 +1,58 @@
-fn main(){}
+//! The command line of beadwork.
+//!
+//! Exit codes: 0 done, 1 failed, 2 wrong use. Results go to stdout (with `--json` one JSON document and nothing else),
+//! progress and errors to stderr; a reader that closes the pipe early has seen enough.
+
+#![allow(clippy::print_stderr, reason = "a command line talks to its terminal")]
+#![allow(clippy::doc_markdown, reason = "the comments on flags are their help, where backticks are noise")]
+
+mod bench;
+mod cancel;
+mod eval;
+mod gen_data;
+mod inspect;
+mod instance;
+mod machine;
+mod output;
+mod paper;
+mod progress;
+mod zones;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Plans how a 3D printer's head moves: fewer tool changes, fewer lifts, more even heat.
+#[derive(Parser)]
+#[command(version, name = "beadwork", propagate_version = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    GenData(gen_data::Args),
+    Inspect(inspect::Args),
+    Zones(zones::Args),
+    Eval(eval::Args),
+    Bench(bench::Args),
+}
+
+fn main() -> ExitCode {
+    let done = match Cli::parse().command {
+        Command::GenData(args) => gen_data::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
+        Command::Zones(args) => zones::run(&args),
+        Command::Eval(args) => eval::run(&args),
+        Command::Bench(args) => bench::run(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if output::is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("beadwork: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

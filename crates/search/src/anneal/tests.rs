@@ -1,3 +1,5 @@
+//! Replays of records, stops, and another cost.
+
 use std::sync::Mutex;
 
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start, Switch, Zones, cover, verify};

@@ -1,0 +1,237 @@
+//! `bench`: rates and ratios, measured in one run.
+
+use std::fmt::Write;
+use std::hint::black_box;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use beadwork_dataset::{Config, Factory, GenerateSettings, Slice, generate};
+use beadwork_grid::{Crossings, Kind, Layout, LayoutSpec, Path, Region, Start, Switch};
+use beadwork_search::{Preset, Settings, anneal};
+use clap::Subcommand;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use crate::{cancel, machine, output};
+
+/// Measure rates on this machine.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Subcommand)]
+enum What {
+    Grid(GridArgs),
+    Dataset(DatasetArgs),
+}
+
+/// Annealing and moves, one thread, from 30x30 to 500x500 cells.
+#[derive(clap::Args)]
+struct GridArgs {
+    /// Times each figure is measured; the median is shown.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..))]
+    repeats: u64,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+/// The factory: preset `paper` of gen-data with one thread and with two, in turn.
+#[derive(clap::Args)]
+struct DatasetArgs {
+    /// Trajectories; the preset's own number if not given.
+    #[arg(long, value_name = "N")]
+    count: Option<u64>,
+    /// Times each is measured; the median is shown.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    repeats: u64,
+    /// Folder for the datasets, which are removed afterwards; the system's for temporary files if not given.
+    #[arg(long, value_name = "DIR")]
+    scratch: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
+    match &args.what {
+        What::Grid(args) => grid(args),
+        What::Dataset(args) => dataset(args),
+    }
+}
+
+/// Figures of one size.
+#[derive(Serialize)]
+struct GridRow {
+    size: String,
+    /// Milliseconds of 5000 iterations of the preset `paper`.
+    paper_ms: f64,
+    /// Of `fast`, in millions a second.
+    proposals_m_per_s: f64,
+    /// Share of the proposals that were accepted.
+    accepted: f64,
+    /// Crossings before and after `fast`.
+    initial: i64,
+    fast_crossings: i64,
+    /// Checks of pairs of switches, in millions a second.
+    pair_checks_m_per_s: f64,
+    /// Looks for variants that apply, over all windows, in millions of windows a second.
+    windows_m_per_s: f64,
+}
+
+fn grid(args: &GridArgs) -> anyhow::Result<()> {
+    let rows = [30, 50, 100, 200, 300, 500].map(|side| grid_row(side, args.repeats));
+    let rows = rows.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
+    if args.json {
+        let machine = machine::facts();
+        return output::json(
+            &json!({ "machine": machine, "repeats": args.repeats, "threads": 1, "rows": rows }),
+        );
+    }
+    let mut text = format!(
+        "Machine: {}. One thread, Voronoi of 3 zones, median of {} runs.\n\n",
+        machine::line(),
+        args.repeats
+    );
+    text += "| size | preset paper, ms | fast, M proposals/s | accepted | crossings | pair checks, M/s | windows, M/s |\n";
+    text += "|---|---|---|---|---|---|---|\n";
+    for row in &rows {
+        writeln!(
+            text,
+            "| {} | {:.2} | {:.1} | {:.1} % | {} -> {} | {:.1} | {:.1} |",
+            row.size,
+            row.paper_ms,
+            row.proposals_m_per_s,
+            100.0 * row.accepted,
+            row.initial,
+            row.fast_crossings,
+            row.pair_checks_m_per_s,
+            row.windows_m_per_s
+        )?;
+    }
+    output::text(&text)
+}
+
+fn grid_row(side: u32, repeats: u64) -> anyhow::Result<GridRow> {
+    let region = Region::rectangle(side, side)?;
+    let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, 0)?;
+    let crossings = Crossings::new(&region, &zones);
+    let start = Start::RowZigzag.path(&region)?;
+    let paper = median(repeats, |seed| {
+        drop(anneal(start.clone(), &crossings, &Settings::preset(Preset::Paper, seed)));
+    });
+    let fast = anneal(start.clone(), &crossings, &Settings::preset(Preset::Fast, 0));
+    let fast_seconds = median(repeats, |_| {
+        drop(anneal(start.clone(), &crossings, &Settings::preset(Preset::Fast, 0)));
+    });
+
+    let pairs = shuffled_pairs(&fast.path, side);
+    let checks = median(repeats, |_| {
+        let valid = pairs.iter().filter(|[first, second]| fast.path.allows_pair(*first, *second)).count();
+        assert!(black_box(valid) > 0, "some pairs are valid");
+    });
+    let windows = median(repeats, |_| {
+        let kinds = [Kind::Transpose, Kind::Flip];
+        for y in 0..side as u16 {
+            for x in 0..side as u16 {
+                black_box(fast.path.variants_at(x, y, &kinds).count());
+            }
+        }
+    });
+    Ok(GridRow {
+        size: format!("{side}x{side}"),
+        paper_ms: paper * 1e3,
+        proposals_m_per_s: fast.proposals as f64 / fast_seconds / 1e6,
+        accepted: fast.accepted as f64 / fast.proposals as f64,
+        initial: fast.initial,
+        fast_crossings: fast.cost,
+        pair_checks_m_per_s: pairs.len() as f64 / checks / 1e6,
+        windows_m_per_s: f64::from(side * side) / windows / 1e6,
+    })
+}
+
+/// A million pairs of switches at random places, both of which take out two links that are there: the cases in which
+/// positions decide.
+fn shuffled_pairs(path: &Path, side: u32) -> Vec<[Switch; 2]> {
+    let corners: Vec<u32> = (0..side * side).filter(|&corner| path.sides(corner).is_some()).collect();
+    let mut state = 1_u64;
+    let mut random = |count: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % count
+    };
+    let steps = [side + 1, side - 1, 2, 2 * side];
+    let mut pairs = Vec::new();
+    while pairs.len() < 1_000_000 {
+        let corner = corners[random(corners.len())];
+        let other = corner + steps[random(steps.len())];
+        if let (Some(from), Some(other_from)) = (path.sides(corner), path.sides(other)) {
+            pairs.push([Switch::new(corner, from), Switch::new(other, other_from)]);
+        }
+    }
+    pairs
+}
+
+fn dataset(args: &DatasetArgs) -> anyhow::Result<()> {
+    let mut config = Config::preset("paper").expect("it is built in");
+    config.count = args.count.unwrap_or(config.count);
+    let factory = Factory::new(config, Vec::new())?;
+    let scratch = args.scratch.clone().unwrap_or_else(std::env::temp_dir);
+    let mut seconds = [Vec::new(), Vec::new()];
+    let mut facts = Value::Null;
+    for repeat in 0..args.repeats {
+        for threads in [1, 2] {
+            let folder = scratch.join(format!("beadwork-bench-{}-{repeat}-{threads}", std::process::id()));
+            let settings = GenerateSettings {
+                slice: Slice::WHOLE,
+                threads,
+                cancel: cancel::token()?,
+                observer: &|_| {},
+            };
+            let begin = Instant::now();
+            let generated = generate(&factory, &folder, &settings);
+            seconds[threads - 1].push(begin.elapsed().as_secs_f64());
+            std::fs::remove_dir_all(&folder)?;
+            let Some(manifest) = generated?.manifest else { anyhow::bail!("stopped") };
+            let bytes: u64 = manifest.shards.iter().map(|shard| shard.bytes).sum();
+            let raw_bytes: u64 = manifest.shards.iter().map(|shard| shard.raw_bytes).sum();
+            facts = json!({
+                "trajectories": manifest.records, "moves": manifest.moves, "bytes": bytes, "raw_bytes": raw_bytes,
+                "bytes_per_move": bytes as f64 / manifest.moves as f64,
+                "compression": raw_bytes as f64 / bytes as f64,
+            });
+        }
+    }
+    let [one, two] = seconds.map(middle);
+    facts["seconds_1_thread"] = json!(one);
+    facts["seconds_2_threads"] = json!(two);
+    facts["speed_up"] = json!(one / two);
+    facts["peak_memory_bytes"] = json!(machine::peak_memory_bytes());
+    if args.json {
+        facts["machine"] = machine::facts();
+        return output::json(&facts);
+    }
+    let mut text =
+        format!("Machine: {}. Preset paper, median of {} runs.\n\n", machine::line(), args.repeats);
+    for (key, value) in facts.as_object().expect("it was made as one") {
+        writeln!(text, "- {}: {value}", key.replace('_', " "))?;
+    }
+    output::text(&text)
+}
+
+/// Median seconds of several runs after one that does not count.
+fn median(repeats: u64, run: impl Fn(u64)) -> f64 {
+    run(0);
+    let times = (0..repeats).map(|seed| {
+        let begin = Instant::now();
+        run(seed);
+        begin.elapsed().as_secs_f64()
+    });
+    middle(times.collect())
+}
+
+fn middle(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}

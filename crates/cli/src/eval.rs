@@ -1,0 +1,297 @@
+//! `eval`: tables beside the papers' figures.
+
+use std::fmt::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use anyhow::bail;
+use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start, Zones, piece_bound};
+use beadwork_search::{Preset, Settings, anneal, bound};
+use clap::Subcommand;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use crate::paper::{self, Cell};
+use crate::zones::{MethodName, Row};
+use crate::{cancel, machine, output, progress};
+
+/// Print tables beside the papers' figures.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Subcommand)]
+enum What {
+    Zones(ZonesArgs),
+}
+
+/// Crossings over the 24 cells of Aali et al.: their Tables 3 and 5.
+#[derive(clap::Args)]
+#[command(after_help = "\
+The table of means runs the preset 'paper' on the instances of seeds 0, 1, 2, ...; the table of bests runs all presets on
+instances whose zigzag crosses within 10 % as often as the paper's.
+
+Examples:
+  beadwork eval zones --method anneal
+  beadwork eval zones --method anneal --seeds 100 --json > zones.json")]
+struct ZonesArgs {
+    /// How to choose the paths.
+    #[arg(long, value_name = "METHOD", default_value = "anneal")]
+    method: MethodName,
+    /// Seeds per cell and preset.
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..))]
+    seeds: u64,
+    /// Presets, with commas; all if not given.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    presets: Vec<Preset>,
+    /// Threads; 0 for one a core.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    threads: usize,
+    /// Print one JSON document, with a row for each run.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
+    match &args.what {
+        What::Zones(args) => zones(args),
+    }
+}
+
+/// One search to run.
+struct Job {
+    cell: Cell,
+    /// `None` for the zigzag alone.
+    preset: Option<Preset>,
+    seed: u64,
+    instance_seed: u64,
+    /// Whether the instance was chosen to be like the paper's, for the table of bests.
+    matched: bool,
+}
+
+/// A search that was run.
+struct Run {
+    job: Job,
+    row: Row,
+}
+
+impl Run {
+    /// By how many per cent the crossings fell.
+    fn reduction(&self) -> f64 {
+        100.0 * (1.0 - f64::from(self.row.crossings) / f64::from(self.row.initial.max(1)))
+    }
+}
+
+fn zones(args: &ZonesArgs) -> anyhow::Result<()> {
+    let presets = if args.presets.is_empty() { Preset::ALL.to_vec() } else { args.presets.clone() };
+    let methods: Vec<Option<Preset>> = match args.method {
+        MethodName::Zigzag => vec![None],
+        MethodName::Anneal => presets.into_iter().map(Some).collect(),
+    };
+    let mut jobs = Vec::new();
+    for cell in paper::cells() {
+        let matching = matching_seeds(&cell, args.seeds)?;
+        for &preset in &methods {
+            for seed in 0..args.seeds {
+                let instance_seed = matching[seed as usize % matching.len()];
+                jobs.push(Job { cell, preset, seed, instance_seed, matched: true });
+                // Fixed layouts have one instance, which serves for both tables.
+                if cell.layout.is_random() && preset.is_none_or(|preset| preset == Preset::Paper) {
+                    jobs.push(Job { cell, preset, seed, instance_seed: seed, matched: false });
+                }
+            }
+        }
+    }
+
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads).build()?;
+    let cancel = cancel::token()?;
+    let bar = progress::bar(jobs.len() as u64, "eval zones");
+    let run = |job: Job| {
+        let run = if cancel.load(Ordering::Relaxed) { None } else { Some(search(job, cancel)?) };
+        bar.inc(1);
+        anyhow::Ok(run)
+    };
+    let runs: anyhow::Result<Option<Vec<Run>>> =
+        pool.install(|| jobs.into_par_iter().with_max_len(1).map(run).collect());
+    bar.finish_and_clear();
+    let Some(runs) = runs?.filter(|_| !cancel.load(Ordering::Relaxed)) else { bail!("stopped") };
+    if args.json {
+        return output::json(&json!({
+            "machine": machine::facts(),
+            "seeds": args.seeds,
+            "cells": paper::cells().map(|cell| summary(&cell, &runs)).collect::<Vec<_>>(),
+            "rows": runs.iter().map(json_row).collect::<Vec<_>>(),
+        }));
+    }
+    output::text(&tables(&runs, args.seeds)?)
+}
+
+/// Seeds of instances whose zigzag crosses within 10 % as often as the paper's, at most so many.
+fn matching_seeds(cell: &Cell, most: u64) -> anyhow::Result<Vec<u64>> {
+    const TRIED: u64 = 20_000;
+
+    if !cell.layout.is_random() {
+        return Ok(vec![0]);
+    }
+    let region = Region::rectangle(cell.size.width, cell.size.height)?;
+    let start = Start::RowZigzag.path(&region)?;
+    let spec = LayoutSpec::new(cell.layout);
+    let matches = |seed: &u64| {
+        let zones = spec.zones(&region, *seed).ok();
+        let count = zones.map(|zones| Crossings::new(&region, &zones).count(&start));
+        count.is_some_and(|count| 10 * count.abs_diff(cell.zigzag) <= cell.zigzag)
+    };
+    let found: Vec<u64> = (0..TRIED).filter(matches).take(most as usize).collect();
+    if found.is_empty() {
+        bail!("no {} of {} among {TRIED} has about {} crossings", cell.layout, cell.size, cell.zigzag);
+    }
+    Ok(found)
+}
+
+fn search(job: Job, cancel: &AtomicBool) -> anyhow::Result<Run> {
+    let Cell { layout, size, .. } = job.cell;
+    let region = Region::rectangle(size.width, size.height)?;
+    let zones: Zones = LayoutSpec::new(layout).zones(&region, job.instance_seed)?;
+    let start = Start::RowZigzag.path(&region)?;
+    let begin = Instant::now();
+    let crossings = Crossings::new(&region, &zones);
+    let lower = bound::components(&region, &zones, 1);
+    let initial = crossings.count(&start);
+    let (best, moves) = match job.preset {
+        None => (initial, 0),
+        Some(preset) => {
+            let settings = Settings {
+                bound: Some(i64::from(lower)),
+                cancel: Some(cancel),
+                ..Settings::preset(preset, job.seed)
+            };
+            let outcome = anneal(start, &crossings, &settings);
+            (outcome.cost as u32, outcome.moves.len() as u64)
+        }
+    };
+    let row = Row {
+        layout: layout.name().to_owned(),
+        width: size.width,
+        height: size.height,
+        zones: zones.count(),
+        seed: job.seed,
+        method: job.preset.map_or(MethodName::Zigzag, |_| MethodName::Anneal).name().to_owned(),
+        preset: job.preset.map(|preset| preset.name().to_owned()),
+        initial,
+        crossings: best,
+        bound: Some(lower),
+        pieces: 1,
+        piece_bound: piece_bound(&region),
+        moves,
+        seconds: begin.elapsed().as_secs_f64(),
+    };
+    Ok(Run { job, row })
+}
+
+/// What the runs of one cell come to.
+struct Totals {
+    mean: f64,
+    matched_mean: f64,
+    best: f64,
+    best_fast: f64,
+    best_preset: String,
+    matching: usize,
+}
+
+fn totals(cell: &Cell, runs: &[Run]) -> Totals {
+    let here =
+        || runs.iter().filter(|run| (run.job.cell.layout, run.job.cell.size) == (cell.layout, cell.size));
+    let paper = |run: &&Run| run.job.preset.is_none_or(|preset| preset == Preset::Paper);
+    let mean = |runs: &mut dyn Iterator<Item = &Run>| {
+        let (sum, count) = runs.fold((0.0, 0), |(sum, count), run| (sum + run.reduction(), count + 1));
+        sum / f64::from(count)
+    };
+    let best = |runs: &mut dyn Iterator<Item = &Run>| {
+        runs.max_by(|a, b| a.reduction().total_cmp(&b.reduction()))
+            .map_or((f64::NAN, "-".to_owned()), |run| {
+                (run.reduction(), run.row.preset.clone().unwrap_or_default())
+            })
+    };
+    let is_fast = |run: &&Run| run.job.preset == Some(Preset::Fast);
+    let matched = || here().filter(|run| run.job.matched);
+    let (best_here, best_preset) = best(&mut matched().filter(|run| !is_fast(run)));
+    let mut seeds: Vec<u64> = matched().map(|run| run.job.instance_seed).collect();
+    seeds.sort_unstable();
+    seeds.dedup();
+    Totals {
+        mean: mean(&mut here().filter(paper).filter(|run| !run.job.matched || !cell.layout.is_random())),
+        matched_mean: mean(&mut matched().filter(paper)),
+        best: best_here,
+        best_fast: best(&mut matched().filter(is_fast)).0,
+        best_preset,
+        matching: seeds.len(),
+    }
+}
+
+fn summary(cell: &Cell, runs: &[Run]) -> Value {
+    let totals = totals(cell, runs);
+    json!({
+        "layout": cell.layout.name(), "size": cell.size.to_string(), "zigzag_of_the_paper": cell.zigzag,
+        "matching_instances": totals.matching,
+        "mean_percent": totals.mean, "mean_percent_matched": totals.matched_mean, "paper_mean_percent": cell.mean,
+        "best_percent": totals.best, "best_preset": totals.best_preset, "best_percent_fast": totals.best_fast,
+        "paper_best_percent": cell.best,
+    })
+}
+
+fn json_row(run: &Run) -> Value {
+    let mut row = json!(run.row);
+    row["instance_seed"] = json!(run.job.instance_seed);
+    row["matched"] = json!(run.job.matched);
+    row
+}
+
+fn tables(runs: &[Run], seeds: u64) -> Result<String, std::fmt::Error> {
+    let mut text = format!("Machine: {}. Seeds 0..{seeds}.\n", machine::line());
+    writeln!(
+        text,
+        "\n## Mean reduction of crossings, preset `paper`, in % (the paper's Table 5 in brackets)\n"
+    )?;
+    table(&mut text, |cell| {
+        let totals = totals(cell, runs);
+        let matched = if cell.layout.is_random() {
+            format!(", {:.1} matched", totals.matched_mean)
+        } else {
+            String::new()
+        };
+        format!("{:.1}{matched} ({:.1})", totals.mean, cell.mean)
+    })?;
+    writeln!(
+        text,
+        "\n## Best reduction of crossings, in %: the paper's presets, `fast` (the paper's Table 3 in brackets)\n"
+    )?;
+    table(&mut text, |cell| {
+        let totals = totals(cell, runs);
+        format!("{:.1} {}, {:.1} fast ({:.1})", totals.best, totals.best_preset, totals.best_fast, cell.best)
+    })?;
+    writeln!(text, "\nInstances whose zigzag crosses within 10 % as often as the paper's:")?;
+    for cell in paper::cells().filter(|cell| cell.layout.is_random()) {
+        let matching = totals(&cell, runs).matching;
+        writeln!(
+            text,
+            "- {} {}: {matching} (the paper's crosses {} times)",
+            cell.layout, cell.size, cell.zigzag
+        )?;
+    }
+    Ok(text)
+}
+
+/// A table of the 24 cells, a row for each layout.
+fn table(text: &mut String, entry: impl Fn(&Cell) -> String) -> std::fmt::Result {
+    let sizes = paper::SIZES.map(|size| size.to_string());
+    writeln!(text, "| layout | {} |", sizes.join(" | "))?;
+    writeln!(text, "|---|{}", "---|".repeat(sizes.len()))?;
+    for layout in Layout::PAPER {
+        let cells: Vec<String> =
+            paper::cells().filter(|cell| cell.layout == layout).map(|cell| entry(&cell)).collect();
+        writeln!(text, "| {layout} | {} |", cells.join(" | "))?;
+    }
+    Ok(())
+}

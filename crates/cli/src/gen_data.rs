@@ -1,0 +1,162 @@
+//! `gen-data`: records of searches, as training data.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use beadwork_dataset::{Config, Factory, GenerateProgress, GenerateSettings, Slice, generate};
+use serde_json::json;
+
+use crate::{cancel, output, progress};
+
+/// Write training data: records of searches in checked, resumable shards.
+///
+/// The same configuration gives the same bytes with any number of threads. An interrupted run goes on when the same command
+/// is run again.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  beadwork gen-data --preset smoke
+  beadwork gen-data --preset paper --out datasets/paper --threads 2
+  beadwork gen-data --preset pictures --pictures my/pictures
+  beadwork gen-data --config configs/gen-data/paper.toml --shard 1/4 --out /data/paper")]
+pub(crate) struct Args {
+    #[command(flatten)]
+    source: ConfigSource,
+    /// Folder of PNG pictures, in place of the one that the configuration names.
+    #[arg(long, value_name = "DIR")]
+    pictures: Option<PathBuf>,
+    /// Seed, in place of the configuration's.
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Number of trajectories, in place of the configuration's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    count: Option<u64>,
+    /// Folder to write to; datasets/NAME if not given.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Threads; 0 for one a core.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    threads: usize,
+    /// Make only the I-th of N equal slices. All slices in one folder equal a whole run; the last one to end writes the manifest.
+    #[arg(long, value_name = "I/N", default_value_t = Slice::WHOLE)]
+    shard: Slice,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(clap::Args)]
+#[group(required = true, multiple = false)]
+struct ConfigSource {
+    /// A built-in configuration: smoke (seconds), paper (22,111 trajectories), pictures (a folder of PNG files).
+    #[arg(long, value_name = "NAME", value_parser = ["smoke", "paper", "pictures"])]
+    preset: Option<String>,
+    /// A configuration file; see configs/gen-data.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+}
+
+pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
+    let (name, mut config) = args.source.load()?;
+    if let Some(pictures) = &args.pictures {
+        if config.pictures.is_none() {
+            bail!("--pictures needs a configuration of pictures, such as --preset pictures");
+        }
+        config.pictures = Some(pictures.to_string_lossy().into_owned());
+    }
+    config.seed = args.seed.unwrap_or(config.seed);
+    config.count = args.count.unwrap_or(config.count);
+    let folder = args.out.clone().unwrap_or_else(|| Path::new("datasets").join(name));
+    let pictures = match &config.pictures {
+        Some(pictures) => read_pictures(Path::new(pictures))?,
+        None => Vec::new(),
+    };
+    let factory = Factory::new(config, pictures)?;
+
+    let bar = progress::bar(0, "gen-data");
+    let observer = |seen: GenerateProgress| {
+        if bar.length() != Some(seen.total) {
+            bar.set_length(seen.total);
+            bar.set_position(seen.kept);
+            bar.reset_eta();
+        }
+        bar.set_position(seen.done);
+    };
+    let settings = GenerateSettings {
+        slice: args.shard,
+        threads: args.threads,
+        cancel: cancel::token()?,
+        observer: &observer,
+    };
+    let generated = generate(&factory, &folder, &settings);
+    bar.finish_and_clear();
+    let generated = generated?;
+    if generated.cancelled {
+        bail!(
+            "stopped; {} trajectories are in '{}', and the same command goes on from there",
+            generated.made + generated.kept,
+            folder.display()
+        );
+    }
+    let (moves, bytes, raw_bytes) = generated.manifest.as_ref().map_or((0, 0, 0), |manifest| {
+        let sum = |of: fn(&beadwork_dataset::ShardEntry) -> u64| manifest.shards.iter().map(of).sum::<u64>();
+        (manifest.moves, sum(|shard| shard.bytes), sum(|shard| shard.raw_bytes))
+    });
+    if args.json {
+        return output::json(&json!({
+            "out": folder, "slice": args.shard.to_string(), "made": generated.made, "kept": generated.kept,
+            "missing_shards": generated.missing, "complete": generated.manifest.is_some(),
+            "moves": moves, "bytes": bytes, "raw_bytes": raw_bytes,
+        }));
+    }
+    let trajectories = generated.made + generated.kept;
+    output::text(&match generated.manifest {
+        Some(_) => format!(
+            "{trajectories} trajectories, {moves} moves, {:.1} MB in '{}' ({} made now, {} kept)\n",
+            bytes as f64 / 1e6,
+            folder.display(),
+            generated.made,
+            generated.kept
+        ),
+        None => format!(
+            "slice {}: {trajectories} trajectories in '{}'; {} shards of other slices are missing\n",
+            args.shard,
+            folder.display(),
+            generated.missing
+        ),
+    })
+}
+
+impl ConfigSource {
+    /// The configuration and the name of its dataset.
+    fn load(&self) -> anyhow::Result<(String, Config)> {
+        if let Some(name) = &self.preset {
+            let config = Config::preset(name).expect("clap has checked the name");
+            return Ok((name.clone(), config));
+        }
+        let path = self.config.as_ref().expect("clap asks for one of the two");
+        let text = fs::read_to_string(path).with_context(|| format!("cannot read '{}'", path.display()))?;
+        let config = Config::from_toml(&text).with_context(|| format!("'{}'", path.display()))?;
+        let name = path.file_stem().map_or("dataset".into(), |name| name.to_string_lossy().into_owned());
+        Ok((name, config))
+    }
+}
+
+/// The PNG files of a folder by name, without extension.
+fn read_pictures(folder: &Path) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
+    let entries = fs::read_dir(folder).with_context(|| format!("cannot list '{}'", folder.display()))?;
+    let mut pictures = Vec::new();
+    for entry in entries {
+        let path = entry.with_context(|| format!("cannot list '{}'", folder.display()))?.path();
+        let is_png = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+        if let (true, Some(name)) = (is_png, path.file_stem()) {
+            let bytes = fs::read(&path).with_context(|| format!("cannot read '{}'", path.display()))?;
+            pictures.push((name.to_string_lossy().into_owned(), bytes));
+        }
+    }
+    if pictures.is_empty() {
+        bail!("'{}' holds no PNG pictures", folder.display());
+    }
+    Ok(pictures)
+}

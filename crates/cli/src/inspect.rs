@@ -1,0 +1,210 @@
+//! `inspect`: what is in a dataset, and whether it is right.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::fs::{self, File};
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+
+use anyhow::{Context, bail};
+use beadwork_dataset::{Dataset, ShardHeader, ShardReader, ShardSummary, Trajectory};
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+use serde_json::json;
+
+use crate::{cancel, output, progress};
+
+/// Show what a dataset or a shard holds, and check it.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  beadwork inspect datasets/smoke
+  beadwork inspect datasets/smoke --verify
+  beadwork inspect datasets/smoke/shard-00001.bws --records 3 --json")]
+pub(crate) struct Args {
+    /// Folder of a dataset, or one shard.
+    #[arg(value_name = "DIR | SHARD")]
+    path: PathBuf,
+    /// Show the first N records.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    records: usize,
+    /// Check every byte and replay every trajectory move by move.
+    #[arg(long)]
+    verify: bool,
+    /// Threads that verify; 0 for one a core.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    threads: usize,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+/// A shard to look at.
+struct Shard {
+    path: PathBuf,
+    header: ShardHeader,
+    summary: ShardSummary,
+}
+
+pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
+    let metadata =
+        fs::metadata(&args.path).with_context(|| format!("cannot read '{}'", args.path.display()))?;
+    let dataset = if metadata.is_dir() { Some(Dataset::open(&args.path)?) } else { None };
+    let shards = match &dataset {
+        Some(dataset) => checked_shards(dataset, &args.path)?,
+        None => vec![read_shard(&args.path)?],
+    };
+    let shown = first_records(&shards, args.records)?;
+    if args.verify {
+        verify(&shards, args.threads)?;
+    }
+
+    let sum = |of: fn(&Shard) -> u64| shards.iter().map(of).sum::<u64>();
+    let (records, bytes) = (sum(|shard| shard.summary.records), sum(|shard| shard.summary.bytes));
+    let raw_bytes = sum(|shard| shard.summary.raw_bytes);
+    let manifest = dataset.as_ref().map(Dataset::manifest);
+    if args.json {
+        return output::json(&json!({
+            "path": args.path, "shards": shards.len(), "records": records, "bytes": bytes, "raw_bytes": raw_bytes,
+            "moves": manifest.map(|manifest| manifest.moves),
+            "strata": manifest.map(|manifest| &manifest.strata),
+            "config": manifest.map(|manifest| &manifest.config),
+            "verified": args.verify,
+            "shown": shown,
+        }));
+    }
+
+    let mut text = format!(
+        "{}: {records} trajectories in {} shards, {:.2} MB, {:.2} times smaller than raw\n",
+        args.path.display(),
+        shards.len(),
+        bytes as f64 / 1e6,
+        raw_bytes as f64 / bytes as f64
+    );
+    if let Some(manifest) = manifest {
+        let per_move = bytes as f64 / manifest.moves.max(1) as f64;
+        writeln!(
+            text,
+            "{} moves, {per_move:.2} bytes a move; made by version {}, seed {}",
+            manifest.moves, manifest.crate_version, manifest.seed
+        )?;
+        writeln!(text, "config {}", manifest.config)?;
+        write_strata(&mut text, &manifest.strata)?;
+    } else {
+        let header = &shards[0].header;
+        writeln!(
+            text,
+            "shard {}, records from {}, configuration {:016x}",
+            header.shard, header.first_record, header.fingerprint
+        )?;
+    }
+    shown.iter().try_for_each(|record| write_record(&mut text, record))?;
+    if args.verify {
+        writeln!(text, "verified: every byte, and {records} trajectories move by move")?;
+    }
+    output::text(&text)
+}
+
+fn checked_shards(dataset: &Dataset, folder: &Path) -> anyhow::Result<Vec<Shard>> {
+    let entries = dataset.manifest().shards.par_iter().enumerate();
+    let shards = entries.map(|(number, entry)| {
+        let summary = dataset.verify_shard(number)?;
+        let header = ShardHeader { first_record: entry.first, ..read_header(&folder.join(&entry.file))? };
+        Ok(Shard { path: folder.join(&entry.file), header, summary })
+    });
+    shards.collect()
+}
+
+fn open(path: &Path) -> anyhow::Result<ShardReader<BufReader<File>>> {
+    let file = File::open(path).with_context(|| format!("cannot read '{}'", path.display()))?;
+    ShardReader::open(BufReader::new(file)).with_context(|| format!("cannot read '{}'", path.display()))
+}
+
+fn read_header(path: &Path) -> anyhow::Result<ShardHeader> {
+    Ok(*open(path)?.header())
+}
+
+fn read_shard(path: &Path) -> anyhow::Result<Shard> {
+    let mut reader = open(path)?;
+    let summary = reader.verify().with_context(|| format!("cannot read '{}'", path.display()))?;
+    Ok(Shard { path: path.to_owned(), header: *reader.header(), summary })
+}
+
+fn first_records(shards: &[Shard], count: usize) -> anyhow::Result<Vec<Trajectory>> {
+    let mut shown = Vec::new();
+    for shard in shards {
+        for record in open(&shard.path)?.records().take(count - shown.len()) {
+            shown.push(record.with_context(|| format!("cannot read '{}'", shard.path.display()))?);
+        }
+    }
+    Ok(shown)
+}
+
+/// Replays all trajectories, block by block in parallel; stops at the first that is wrong.
+fn verify(shards: &[Shard], threads: usize) -> anyhow::Result<()> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    let cancel = cancel::token()?;
+    let bar = progress::bar(shards.iter().map(|shard| shard.summary.records).sum(), "verify");
+    let blocks: Vec<(&Shard, u32)> =
+        shards.iter().flat_map(|shard| (0..shard.summary.blocks).map(move |block| (shard, block))).collect();
+    let verified = pool.install(|| {
+        blocks.par_iter().try_for_each(|&(shard, block)| {
+            if cancel.load(Ordering::Relaxed) {
+                bail!("stopped");
+            }
+            verify_block(shard, block, &bar)
+        })
+    });
+    bar.finish_and_clear();
+    verified
+}
+
+fn verify_block(shard: &Shard, block: u32, bar: &ProgressBar) -> anyhow::Result<()> {
+    let in_shard = || format!("'{}'", shard.path.display());
+    let trajectories: Vec<Trajectory> = open(&shard.path)?.read_block(block).with_context(in_shard)?;
+    for trajectory in trajectories {
+        let in_record = || format!("'{}', trajectory {}", shard.path.display(), trajectory.index);
+        trajectory.replay().with_context(in_record)?;
+        let numbers = shard.header.first_record..shard.header.first_record + shard.summary.records;
+        if !numbers.contains(&trajectory.index) {
+            bail!("'{}' holds trajectory {}, not one of {numbers:?}", shard.path.display(), trajectory.index);
+        }
+        bar.inc(1);
+    }
+    Ok(())
+}
+
+fn write_strata(text: &mut String, strata: &BTreeMap<String, u64>) -> std::fmt::Result {
+    strata.iter().try_for_each(|(name, count)| writeln!(text, "{count:8}  {name}"))
+}
+
+fn write_record(text: &mut String, record: &Trajectory) -> std::fmt::Result {
+    writeln!(
+        text,
+        "\ntrajectory {}: {} {}x{}, {} zones, {} from {} in {} pieces, seed {}",
+        record.index,
+        record.instance.name(),
+        record.width,
+        record.height,
+        record.zones,
+        record.preset,
+        record.start,
+        record.pieces,
+        record.seed
+    )?;
+    let bound = record.bound.map_or("none".to_owned(), |bound| bound.to_string());
+    let effective = record.steps().filter(|step| step.effective).count();
+    writeln!(
+        text,
+        "  {} -> {} crossings, bound {bound}; {} moves, {effective} of them effective",
+        record.initial,
+        record.best,
+        record.moves.len()
+    )?;
+    for (index, step) in record.steps().take(5).enumerate() {
+        let mark = if step.effective { "  effective" } else { "" };
+        writeln!(text, "  {index:5}: {:?}  {} -> {}{mark}", step.step, step.before, step.after)?;
+    }
+    if record.moves.len() > 5 { writeln!(text, "  ...") } else { Ok(()) }
+}

@@ -1,0 +1,59 @@
+//! What a command searches: a drawn layout, or a picture.
+
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use beadwork_dataset::Size;
+use beadwork_grid::{Layout, LayoutSpec, Region, Zones};
+use beadwork_part::Picture;
+
+/// Flags that name one instance.
+#[derive(clap::Args)]
+pub(crate) struct InstanceArgs {
+    /// Layout: left_right, stripes, islands, voronoi, checkerboard or top_bottom.
+    #[arg(long, value_name = "L", default_value = "voronoi", conflicts_with = "image")]
+    layout: Layout,
+    /// Size in cells.
+    #[arg(long, value_name = "WxH", default_value = "30x30", conflicts_with = "image")]
+    size: Size,
+    /// Number of zones; the layout's own if not given.
+    #[arg(long, value_name = "K", conflicts_with = "image")]
+    zones: Option<u8>,
+    /// Side of an island or of a checkerboard's block, in cells; the layout's own if not given.
+    #[arg(long, value_name = "CELLS", conflicts_with = "image")]
+    side: Option<u16>,
+    /// A PNG picture: each pixel a cell, each colour a zone, transparent pixels outside the region.
+    #[arg(long, value_name = "PNG")]
+    image: Option<PathBuf>,
+}
+
+/// One instance with its name.
+pub(crate) struct Instance {
+    pub(crate) name: String,
+    pub(crate) region: Region,
+    pub(crate) zones: Zones,
+    /// The picture's own colours.
+    pub(crate) colours: Option<Vec<[u8; 3]>>,
+}
+
+impl InstanceArgs {
+    pub(crate) fn load(&self, seed: u64) -> anyhow::Result<Instance> {
+        if let Some(path) = &self.image {
+            let in_file = || format!("cannot read '{}'", path.display());
+            let bytes = fs::read(path).with_context(in_file)?;
+            let Picture { region, zones, colours } = Picture::from_png(&bytes).with_context(in_file)?;
+            let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+            return Ok(Instance { name, region, zones, colours: Some(colours) });
+        }
+        let usual = LayoutSpec::new(self.layout);
+        let spec = LayoutSpec {
+            zones: self.zones.unwrap_or(usual.zones),
+            side: self.side.unwrap_or(usual.side),
+            ..usual
+        };
+        let region = Region::rectangle(self.size.width, self.size.height)?;
+        let zones = spec.zones(&region, seed)?;
+        Ok(Instance { name: self.layout.name().to_owned(), region, zones, colours: None })
+    }
+}

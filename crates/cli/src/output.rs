@@ -1,0 +1,21 @@
+//! Writing results to stdout.
+
+use std::io::{self, Write};
+
+/// Writes text to stdout; an error, unlike a panic of `print!`, can be told apart when the pipe is closed.
+pub(crate) fn text(text: &str) -> anyhow::Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    Ok(out.flush()?)
+}
+
+/// Writes one JSON document.
+pub(crate) fn json(value: &serde_json::Value) -> anyhow::Result<()> {
+    text(&format!("{value:#}\n"))
+}
+
+/// Whether this is only a reader that stopped reading.
+pub(crate) fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    let io = error.downcast_ref::<io::Error>();
+    io.is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+}

@@ -1,0 +1,50 @@
+//! The figures of Aali et al., to stand beside ours.
+
+use beadwork_dataset::Size;
+use beadwork_grid::Layout;
+
+/// The sizes of the paper's tables. Its 30x100 has 100 rows of 30 cells.
+pub(crate) const SIZES: [Size; 6] =
+    [size(30, 30), size(50, 50), size(60, 60), size(80, 80), size(100, 100), size(30, 100)];
+
+const fn size(width: u32, height: u32) -> Size {
+    Size { width, height }
+}
+
+/// One layout in one size.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cell {
+    pub(crate) layout: Layout,
+    pub(crate) size: Size,
+    /// Crossings of the row zigzag on the paper's instance.
+    pub(crate) zigzag: u32,
+    /// Best reduction by annealing, Table 3, in %.
+    pub(crate) best: f64,
+    /// Mean reduction by annealing, Table 5, in %.
+    pub(crate) mean: f64,
+}
+
+/// All 24 cells, layout by layout.
+pub(crate) fn cells() -> impl Iterator<Item = Cell> {
+    let rows = [
+        (
+            [30, 50, 60, 80, 100, 100],
+            [60.0, 56.0, 56.7, 50.0, 54.0, 56.0],
+            [47.6, 33.1, 33.7, 24.1, 8.2, 44.3],
+        ),
+        (
+            [60, 100, 120, 160, 200, 200],
+            [50.0, 54.0, 53.3, 42.5, 46.0, 54.0],
+            [46.6, 41.8, 40.0, 30.8, 21.1, 46.2],
+        ),
+        (
+            [48, 48, 48, 48, 48, 48],
+            [33.3, 45.8, 41.7, 33.3, 45.8, 45.8],
+            [23.4, 20.4, 19.0, 16.7, 16.1, 20.7],
+        ),
+        ([60, 99, 50, 142, 197, 27], [43.3, 40.4, 14.0, 19.7, 23.4, 37.3], [17.0, 13.0, 10.7, 7.7, 5.8, 9.8]),
+    ];
+    Layout::PAPER.into_iter().zip(rows).flat_map(|(layout, (zigzag, best, mean))| {
+        (0..6).map(move |i| Cell { layout, size: SIZES[i], zigzag: zigzag[i], best: best[i], mean: mean[i] })
+    })
+}

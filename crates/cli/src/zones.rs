@@ -1,0 +1,153 @@
+//! `zones`: a path of few crossings for one layer.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::bail;
+use beadwork_dataset::StartChoice;
+use beadwork_grid::{Crossings, Path, Start, piece_bound};
+use beadwork_part::{Panel, svg};
+use beadwork_search::{Preset, Settings, Stop, anneal, bound};
+use serde::Serialize;
+use serde_json::json;
+
+use crate::instance::{Instance, InstanceArgs};
+use crate::{cancel, output};
+
+/// Find a path of few zone crossings for one layer.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  beadwork zones --layout voronoi --size 50x50 --seed 3 --method anneal
+  beadwork zones --layout islands --size 100x100 --preset fast --svg islands.svg
+  beadwork zones --image logo.png --preset fast --svg logo.svg --json")]
+pub(crate) struct Args {
+    #[command(flatten)]
+    instance: InstanceArgs,
+    /// Seed of the layout and of the search.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// How to choose the path.
+    #[arg(long, value_name = "METHOD", default_value = "anneal")]
+    method: MethodName,
+    /// Annealing preset: paper, short, medium, long, extra_long or fast.
+    #[arg(long, value_name = "NAME", default_value = "paper")]
+    preset: Preset,
+    /// Path to start from: row_zigzag, column_zigzag, spiral, cover, or auto (the row zigzag where there is one, else the cover).
+    #[arg(long, value_name = "START", default_value = "auto")]
+    start: StartChoice,
+    /// Draw the layer before and after.
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+/// The methods of this build.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum MethodName {
+    /// The start itself.
+    Zigzag,
+    /// Simulated annealing from the start.
+    Anneal,
+}
+
+impl MethodName {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Zigzag => "zigzag",
+            Self::Anneal => "anneal",
+        }
+    }
+}
+
+/// What `--json` prints for one layer.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Row {
+    pub(crate) layout: String,
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    pub(crate) zones: u32,
+    pub(crate) seed: u64,
+    pub(crate) method: String,
+    pub(crate) preset: Option<String>,
+    pub(crate) initial: u32,
+    pub(crate) crossings: u32,
+    pub(crate) bound: Option<u32>,
+    pub(crate) pieces: u32,
+    pub(crate) piece_bound: u32,
+    pub(crate) moves: u64,
+    pub(crate) seconds: f64,
+}
+
+pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
+    let instance = args.instance.load(args.seed)?;
+    let Instance { region, zones, .. } = &instance;
+    let start = match args.start {
+        StartChoice::Given(start) => start.path(region)?,
+        StartChoice::Auto => Start::RowZigzag.path(region).or_else(|_| Start::Cover.path(region))?,
+    };
+    let begin = Instant::now();
+    let crossings = Crossings::new(region, zones);
+    let lower = bound::components(region, zones, start.pieces());
+    let (best, moves) = match args.method {
+        MethodName::Zigzag => (start.clone(), 0),
+        MethodName::Anneal => {
+            let settings = Settings {
+                bound: Some(i64::from(lower)),
+                cancel: Some(cancel::token()?),
+                ..Settings::preset(args.preset, args.seed)
+            };
+            let outcome = anneal(start.clone(), &crossings, &settings);
+            if outcome.stop == Stop::Cancelled {
+                bail!("stopped");
+            }
+            (outcome.path, outcome.moves.len() as u64)
+        }
+    };
+    let seconds = begin.elapsed().as_secs_f64();
+    let row = Row {
+        layout: instance.name.clone(),
+        width: region.width(),
+        height: region.height(),
+        zones: zones.count(),
+        seed: args.seed,
+        method: args.method.name().to_owned(),
+        preset: (args.method == MethodName::Anneal).then(|| args.preset.name().to_owned()),
+        initial: crossings.count(&start),
+        crossings: crossings.count(&best),
+        bound: Some(lower),
+        pieces: best.pieces(),
+        piece_bound: piece_bound(region),
+        moves,
+        seconds,
+    };
+    if let Some(file) = &args.svg {
+        let drawing = draw(&instance, &row, &start, &best);
+        beadwork_dataset::write_whole(file, |out| std::io::Write::write_all(out, drawing.as_bytes()))?;
+    }
+    if args.json {
+        return output::json(&json!(row));
+    }
+    let pieces = match row.pieces {
+        1 => String::new(),
+        pieces => format!(" in {pieces} pieces (at least {})", row.piece_bound),
+    };
+    output::text(&format!(
+        "{} {}x{}, {} zones: {} -> {} crossings{pieces}, at least {lower}; {} moves in {:.3} s\n",
+        row.layout, row.width, row.height, row.zones, row.initial, row.crossings, row.moves, row.seconds
+    ))
+}
+
+fn draw(instance: &Instance, row: &Row, start: &Path, best: &Path) -> String {
+    let Instance { region, zones, colours, .. } = instance;
+    let titles = [
+        format!("start: {} crossings", row.initial),
+        format!("{}: {} crossings", row.preset.as_ref().unwrap_or(&row.method), row.crossings),
+    ];
+    let paths = [start, best];
+    let panels = [0, 1].map(|i| Panel { title: &titles[i], region, zones, path: Some(paths[i]) });
+    let shown = if row.method == MethodName::Zigzag.name() { &panels[..1] } else { &panels[..] };
+    svg(shown, colours.as_deref())
+}

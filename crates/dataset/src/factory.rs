@@ -1,0 +1,323 @@
+//! Makes the trajectories of a configuration, each from its number alone.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use beadwork_grid::{Crossings, LayoutSpec, Path, Region, Start, StartError, Zones};
+use beadwork_part::{Picture, PictureError};
+use beadwork_search::{Preset, Settings, Stop, anneal, bound};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde_json::json;
+use sha2::{Digest, Sha256};
+use thiserror::Error;
+
+use crate::config::{Config, Size, StartChoice};
+use crate::trajectory::{DrawError, Instance, Moves, Trajectory};
+
+/// A configuration with its pictures, ready to make trajectories.
+///
+/// Trajectory i depends on the configuration, the pictures and i alone: it has a random stream of its own.
+#[derive(Debug)]
+pub struct Factory {
+    config: Config,
+    echo: serde_json::Value,
+    strata: Vec<Stratum>,
+    fingerprint: u64,
+}
+
+/// One combination of instance, preset and start.
+#[derive(Debug)]
+struct Stratum {
+    source: Source,
+    preset: Preset,
+    start: StartChoice,
+    name: String,
+}
+
+#[derive(Clone, Debug)]
+enum Source {
+    Layout(LayoutSpec, Size),
+    Picture(Arc<PictureSource>),
+}
+
+/// A picture with what all its trajectories share.
+#[derive(Debug)]
+struct PictureSource {
+    name: String,
+    region: Region,
+    zones: Zones,
+    cover: Path,
+}
+
+/// Why a [`Factory`] can't work.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum FactoryError {
+    /// A picture can't be read.
+    #[error("picture '{name}': {cause}")]
+    Picture {
+        /// Its name.
+        name: String,
+        /// What is wrong with it.
+        cause: PictureError,
+    },
+    /// There are no pictures.
+    #[error("there are no PNG pictures to search")]
+    NoPictures,
+    /// A layout can't be drawn in a size.
+    #[error("{stratum}: {cause}")]
+    Draw {
+        /// The combination, as in the manifest.
+        stratum: String,
+        /// What is wrong with it.
+        cause: DrawError,
+    },
+    /// A start does not exist on an instance.
+    #[error("{stratum}: {cause}")]
+    Start {
+        /// The combination, as in the manifest.
+        stratum: String,
+        /// Where it breaks.
+        cause: StartError,
+    },
+}
+
+impl Factory {
+    /// Takes a configuration, and the pictures of its folder if it names one: their names and their files' bytes.
+    ///
+    /// Every combination is tried once, so that an impossible one is found before hours of work.
+    pub fn new(config: Config, mut pictures: Vec<(String, Vec<u8>)>) -> Result<Self, FactoryError> {
+        pictures.sort();
+        let mut echo = serde_json::to_value(&config).expect("a configuration is plain data");
+        let sources: Vec<Source> = if config.pictures.is_some() {
+            if pictures.is_empty() {
+                return Err(FactoryError::NoPictures);
+            }
+            // The pictures count, not the folder they came from: two machines may keep them in two places.
+            let digest = |bytes: &[u8]| {
+                Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect::<String>()
+            };
+            let listed =
+                pictures.iter().map(|(name, bytes)| json!({ "name": name, "sha256": digest(bytes) }));
+            echo["pictures"] = listed.collect();
+            let read = |(name, bytes): &(String, Vec<u8>)| {
+                picture(name, bytes).map(|it| Source::Picture(Arc::new(it)))
+            };
+            pictures.iter().map(read).collect::<Result<_, _>>()?
+        } else {
+            let sizes =
+                |layout: LayoutSpec| config.sizes.iter().map(move |&size| Source::Layout(layout, size));
+            config.layouts.iter().flat_map(|layout| sizes(layout.spec())).collect()
+        };
+
+        let mut strata = Vec::new();
+        for source in sources {
+            for preset in &config.presets {
+                for start in &config.starts {
+                    strata.push(Stratum::new(source.clone(), preset.0, start.0, config.starts.len() > 1));
+                }
+            }
+        }
+        for stratum in &strata {
+            let (_, region, _) = stratum.draw(0)?;
+            stratum.start(&region)?;
+        }
+        let described = json!([env!("CARGO_PKG_VERSION"), echo]).to_string();
+        let digest = Sha256::digest(described.as_bytes());
+        let fingerprint = digest.iter().take(8).fold(0, |sum, &byte| sum << 8 | u64::from(byte));
+        Ok(Self { config, echo, strata, fingerprint })
+    }
+
+    /// The configuration it was made from.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// The configuration with all defaults, and with the pictures' checksums in place of their folder.
+    pub fn echo(&self) -> &serde_json::Value {
+        &self.echo
+    }
+
+    /// A number that tells configurations and versions of this crate apart.
+    pub fn fingerprint(&self) -> u64 {
+        self.fingerprint
+    }
+
+    /// The combinations with the number of trajectories of each.
+    pub fn strata(&self) -> impl Iterator<Item = (&str, u64)> {
+        let (count, strata) = (self.config.count, self.strata.len() as u64);
+        (0..).zip(&self.strata).map(move |(place, stratum)| {
+            (stratum.name.as_str(), count / strata + u64::from(place < count % strata))
+        })
+    }
+
+    /// The name of the combination that a trajectory belongs to.
+    pub fn stratum(&self, index: u64) -> &str {
+        &self.stratum_of(index).name
+    }
+
+    fn stratum_of(&self, index: u64) -> &Stratum {
+        &self.strata[(index % self.strata.len() as u64) as usize]
+    }
+
+    /// Runs the search of one number; `None` if it was cancelled.
+    ///
+    /// Costs what the search does: 1 to 20 ms with the paper's presets and sizes.
+    pub fn trajectory(&self, index: u64, cancel: &AtomicBool) -> Result<Option<Trajectory>, FactoryError> {
+        let stratum = self.stratum_of(index);
+        let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
+        rng.set_stream(index);
+        let (instance_seed, seed) = (rng.next_u64(), rng.next_u64());
+        let (instance, region, zones) = stratum.draw(instance_seed)?;
+        let (start, path) = stratum.start(&region)?;
+        let crossings = Crossings::new(&region, &zones);
+        let pieces = path.pieces();
+        let bound = bound::components(&region, &zones, pieces);
+        let settings = Settings {
+            bound: Some(i64::from(bound)),
+            cancel: Some(cancel),
+            ..Settings::preset(stratum.preset, seed)
+        };
+        let outcome = anneal(path, &crossings, &settings);
+        if outcome.stop == Stop::Cancelled {
+            return Ok(None);
+        }
+        Ok(Some(Trajectory {
+            index,
+            instance,
+            width: region.width() as u16,
+            height: region.height() as u16,
+            zones: zones.count() as u8,
+            preset: stratum.preset,
+            seed,
+            start,
+            pieces,
+            initial: outcome.initial as u32,
+            best: outcome.cost as u32,
+            bound: Some(bound),
+            moves: Moves::record(&outcome.moves, &crossings, region.width()),
+        }))
+    }
+}
+
+impl Stratum {
+    fn new(source: Source, preset: Preset, start: StartChoice, name_the_start: bool) -> Self {
+        let instance = match &source {
+            Source::Layout(spec, size) if *spec == LayoutSpec::new(spec.layout) => {
+                format!("{}/{size}", spec.layout)
+            }
+            Source::Layout(spec, size) => format!("{}-{}-{}/{size}", spec.layout, spec.zones, spec.side),
+            Source::Picture(picture) => picture.name.clone(),
+        };
+        let start_name = if name_the_start { format!("/{start}") } else { String::new() };
+        Self { source, preset, start, name: format!("{instance}/{preset}{start_name}") }
+    }
+
+    fn draw(&self, seed: u64) -> Result<(Instance, Region, Zones), FactoryError> {
+        match &self.source {
+            &Source::Layout(LayoutSpec { layout, zones, side }, size) => {
+                let seed = if layout.is_random() { seed } else { 0 };
+                let instance = Instance::Layout { layout, side, zones, seed };
+                let drawn = instance.draw(size.width, size.height);
+                let (region, zones) =
+                    drawn.map_err(|cause| FactoryError::Draw { stratum: self.name.clone(), cause })?;
+                Ok((instance, region, zones))
+            }
+            Source::Picture(picture) => {
+                let ids = picture.zones.ids().to_vec();
+                let instance = Instance::Picture { name: picture.name.clone(), ids };
+                Ok((instance, picture.region.clone(), picture.zones.clone()))
+            }
+        }
+    }
+
+    fn start(&self, region: &Region) -> Result<(Start, Path), FactoryError> {
+        let cover = || match &self.source {
+            Source::Picture(picture) => picture.cover.clone(),
+            Source::Layout(..) => beadwork_grid::cover(region),
+        };
+        match self.start {
+            StartChoice::Given(Start::Cover) => Ok((Start::Cover, cover())),
+            StartChoice::Given(start) => match start.path(region) {
+                Ok(path) => Ok((start, path)),
+                Err(cause) => Err(FactoryError::Start { stratum: self.name.clone(), cause }),
+            },
+            StartChoice::Auto => Ok(match Start::RowZigzag.path(region) {
+                Ok(path) => (Start::RowZigzag, path),
+                Err(_) => (Start::Cover, cover()),
+            }),
+        }
+    }
+}
+
+fn picture(name: &str, bytes: &[u8]) -> Result<PictureSource, FactoryError> {
+    let Picture { region, zones, .. } =
+        Picture::from_png(bytes).map_err(|cause| FactoryError::Picture { name: name.to_owned(), cause })?;
+    let cover = beadwork_grid::cover(&region);
+    Ok(PictureSource { name: name.to_owned(), region, zones, cover })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    static NEVER: AtomicBool = AtomicBool::new(false);
+
+    fn factory(toml: &str) -> Factory {
+        Factory::new(Config::from_toml(toml).unwrap(), Vec::new()).unwrap()
+    }
+
+    #[test]
+    fn strata_share_the_trajectories() {
+        let factory = Factory::new(Config::preset("paper").unwrap(), Vec::new()).unwrap();
+        let strata: Vec<_> = factory.strata().collect();
+        assert_eq!(strata.len(), 4 * 6 * 5);
+        assert_eq!(strata.iter().map(|(_, count)| count).sum::<u64>(), 22_111);
+        assert!(strata.iter().all(|(_, count)| (184..=185).contains(count)));
+        assert_eq!(strata[0].0, "left_right/30x30/paper");
+        assert_eq!(factory.stratum(120), "left_right/30x30/paper");
+    }
+
+    #[test]
+    fn a_number_names_one_trajectory_that_replays() {
+        let factory = factory(
+            "count = 40\nsizes = ['12x9', '8x20']\npresets = ['short', 'fast']\nstarts = ['spiral', 'cover']\n\
+             layouts = [{ name = 'voronoi' }, { name = 'islands', zones = 3, side = 3 }, { name = 'checkerboard' }]",
+        );
+        for index in [0, 1, 2, 3, 7, 12, 23] {
+            let first = factory.trajectory(index, &NEVER).unwrap().unwrap();
+            assert_eq!(factory.trajectory(index, &NEVER).unwrap().unwrap(), first);
+            first.replay().unwrap();
+        }
+        let seeds = [0, 24].map(|index| factory.trajectory(index, &NEVER).unwrap().unwrap().seed);
+        assert_ne!(seeds[0], seeds[1], "trajectories of one stratum differ");
+    }
+
+    #[test]
+    fn impossible_combinations_are_found_at_once() {
+        let config = |toml: &str| Config::from_toml(toml).unwrap();
+        let islands =
+            config("count = 1\nlayouts = [{ name = 'islands' }]\nsizes = ['9x9']\npresets = ['paper']");
+        let error = Factory::new(islands, Vec::new()).unwrap_err().to_string();
+        assert!(error.starts_with("islands/9x9/paper: found no room for 3 islands of 8 x 8"), "{error}");
+        let pictures = config("count = 1\npictures = 'x'\npresets = ['paper']");
+        assert!(matches!(Factory::new(pictures.clone(), Vec::new()), Err(FactoryError::NoPictures)));
+        let error = Factory::new(pictures, vec![("a".to_owned(), b"text".to_vec())]).unwrap_err();
+        assert!(error.to_string().starts_with("picture 'a': "));
+    }
+
+    #[test]
+    fn the_fingerprint_tells_configurations_apart() {
+        let text = "count = 3\nlayouts = [{ name = 'left_right' }]\nsizes = ['5x5']\npresets = ['short']\n";
+        assert_eq!(factory(text).fingerprint(), factory(text).fingerprint());
+        assert_ne!(factory(text).fingerprint(), factory(&format!("seed = 1\n{text}")).fingerprint());
+    }
+
+    #[test]
+    fn a_cancelled_search_leaves_nothing() {
+        let factory =
+            factory("count = 3\nlayouts = [{ name = 'voronoi' }]\nsizes = ['30x30']\npresets = ['paper']");
+        assert_eq!(factory.trajectory(0, &AtomicBool::new(true)).unwrap(), None);
+    }
+}

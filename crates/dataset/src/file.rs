@@ -1,0 +1,186 @@
+//! Files that are whole or absent, whenever the program or the machine stops.
+
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// Why something could not be done with a file or folder. The message names it and gives the cause, on one line.
+#[derive(Debug, Error)]
+#[error("cannot {action} '{path}': {cause}", path = path.display())]
+pub struct FileError {
+    /// What was to be done: "read", "write", "list" or "remove".
+    pub action: &'static str,
+    /// The file or folder.
+    pub path: PathBuf,
+    /// Why it failed.
+    pub cause: io::Error,
+}
+
+impl FileError {
+    pub(crate) fn new(action: &'static str, path: &Path, cause: io::Error) -> Self {
+        Self { action, path: path.to_owned(), cause }
+    }
+}
+
+/// Writes a file that is whole or absent.
+///
+/// `write` fills a temporary file, `.NAME.partial` in the same folder, which gets its name only when all of its bytes are on
+/// disk; a file of that name is replaced. On an error, and when `write` panics, the temporary file is removed and whatever
+/// had the name stays. A killed process leaves the temporary file behind: the next run overwrites it, or [`remove_partials`]
+/// removes it. Two processes must not write the same file at once.
+///
+/// `write` can report errors of its own kind with [`io::Error::other`].
+pub fn write_whole<T>(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>,
+) -> Result<T, FileError> {
+    try_write(path, write).map_err(|cause| FileError::new("write", path, cause))
+}
+
+fn try_write<T>(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>) -> io::Result<T> {
+    let no_name = || io::Error::new(io::ErrorKind::InvalidInput, "the path names no file");
+    let name = path.file_name().ok_or_else(no_name)?;
+    let mut partial_name = OsString::from(".");
+    partial_name.push(name);
+    partial_name.push(".partial");
+    let partial = Partial { path: path.with_file_name(partial_name) };
+    let mut out = BufWriter::new(File::create(&partial.path)?);
+    let value = write(&mut out)?;
+    out.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
+    fs::rename(&partial.path, path)?;
+    sync_folder(path)?;
+    Ok(value)
+}
+
+/// A temporary file; removed when dropped, unless it has been renamed.
+struct Partial {
+    path: PathBuf,
+}
+
+impl Drop for Partial {
+    fn drop(&mut self) {
+        // It is gone when all went well, and an error on the way out would hide the one that matters.
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// Makes sure that a rename survives a power cut.
+#[cfg(unix)]
+fn sync_folder(path: &Path) -> io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    File::open(folder.unwrap_or(Path::new(".")))?.sync_all()
+}
+
+/// Elsewhere folders can't be opened as files, and renames are left to the file system.
+#[cfg(not(unix))]
+fn sync_folder(_: &Path) -> io::Result<()> {
+    Ok(())
+}
+
+/// Removes the temporary files that killed runs left in a folder and gives their number. Files in the folders below it stay.
+///
+/// It can't tell them from those that another process is writing just now, so no other process may write there.
+pub fn remove_partials(folder: &Path) -> Result<u64, FileError> {
+    let list_error = |cause| FileError::new("list", folder, cause);
+    let mut removed = 0;
+    for entry in fs::read_dir(folder).map_err(list_error)? {
+        let entry = entry.map_err(list_error)?;
+        let name = entry.file_name();
+        let name = name.as_encoded_bytes();
+        let partial = name.starts_with(b".") && name.ends_with(b".partial");
+        if partial && entry.file_type().map_err(list_error)?.is_file() {
+            let path = entry.path();
+            fs::remove_file(&path).map_err(|cause| FileError::new("remove", &path, cause))?;
+            removed += 1;
+        }
+    }
+    Ok(removed)
+}
+
+/// Reads a whole file.
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>, FileError> {
+    fs::read(path).map_err(|cause| FileError::new("read", path, cause))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_whole_file_replaces_the_old_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        for content in ["first, longer", "second"] {
+            let given = write_whole(&path, |out| {
+                assert_eq!(names(folder.path())[0], ".a.txt.partial");
+                out.write_all(content.as_bytes())?;
+                Ok(content.len())
+            });
+            assert_eq!(given.unwrap(), content.len());
+            assert_eq!(fs::read_to_string(&path).unwrap(), content);
+        }
+        assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn errors_name_the_file_and_leave_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        write_whole(&path, |out| out.write_all(b"old")).unwrap();
+        let full = |out: &mut BufWriter<File>| {
+            out.write_all(&vec![0; 100_000])?;
+            Err::<(), _>(io::Error::other("no space left"))
+        };
+        let error = write_whole(&path, full).unwrap_err();
+        assert_eq!(error.to_string(), format!("cannot write '{}': no space left", path.display()));
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["a.txt"]);
+
+        let missing = folder.path().join("none").join("b.txt");
+        let error = write_whole(&missing, |_| Ok(())).unwrap_err();
+        assert_eq!((error.path.as_path(), error.cause.kind()), (&*missing, io::ErrorKind::NotFound));
+        assert_eq!(
+            write_whole(Path::new("/"), |_| Ok(())).unwrap_err().to_string(),
+            "cannot write '/': the path names no file"
+        );
+    }
+
+    #[test]
+    fn a_failed_rename_and_a_panic_leave_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let taken = folder.path().join("taken");
+        fs::create_dir(&taken).unwrap();
+        assert_eq!(write_whole(&taken, |_| Ok(())).unwrap_err().path, taken);
+        let path = folder.path().join("a.txt");
+        let panicked = std::panic::catch_unwind(|| write_whole::<()>(&path, |_| panic!("on purpose")));
+        assert!(panicked.is_err());
+        assert_eq!(names(folder.path()), ["taken"]);
+    }
+
+    #[test]
+    fn only_partial_files_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in [".a.bws.partial", ".b.json.partial", "c.partial", ".d", "e.bws"] {
+            fs::write(folder.path().join(name), name).unwrap();
+        }
+        fs::create_dir(folder.path().join(".f.partial")).unwrap();
+        assert_eq!(remove_partials(folder.path()).unwrap(), 2);
+        assert_eq!(names(folder.path()), [".d", ".f.partial", "c.partial", "e.bws"]);
+        let error = remove_partials(&folder.path().join("none")).unwrap_err();
+        assert_eq!((error.action, error.cause.kind()), ("list", io::ErrorKind::NotFound));
+    }
+}

@@ -1,0 +1,296 @@
+//! The list of what a dataset holds, written when all of it is there.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::file::{self, FileError, write_whole};
+use crate::shard::ShardSummary;
+
+/// What a dataset holds and what it was made from.
+///
+/// It has neither times nor facts about a machine: the same run gives the same bytes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Manifest {
+    /// Version of the manifest's format: [`Manifest::FORMAT_VERSION`].
+    pub format_version: u32,
+    /// Name of the records' schema, such as "trajectories".
+    pub schema: String,
+    /// Version of the crate that made the dataset.
+    pub crate_version: String,
+    /// The seed it was made from.
+    pub seed: u64,
+    /// The configuration it was made from.
+    pub config: serde_json::Value,
+    /// Number of records in all shards.
+    pub records: u64,
+    /// Number of moves in all records.
+    pub moves: u64,
+    /// Number of records in each stratum.
+    pub strata: BTreeMap<String, u64>,
+    /// The shards in the order of their records.
+    pub shards: Vec<ShardEntry>,
+}
+
+/// One shard of a dataset.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShardEntry {
+    /// Name of the file in the dataset's folder.
+    pub file: String,
+    /// Number of its records.
+    pub records: u64,
+    /// Number of its first record in the dataset.
+    pub first: u64,
+    /// Number of its blocks.
+    pub blocks: u32,
+    /// Length of the file in bytes.
+    pub bytes: u64,
+    /// Length in bytes of its blocks before compression.
+    pub raw_bytes: u64,
+    /// SHA-256 of the file, in lower-case hexadecimal digits.
+    pub sha256: String,
+}
+
+/// Why a manifest could not be loaded.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ManifestError {
+    /// There is none: the folder holds no dataset, or one that is still being made.
+    #[error(
+        "'{folder}' holds no finished dataset: it has no {name} (an interrupted gen-data finishes it when run again)",
+        folder = folder.display(), name = Manifest::FILE
+    )]
+    Missing {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// It can't be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// It has a format of another version.
+    #[error("'{path}' has format version {got}, this build reads version {expected}", path = path.display())]
+    Version {
+        /// The manifest.
+        path: PathBuf,
+        /// The version this build reads.
+        expected: u32,
+        /// The version found.
+        got: u64,
+    },
+    /// It is no manifest.
+    #[error("'{path}' is not a manifest: {cause}", path = path.display())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        cause: serde_json::Error,
+    },
+    /// Its parts contradict each other.
+    #[error("'{path}' contradicts itself: {what}", path = path.display())]
+    Inconsistent {
+        /// The manifest.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
+    },
+}
+
+impl ShardEntry {
+    /// The entry of a shard as written or verified; `first` is the number of its first record.
+    pub fn new(file: String, first: u64, summary: ShardSummary) -> Self {
+        let ShardSummary { blocks, records, bytes, raw_bytes, sha256 } = summary;
+        Self { file, records, first, blocks, bytes, raw_bytes, sha256 }
+    }
+}
+
+/// Read before the rest, which another version may have changed.
+#[derive(Deserialize)]
+struct Versioned {
+    format_version: u64,
+}
+
+impl Manifest {
+    /// The version of the format that this build reads and writes.
+    pub const FORMAT_VERSION: u32 = 1;
+
+    /// Name of the file in a dataset's folder.
+    pub const FILE: &str = "manifest.json";
+
+    /// Loads the manifest of a dataset from its folder.
+    pub fn load(folder: &Path) -> Result<Self, ManifestError> {
+        let path = folder.join(Self::FILE);
+        let json = file::read(&path).map_err(|error| match error.cause.kind() {
+            io::ErrorKind::NotFound => ManifestError::Missing { folder: folder.to_owned() },
+            _ => error.into(),
+        })?;
+        let malformed = |cause| ManifestError::Malformed { path: path.clone(), cause };
+        let Versioned { format_version: got } = serde_json::from_slice(&json).map_err(malformed)?;
+        if got != u64::from(Self::FORMAT_VERSION) {
+            return Err(ManifestError::Version { expected: Self::FORMAT_VERSION, got, path });
+        }
+        let manifest: Self = serde_json::from_slice(&json).map_err(malformed)?;
+        match manifest.contradiction() {
+            Some(what) => Err(ManifestError::Inconsistent { path, what }),
+            None => Ok(manifest),
+        }
+    }
+
+    /// Stores it in a dataset's folder: indented JSON, its fields in the order of this struct.
+    pub fn store(&self, folder: &Path) -> Result<(), FileError> {
+        write_whole(&folder.join(Self::FILE), |out| {
+            serde_json::to_writer_pretty(&mut *out, self)?;
+            out.write_all(b"\n")
+        })
+    }
+
+    fn contradiction(&self) -> Option<String> {
+        let mut next = self.shards.first().map_or(0, |shard| shard.first);
+        let mut records = 0;
+        for shard in &self.shards {
+            // A name with a folder in it could lead anywhere.
+            if Path::new(&shard.file).file_name() != Some(shard.file.as_ref()) {
+                return Some(format!("'{}' is not the name of a file in its folder", shard.file));
+            }
+            if shard.first != next {
+                return Some(format!("'{}' begins at record {}, not {next}", shard.file, shard.first));
+            }
+            let Some(end) = shard.first.checked_add(shard.records) else {
+                return Some(format!("'{}' has too many records", shard.file));
+            };
+            next = end;
+            records += shard.records;
+        }
+        (records != self.records).then(|| format!("it counts {} records, its shards {records}", self.records))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use serde_json::json;
+
+    use super::*;
+
+    fn manifest() -> Manifest {
+        let shard = |number: u64, first: u64, records: u64| ShardEntry {
+            file: format!("shard-{number:05}.bws"),
+            records,
+            first,
+            blocks: 2,
+            bytes: 1000 + number,
+            raw_bytes: 3000,
+            sha256: "0f".repeat(32),
+        };
+        Manifest {
+            format_version: 1,
+            schema: "trajectories".to_owned(),
+            crate_version: "0.1.0".to_owned(),
+            seed: u64::MAX,
+            config: json!({"size": [30, 30], "alpha": 0.25}),
+            records: 12,
+            moves: 3456,
+            strata: [("stripes".to_owned(), 5), ("islands".to_owned(), 7)].into(),
+            shards: vec![shard(0, 0, 10), shard(1, 10, 2)],
+        }
+    }
+
+    /// Stores the manifest with one value replaced, and gives the message of loading it.
+    fn load_changed(pointer: &str, value: serde_json::Value) -> String {
+        let folder = tempfile::tempdir().unwrap();
+        let mut json = serde_json::to_value(manifest()).unwrap();
+        match json.pointer_mut(pointer) {
+            Some(place) => *place = value,
+            None => json[pointer] = value,
+        }
+        let path = folder.path().join(Manifest::FILE);
+        fs::write(&path, json.to_string()).unwrap();
+        let message = Manifest::load(folder.path()).unwrap_err().to_string();
+        message.strip_prefix(&format!("'{}' ", path.display())).unwrap().to_owned()
+    }
+
+    #[test]
+    fn golden_text() {
+        let folder = tempfile::tempdir().unwrap();
+        manifest().store(folder.path()).unwrap();
+        assert_eq!(Manifest::load(folder.path()).unwrap(), manifest());
+        let text = fs::read_to_string(folder.path().join("manifest.json")).unwrap();
+        let (before, shards) = text.split_once("  \"shards\": [\n").unwrap();
+        let golden = r#"{
+  "format_version": 1,
+  "schema": "trajectories",
+  "crate_version": "0.1.0",
+  "seed": 18446744073709551615,
+  "config": {
+    "alpha": 0.25,
+    "size": [
+      30,
+      30
+    ]
+  },
+  "records": 12,
+  "moves": 3456,
+  "strata": {
+    "islands": 7,
+    "stripes": 5
+  },
+"#;
+        assert_eq!(before, golden);
+        let first = r#"    {
+      "file": "shard-00000.bws",
+      "records": 10,
+      "first": 0,
+      "blocks": 2,
+      "bytes": 1000,
+      "raw_bytes": 3000,
+      "sha256": "#;
+        assert!(shards.starts_with(first), "{shards}");
+        assert!(text.ends_with("    }\n  ]\n}\n"));
+    }
+
+    #[test]
+    fn a_folder_without_a_manifest_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = Manifest::load(folder.path()).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            format!(
+                "'{}' holds no finished dataset: it has no manifest.json (an interrupted gen-data finishes it when run again)",
+                folder.path().display()
+            )
+        );
+    }
+
+    #[test]
+    fn other_versions_and_fields_are_refused() {
+        // A later version may have any fields: its number is what the message must say.
+        let later = json!({"format_version": 2, "parts": []});
+        assert_eq!(load_changed("", later), "has format version 2, this build reads version 1");
+        let unknown = load_changed("colour", json!("red"));
+        assert!(unknown.starts_with("is not a manifest: unknown field `colour`"), "{unknown}");
+        let unversioned = load_changed("", json!({"seed": 1}));
+        assert!(
+            unversioned.starts_with("is not a manifest: missing field `format_version`"),
+            "{unversioned}"
+        );
+    }
+
+    #[test]
+    fn contradictions_are_found() {
+        let cases = [
+            ("/records", json!(13), "it counts 13 records, its shards 12"),
+            ("/shards/1/first", json!(11), "'shard-00001.bws' begins at record 11, not 10"),
+            ("/shards/1/records", json!(u64::MAX), "'shard-00001.bws' has too many records"),
+            ("/shards/0/file", json!("../a.bws"), "'../a.bws' is not the name of a file in its folder"),
+            ("/shards/0/file", json!(""), "'' is not the name of a file in its folder"),
+        ];
+        for (pointer, value, what) in cases {
+            assert_eq!(load_changed(pointer, value), format!("contradicts itself: {what}"));
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! `zones` on layouts and pictures, and `gen-data` on a folder of pictures.
+
+use std::fs;
+use std::path::Path;
+use std::process::Stdio;
+
+use beadwork_tests::{beadwork, fail, run, text};
+use serde_json::Value;
+use tempfile::tempdir;
+
+/// A disc of two colours with a hole, its corners transparent.
+fn disc(side: u32) -> Vec<u8> {
+    let middle = f64::from(side) / 2.0;
+    let pixel = |cell: u32| {
+        let (x, y) = (f64::from(cell % side) + 0.5 - middle, f64::from(cell / side) + 0.5 - middle);
+        let radius = x.hypot(y);
+        let alpha = if radius < middle && radius > middle / 4.0 { 255 } else { 0 };
+        if x + y < 0.0 { [200, 30, 30, alpha] } else { [30, 30, 200, alpha] }
+    };
+    (0..side * side).flat_map(pixel).collect()
+}
+
+fn write_png(path: &Path, side: u32, rgba: &[u8]) {
+    let mut encoder = png::Encoder::new(fs::File::create(path).unwrap(), side, side);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.write_header().unwrap().write_image_data(rgba).unwrap();
+}
+
+fn json(arguments: &[&str]) -> Value {
+    serde_json::from_str(&run(arguments)).unwrap()
+}
+
+#[test]
+fn annealing_beats_the_zigzag() {
+    let zigzag = json(&["zones", "--layout", "stripes", "--size", "30x30", "--method", "zigzag", "--json"]);
+    assert_eq!(
+        (&zigzag["initial"], &zigzag["crossings"], &zigzag["moves"]),
+        (&60.into(), &60.into(), &0.into())
+    );
+    for preset in ["paper", "fast"] {
+        let row = json(&["zones", "--layout", "stripes", "--size", "30x30", "--preset", preset, "--json"]);
+        let keys = ["layout", "width", "height", "zones", "seed", "method", "piece_bound", "seconds"];
+        assert!(keys.iter().all(|key| !row[key].is_null()), "{row}");
+        assert_eq!((&row["initial"], &row["bound"], &row["pieces"]), (&60.into(), &2.into(), &1.into()));
+        assert!(row["crossings"].as_u64().unwrap() < 45, "{row}");
+    }
+}
+
+#[test]
+fn a_picture_is_planned_and_drawn() {
+    let folder = tempdir().unwrap();
+    let (picture, drawing) = (folder.path().join("disc.png"), folder.path().join("disc.svg"));
+    write_png(&picture, 24, &disc(24));
+    let row =
+        json(&["zones", "--image", text(&picture), "--preset", "fast", "--svg", text(&drawing), "--json"]);
+    assert_eq!((&row["layout"], &row["zones"]), (&"disc".into(), &2.into()));
+    assert!(row["crossings"].as_u64() <= row["initial"].as_u64());
+    assert!(row["pieces"].as_u64() >= row["piece_bound"].as_u64());
+    let svg = fs::read_to_string(&drawing).unwrap();
+    assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
+}
+
+#[test]
+fn a_folder_of_pictures_becomes_a_dataset() {
+    let folder = tempdir().unwrap();
+    let (pictures, out) = (folder.path().join("in"), folder.path().join("out"));
+    fs::create_dir(&pictures).unwrap();
+    for side in [12, 20] {
+        write_png(&pictures.join(format!("disc-{side}.png")), side, &disc(side));
+    }
+    fs::write(pictures.join("notes.txt"), "not a picture").unwrap();
+    let make = [
+        "gen-data",
+        "--preset",
+        "pictures",
+        "--pictures",
+        text(&pictures),
+        "--count",
+        "12",
+        "--out",
+        text(&out),
+    ];
+    run(&make);
+    let shown = json(&["inspect", text(&out), "--verify", "--records", "1", "--json"]);
+    assert_eq!((&shown["records"], &shown["strata"]["disc-20/fast"]), (&12.into(), &2.into()));
+    assert_eq!(shown["config"]["pictures"][0]["name"], "disc-12");
+
+    // Another picture under the same name is another dataset.
+    write_png(&pictures.join("disc-20.png"), 20, &disc(20).iter().rev().copied().collect::<Vec<_>>());
+    assert!(fail(&make).contains("another configuration"));
+    fs::write(pictures.join("broken.png"), "text").unwrap();
+    assert!(fail(&make).contains("picture 'broken'"));
+    assert!(
+        fail(&["gen-data", "--preset", "pictures", "--pictures", text(&out)]).contains("no PNG pictures")
+    );
+}
+
+#[test]
+fn bad_pictures_are_named() {
+    let folder = tempdir().unwrap();
+    let path = folder.path().join("bad.png");
+    let complaint = |bytes: &[u8]| {
+        fs::write(&path, bytes).unwrap();
+        let error = fail(&["zones", "--image", text(&path)]);
+        assert!(error.contains("bad.png"), "{error}");
+        error
+    };
+    complaint(b"GIF89a, not a PNG");
+    complaint(b"");
+    let picture = |side: u32, rgba: &[u8]| {
+        let file = folder.path().join("good.png");
+        write_png(&file, side, rgba);
+        fs::read(file).unwrap()
+    };
+    let whole = picture(20, &disc(20));
+    complaint(&whole[..whole.len() / 2]);
+    assert!(complaint(&picture(2, &[0; 16])).contains("no cells"));
+    let colours: Vec<u8> = (0..256_u32).flat_map(|i| [i as u8, 1, 2, 255]).collect();
+    assert!(complaint(&picture(16, &colours)).contains("255"));
+    assert!(complaint(&picture(4097, &vec![255; 4097 * 4097 * 4])).contains("4096"));
+    assert!(fail(&["zones", "--image", text(&folder.path().join("none.png"))]).contains("none.png"));
+}
+
+#[test]
+fn impossible_wishes_are_refused() {
+    assert!(fail(&["zones", "--layout", "left_right", "--zones", "3"]).contains("3 zones"));
+    assert!(fail(&["zones", "--layout", "islands", "--size", "9x9"]).contains("no room"));
+    let folder = tempdir().unwrap();
+    let picture = folder.path().join("disc.png");
+    write_png(&picture, 24, &disc(24));
+    assert!(fail(&["zones", "--image", text(&picture), "--start", "row_zigzag"]).contains("no row_zigzag"));
+    let wrong_use: [&[&str]; 4] = [
+        &["zones", "--size", "0x3"],
+        &["zones", "--layout", "spots"],
+        &["zones", "--image", "x.png", "--size", "3x3"],
+        &["zones", "--method", "magic"],
+    ];
+    for arguments in wrong_use {
+        assert_eq!(beadwork().args(arguments).output().unwrap().status.code(), Some(2), "{arguments:?}");
+    }
+}
+
+#[test]
+fn a_reader_that_leaves_early_is_no_error() {
+    let mut child =
+        beadwork().args(["zones", "--json"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn the_tables_have_all_cells() {
+    let table = run(&["eval", "zones", "--method", "anneal", "--seeds", "1", "--presets", "paper,short"]);
+    for word in ["Table 5", "Table 3", "30x100", "left_right", "voronoi"] {
+        assert!(table.contains(word), "{word} in {table}");
+    }
+    let json = json(&["eval", "zones", "--method", "zigzag", "--seeds", "1", "--json"]);
+    assert_eq!(json["cells"].as_array().unwrap().len(), 24);
+    assert_eq!(json["cells"][0]["mean_percent"], 0.0);
+}
