@@ -1,5 +1,7 @@
 //! `zones` on layouts and pictures, and `gen-data` on a folder of pictures.
 
+#![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
+
 use std::fs;
 use std::path::Path;
 use std::process::Stdio;

@@ -13,6 +13,7 @@ use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use crate::config::{Config, Size, StartChoice};
+use crate::shard::hex;
 use crate::trajectory::{DrawError, Instance, Moves, Trajectory};
 
 /// A configuration with its pictures, ready to make trajectories.
@@ -95,11 +96,9 @@ impl Factory {
                 return Err(FactoryError::NoPictures);
             }
             // The pictures count, not the folder they came from: two machines may keep them in two places.
-            let digest = |bytes: &[u8]| {
-                Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect::<String>()
-            };
-            let listed =
-                pictures.iter().map(|(name, bytes)| json!({ "name": name, "sha256": digest(bytes) }));
+            let listed = pictures
+                .iter()
+                .map(|(name, bytes)| json!({ "name": name, "sha256": hex(&Sha256::digest(bytes)) }));
             echo["pictures"] = listed.collect();
             let read = |(name, bytes): &(String, Vec<u8>)| {
                 picture(name, bytes).map(|it| Source::Picture(Arc::new(it)))

@@ -140,10 +140,7 @@ impl Outline {
 
     /// The summary, given the hash of all bytes before the index.
     pub(crate) fn summary(&self, hasher: Sha256) -> ShardSummary {
-        let mut sha256 = String::with_capacity(64);
-        for byte in hasher.chain_update(self.tail_bytes()).finalize() {
-            write!(sha256, "{byte:02x}").expect("a string takes all text");
-        }
+        let sha256 = hex(&hasher.chain_update(self.tail_bytes()).finalize());
         ShardSummary {
             blocks: self.blocks.len() as u32,
             records: self.records,
@@ -152,6 +149,14 @@ impl Outline {
             sha256,
         }
     }
+}
+
+/// Bytes as lower-case hexadecimal digits, as checksum tools print them.
+pub(crate) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut digits, byte| {
+        write!(digits, "{byte:02x}").expect("a string takes all text");
+        digits
+    })
 }
 
 /// CRC-32 (of the polynomial that zip and PNG use) of some parts, end to end.

@@ -31,6 +31,7 @@ mod format;
 mod reader;
 mod writer;
 
+pub(crate) use format::hex;
 pub use format::{Record, ShardHeader, ShardSummary};
 pub(crate) use reader::flatten;
 pub use reader::{ShardError, ShardReader};
