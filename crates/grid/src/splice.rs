@@ -146,8 +146,13 @@ impl Splicer {
     /// Works out the new order of the runs; false if the switches don't apply or leave more than one path.
     fn plan(&mut self, path: &Path, switches: &[Switch]) -> bool {
         self.changed.clear();
-        for &switch in switches {
-            if !self.toggle(path, switch) {
+        for (index, &switch) in switches.iter().enumerate() {
+            let applies = if switches[..index].iter().any(|&earlier| share_a_side(path, earlier, switch)) {
+                self.toggle(path, switch)
+            } else {
+                self.take(path, switch)
+            };
+            if !applies {
                 return false;
             }
         }
@@ -163,6 +168,17 @@ impl Splicer {
         self.follow()
     }
 
+    /// Notes the four links of a switch that shares none with those before it; false if it does not apply.
+    fn take(&mut self, path: &Path, switch: Switch) -> bool {
+        let applies = path.square(switch.corner()) == before(switch.from());
+        if applies {
+            let present = |along: Sides| along == switch.from();
+            let sides = sides(path, switch.corner());
+            self.changed.extend(sides.map(|(cell, along)| Link { cell, along, present: present(along) }));
+        }
+        applies
+    }
+
     /// Notes the four links that a switch changes, given those before it; false if it does not apply.
     fn toggle(&mut self, path: &Path, switch: Switch) -> bool {
         let corner = switch.corner();
@@ -170,13 +186,7 @@ impl Splicer {
         if !is_corner {
             return false;
         }
-        let sides = [
-            (corner, Sides::Horizontal),
-            (corner + path.width, Sides::Horizontal),
-            (corner, Sides::Vertical),
-            (corner + 1, Sides::Vertical),
-        ];
-        for (cell, along) in sides {
+        for (cell, along) in sides(path, corner) {
             let known = self.changed.iter().position(|link| (link.cell, link.along) == (cell, along));
             let present = match along {
                 Sides::Horizontal => path.linked_right(cell),
@@ -258,22 +268,34 @@ impl Splicer {
         let end = self.cuts[self.cuts.len() - 1] + 1;
         self.old.clear();
         self.old.extend_from_slice(&path.order[start as usize..end as usize]);
-        let mut order = path.order[start as usize..end as usize].iter_mut();
-        let position = &mut path.position;
-        let mut put = |cell: Cell| {
-            *order.next().expect("the runs are as long as the stretch") = cell;
-            position[cell as usize] = place;
-            place += 1;
-        };
         for &(first, last, backwards) in &self.runs[unmoved..] {
             let run = &self.old[(first - start) as usize..=(last - start) as usize];
+            let order = &mut path.order[place as usize..place as usize + run.len()];
+            order.copy_from_slice(run);
             if backwards {
-                run.iter().rev().for_each(|&cell| put(cell));
-            } else {
-                run.iter().for_each(|&cell| put(cell));
+                order.reverse();
             }
+            for (place, &cell) in (place..).zip(&*order) {
+                path.position[cell as usize] = place;
+            }
+            place += run.len() as u32;
         }
     }
+}
+
+/// The four sides of a unit cell.
+fn sides(path: &Path, corner: Cell) -> [(Cell, Sides); 4] {
+    [
+        (corner, Sides::Horizontal),
+        (corner + path.width, Sides::Horizontal),
+        (corner, Sides::Vertical),
+        (corner + 1, Sides::Vertical),
+    ]
+}
+
+fn share_a_side(path: &Path, one: Switch, other: Switch) -> bool {
+    let step = one.corner().abs_diff(other.corner());
+    step <= 1 || step == path.width
 }
 
 fn ends(path: &Path, link: Link) -> (Cell, Cell) {

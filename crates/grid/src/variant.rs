@@ -10,7 +10,7 @@ use std::str::FromStr;
 use thiserror::Error;
 
 use crate::path::link;
-use crate::{Path, Sides, Switch};
+use crate::{Cell, Path, Sides, Switch};
 
 /// A move of Aali et al.; the numbers are the classes that the network predicts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -60,6 +60,8 @@ pub struct UnknownVariant(pub String);
 struct Rule {
     columns: u32,
     rows: u32,
+    /// All links that lie inside the window.
+    window: u16,
     /// The links it must have: kept and removed.
     needed: u16,
     #[cfg_attr(not(test), allow(dead_code, reason = "the tests check the switches against the tables"))]
@@ -88,13 +90,14 @@ const RULES: [Rule; 12] = [
     rule(3, 2, "14", "03 12 45", "01 25 34", [(0, 0, V), (1, 0, H)]),             // w
 ];
 
-/// Number of the link to the right of the cell at (x, y) of a 3 x 3 window, and below it.
+/// Number of the link to the right of the cell at (x, y) of a 3 x 3 window, and below it: as [`Path::window_links`] packs
+/// them from the links of whole rows.
 const fn right(x: u32, y: u32) -> u32 {
-    y * 2 + x
+    if y < 2 { 5 * y + 2 * x } else { 10 + x }
 }
 
 const fn below(x: u32, y: u32) -> u32 {
-    6 + y * 3 + x
+    5 * y + if x < 2 { 2 * x + 1 } else { 4 }
 }
 
 const fn rule(
@@ -106,7 +109,19 @@ const fn rule(
     switches: [(u32, u32, Sides); 2],
 ) -> Rule {
     let (kept, removed, added) = (links(columns, kept), links(columns, removed), links(columns, added));
-    Rule { columns, rows, needed: kept | removed, removed, added, switches }
+    let mut window = 0;
+    let mut cell = 0;
+    while cell < columns * rows {
+        let (x, y) = (cell % columns, cell / columns);
+        if x + 1 < columns {
+            window |= 1 << right(x, y);
+        }
+        if y + 1 < rows {
+            window |= 1 << below(x, y);
+        }
+        cell += 1;
+    }
+    Rule { columns, rows, window, needed: kept | removed, removed, added, switches }
 }
 
 /// Reads links as the paper writes them, "12 36 67", in a window so many columns wide.
@@ -123,17 +138,27 @@ const fn links(columns: u32, text: &str) -> u16 {
     mask
 }
 
-/// The transpose that a 3 x 3 window with these links admits, as class number; 255 for none. No window admits two, for
-/// their needed links differ.
-const TRANSPOSES: [u8; 1 << 12] = {
-    let mut table = [u8::MAX; 1 << 12];
-    let mut class = 0;
-    while class < 8 {
-        table[RULES[class as usize].needed as usize] = class;
-        class += 1;
+/// For each set of links in a 3 x 3 window the classes, as bits, whose own window has exactly the needed links. At most one
+/// transpose is among them, one flip of three columns and one of two.
+const MATCHES: [u16; 1 << 12] = {
+    let mut table = [0; 1 << 12];
+    let mut links = 0;
+    while links < table.len() {
+        let mut class = 0;
+        while class < RULES.len() {
+            if links as u16 & RULES[class].window == RULES[class].needed {
+                table[links] |= 1 << class;
+            }
+            class += 1;
+        }
+        links += 1;
     }
     table
 };
+
+const TRANSPOSES: u16 = 0x0FF;
+const FLIPS_OF_TWO_COLUMNS: u16 = 0x300;
+const FLIPS_OF_TWO_ROWS: u16 = 0xC00;
 
 impl Variant {
     /// All of them, in the order of their classes; the transposes come first.
@@ -225,57 +250,61 @@ impl Path {
         self.matches(placed) && self.apply(&placed.switches(self.width()))
     }
 
-    /// The variants that apply in windows anchored at (x, y), up to three; their results are all paths of as many pieces.
+    /// The variants of these kinds that apply in windows anchored at (x, y), up to three; their results are all paths of as
+    /// many pieces.
+    #[inline]
     pub fn variants_at(&self, x: u16, y: u16, kinds: &[Kind]) -> impl Iterator<Item = Placed> {
-        let at = |class: u8| Variant::from_class(class).map(|variant| Placed { variant, x, y });
-        let mut found = [None; 3];
-        if kinds.contains(&Kind::Transpose) && self.fits(x, y, 3, 3) {
-            found[0] = at(TRANSPOSES[usize::from(self.window_links(x, y, 3, 3))]);
-        }
-        if kinds.contains(&Kind::Flip) {
-            if self.fits(x, y, 3, 2) {
-                found[1] = flip(self.window_links(x, y, 3, 2), [Variant::E, Variant::W]).and_then(at);
-            }
-            if self.fits(x, y, 2, 3) {
-                found[2] = flip(self.window_links(x, y, 2, 3), [Variant::N, Variant::S]).and_then(at);
-            }
-        }
-        found.into_iter().flatten().filter(|placed| {
+        let asked = kinds.iter().fold(0, |classes, kind| match kind {
+            Kind::Transpose => classes | TRANSPOSES,
+            Kind::Flip => classes | FLIPS_OF_TWO_COLUMNS | FLIPS_OF_TWO_ROWS,
+        });
+        let mut classes = self.matching_classes(x, y) & asked;
+        std::iter::from_fn(move || {
+            let class = classes.trailing_zeros();
+            classes &= classes.wrapping_sub(1);
+            Variant::from_class(class as u8).map(|variant| Placed { variant, x, y })
+        })
+        .filter(|placed| {
             let [first, second] = placed.switches(self.width());
             self.allows_pair(first, second)
         })
     }
 
     pub(crate) fn matches(&self, placed: Placed) -> bool {
-        let rule = placed.variant.rule();
-        self.fits(placed.x, placed.y, rule.columns, rule.rows)
-            && self.window_links(placed.x, placed.y, rule.columns, rule.rows) == rule.needed
+        self.matching_classes(placed.x, placed.y) >> placed.variant.class() & 1 != 0
     }
 
-    fn fits(&self, x: u16, y: u16, columns: u32, rows: u32) -> bool {
-        u32::from(x) + columns <= self.width() && u32::from(y) + rows <= self.height()
+    /// The classes, as bits, whose windows at (x, y) lie in the plane and have exactly the needed links.
+    #[inline]
+    fn matching_classes(&self, x: u16, y: u16) -> u16 {
+        let (x, y) = (u32::from(x), u32::from(y));
+        let (columns, rows) = (self.width().saturating_sub(x), self.height().saturating_sub(y));
+        let fitting = match (columns, rows) {
+            (3.., 3..) => u16::MAX,
+            (2, 3..) => FLIPS_OF_TWO_COLUMNS,
+            (3.., 2) => FLIPS_OF_TWO_ROWS,
+            _ => return 0,
+        };
+        MATCHES[usize::from(self.window_links(y * self.width() + x, rows))] & fitting
     }
 
-    /// The links inside a window that fits, as a mask.
-    fn window_links(&self, x: u16, y: u16, columns: u32, rows: u32) -> u16 {
-        let mut mask = 0;
-        for row in 0..rows {
-            let first = ((u32::from(y) + row) * self.width + u32::from(x)) as usize;
-            for (column, bits) in (0..).zip(&self.links[first..first + columns as usize]) {
-                if column + 1 < columns {
-                    mask |= u16::from(bits & link::RIGHT != 0) << right(column, row);
-                }
-                if row + 1 < rows {
-                    mask |= u16::from(bits & link::BELOW != 0) << below(column, row);
-                }
-            }
-        }
-        mask
+    /// The links of the window of 3 x 3 cells anchored at a cell; where it reaches beyond the plane, those that do so mean
+    /// nothing. It has at least two rows.
+    #[inline]
+    fn window_links(&self, anchor: Cell, rows: u32) -> u16 {
+        let width = self.width() as usize;
+        let row = |y: usize| {
+            let first = anchor as usize + y * width;
+            // The last two columns of the last row have no third cell after them.
+            let cell = |x: usize| self.links.get(first + x).copied().unwrap_or(0);
+            [cell(0), cell(1), cell(2)].map(u16::from)
+        };
+        let (right, both) = (u16::from(link::RIGHT), u16::from(link::RIGHT | link::BELOW));
+        let below = u16::from(link::BELOW);
+        let whole_row = |[a, b, c]: [u16; 3]| (a & both) | (b & both) << 2 | (c & below) << 3;
+        let last = if rows > 2 { row(2) } else { [0; 3] };
+        whole_row(row(0)) | whole_row(row(1)) << 5 | (last[0] & right) << 10 | (last[1] & right) << 11
     }
-}
-
-fn flip(links: u16, candidates: [Variant; 2]) -> Option<u8> {
-    candidates.into_iter().find(|variant| variant.rule().needed == links).map(Variant::class)
 }
 
 #[cfg(test)]
@@ -299,6 +328,7 @@ mod tests {
             }
             assert_eq!(links, rule.needed & !rule.removed | rule.added, "{variant}");
             assert_eq!(rule.needed & rule.added, 0, "{variant}");
+            assert_eq!((rule.needed | rule.added) & !rule.window, 0, "{variant}");
         }
     }
 
