@@ -1,85 +1,210 @@
-//! A start for any region: a cover by few paths, found by rotation and extension.
+//! A start for any region: a cover by few paths.
 
 use std::ops::Range;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::start::row_zigzag;
-use crate::{Cell, Path, Region, region_components};
+use crate::matching::TwoMatching;
+use crate::path::{link, square};
+use crate::{Cell, Path, Region, Start, region_components};
 
-/// A lower bound on the pieces of any cover: each connected component needs max(1, its colour imbalance).
+/// A lower bound on the pieces of any cover.
 ///
-/// Colour the cells like a chessboard. Neighbours differ in colour, so a path alternates and holds at most one more cell of
-/// one colour than of the other; a component with d more cells of one colour therefore needs d paths. Linear in the cells.
+/// The p pieces that cover a connected component of n cells have n - p links, at most two at each cell; no set of links with
+/// at most two at each cell has more than a maximum 2-matching, so p is at least n minus its size, and at least 1.
+/// The bound is the sum over the components. It counts what colours cost: a component with d more black cells than white needs
+/// d pieces. Cost as for the matching: nearly linear in the cells on usual parts.
 pub fn piece_bound(region: &Region) -> u32 {
-    let components = region_components(region);
-    let mut surplus = vec![0_i32; components.count() as usize];
-    for cell in region.cells() {
-        let (x, y) = region.xy(cell);
-        surplus[components.label(cell) as usize] += if (x + y) % 2 == 0 { 1 } else { -1 };
-    }
-    surplus.iter().map(|surplus| surplus.unsigned_abs().max(1)).sum()
+    TwoMatching::maximum(region).pieces(&region_components(region)).iter().sum()
 }
 
-/// A path in few pieces through any region; of one piece wherever the row zigzag is.
+/// A path in few pieces through any region; of one piece wherever the row zigzag is. Deterministic.
 ///
-/// It cuts the row zigzag where it jumps. Then the end of some piece, drawn at random, takes a random neighbour for its next cell
-/// (a *rotation*, after Pósa, "Hamiltonian circuits in random graphs", 1976): of its own piece, which turns the stretch
-/// between them round and gives the piece a new end; inside another piece, which cuts that one and takes over the rest of it; or at
-/// another piece's end, which joins the two. It stops at [`piece_bound`], or when the work done, in cells rewritten, exceeds a
-/// fixed multiple of the region's. The number of pieces is small but not always the smallest. Deterministic.
+/// Elsewhere it takes a maximum 2-matching, joins its cycles to one another and to its paths, and opens the cycles that
+/// are left. While there are more pieces than [`piece_bound`], ends drawn at random take over cells of their
+/// neighbours, until two of them meet or the work, in cells rewritten, exceeds a fixed multiple of the region's.
+/// The number of pieces is small but not always the smallest.
 pub fn cover(region: &Region) -> Path {
-    let zigzag = row_zigzag(region);
-    let mut cover = Cover::new(region, &zigzag);
-    let bound = piece_bound(region);
-    // Ends drift together like random walks, so small regions get quadratic work; large ones must stay within seconds.
-    let cells = u64::from(region.cell_count());
-    let mut work_left = (2_000 * cells).min(20_000_000 + 64 * cells);
-    let mut rng = ChaCha8Rng::seed_from_u64(0);
-    let mut neighbours = Vec::with_capacity(4);
-    while cover.pieces.len() as u32 > bound && work_left > 0 {
-        let piece = rng.random_range(0..cover.pieces.len());
-        if rng.random() {
-            cover.turn(piece);
-        }
-        let end = *cover.pieces[piece].last().expect("a piece has cells");
-        neighbours.clear();
-        neighbours.extend(region.neighbours(end));
-        let work = match neighbours.len() {
-            0 => 1,
-            count => cover.extend(piece, neighbours[rng.random_range(0..count)]),
-        };
-        work_left = work_left.saturating_sub(work);
+    if let Ok(zigzag) = Start::RowZigzag.path(region) {
+        return zigzag;
     }
-    Path::in_pieces(region, cover.into_order()).expect("the pieces hold every cell once")
+    let matching = TwoMatching::maximum(region);
+    let bound = matching.pieces(&region_components(region)).iter().sum();
+    let mut strands = Strands::new(region, matching);
+    strands.join();
+    let mut ends = Ends::new(region, strands.into_pieces());
+    ends.wander(region, bound);
+    Path::in_pieces(region, ends.into_order()).expect("the pieces hold every cell once")
 }
 
-/// Disjoint paths through all cells.
-struct Cover {
+/// The paths and cycles of a 2-matching.
+struct Strands<'a> {
+    region: &'a Region,
+    matching: TwoMatching<'a>,
+    /// For each cell another one of its strand, nearer to the strand's root; the root's is itself.
+    towards_root: Vec<Cell>,
+    /// For each root, whether its strand is a cycle.
+    is_cycle: Vec<bool>,
+}
+
+impl<'a> Strands<'a> {
+    fn new(region: &'a Region, matching: TwoMatching<'a>) -> Self {
+        let cells = region.plane_len();
+        let towards_root = (0..cells as Cell).collect();
+        let mut strands = Self { region, matching, towards_root, is_cycle: vec![true; cells] };
+        for cell in region.cells() {
+            for other in strands.matching.linked(cell) {
+                let (root, other_root) = (strands.root(cell), strands.root(other));
+                strands.towards_root[other_root as usize] = root;
+            }
+        }
+        for cell in region.cells().filter(|&cell| strands.matching.deficit(cell) > 0).collect::<Vec<_>>() {
+            let root = strands.root(cell);
+            strands.is_cycle[root as usize] = false;
+        }
+        strands
+    }
+
+    fn root(&mut self, mut cell: Cell) -> Cell {
+        while self.towards_root[cell as usize] != cell {
+            let next = self.towards_root[self.towards_root[cell as usize] as usize];
+            self.towards_root[cell as usize] = next;
+            cell = next;
+        }
+        cell
+    }
+
+    /// Whether these two belong to different strands, one of them a cycle: then a switch makes them one.
+    fn can_unite(&mut self, a: Cell, b: Cell) -> bool {
+        let (a, b) = (self.root(a), self.root(b));
+        a != b && (self.is_cycle[a as usize] || self.is_cycle[b as usize])
+    }
+
+    fn unite(&mut self, a: Cell, b: Cell) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.towards_root[a as usize] = b;
+        self.is_cycle[b as usize] &= self.is_cycle[a as usize];
+    }
+
+    /// Joins cycles to other strands until none can be: by switches, and by ends that take a cycle in.
+    fn join(&mut self) {
+        let cells: Vec<Cell> = self.region.cells().collect();
+        loop {
+            let mut joined = false;
+            for &cell in &cells {
+                joined |= self.switch(cell) || self.take_in(cell);
+            }
+            if !joined {
+                return;
+            }
+        }
+    }
+
+    /// Switches the unit cell at a corner, if that makes two strands one.
+    fn switch(&mut self, corner: Cell) -> bool {
+        let (x, y) = self.region.xy(corner);
+        if x + 1 >= self.region.width() || y + 1 >= self.region.height() {
+            return false;
+        }
+        let opposite = corner + self.region.width() + 1;
+        let bits = self.matching.links[corner as usize] & (square::TOP | square::LEFT)
+            | self.matching.links[opposite as usize] & (square::BOTTOM | square::RIGHT);
+        let parallel = [square::HORIZONTAL, square::VERTICAL].contains(&(bits | link::CORNER));
+        if !parallel || !self.can_unite(corner, opposite) {
+            return false;
+        }
+        let (b, c) = (corner + 1, opposite - 1);
+        for (one, other) in [(corner, b), (c, opposite), (corner, c), (b, opposite)] {
+            self.matching.toggle(one, other);
+        }
+        self.unite(corner, opposite);
+        true
+    }
+
+    /// Lets the end of a path take in a cycle beside it: the path goes on with the cycle, opened there.
+    fn take_in(&mut self, end: Cell) -> bool {
+        if self.matching.deficit(end) == 0 {
+            return false;
+        }
+        let beside = self.region.neighbours(end).find(|&other| self.can_unite(end, other));
+        let Some((cell, opened)) = beside.and_then(|cell| Some((cell, self.matching.linked(cell).next()?)))
+        else {
+            return false;
+        };
+        self.matching.toggle(cell, opened);
+        self.matching.toggle(end, cell);
+        self.unite(end, cell);
+        true
+    }
+
+    /// The cells of each strand in order, cycles opened at their first cell.
+    fn into_pieces(self) -> Vec<Vec<Cell>> {
+        let mut seen = vec![false; self.region.plane_len()];
+        let mut pieces = Vec::new();
+        let ends = self.region.cells().filter(|&cell| self.matching.deficit(cell) > 0);
+        for first in ends.chain(self.region.cells()) {
+            if seen[first as usize] {
+                continue;
+            }
+            let mut piece = Vec::new();
+            let mut next = Some(first);
+            while let Some(cell) = next {
+                seen[cell as usize] = true;
+                piece.push(cell);
+                next = self.matching.linked(cell).find(|&other| !seen[other as usize]);
+            }
+            pieces.push(piece);
+        }
+        pieces
+    }
+}
+
+/// Disjoint paths through all cells, whose ends wander.
+struct Ends {
     pieces: Vec<Vec<Cell>>,
     /// For each cell of the plane its piece and its index there.
     home: Vec<(u32, u32)>,
 }
 
-impl Cover {
-    fn new(region: &Region, order: &[Cell]) -> Self {
-        let pieces: Vec<Vec<Cell>> =
-            order.chunk_by(|&a, &b| region.adjacent(a, b)).map(<[Cell]>::to_vec).collect();
-        let mut cover = Self { pieces, home: vec![(0, 0); region.plane_len()] };
-        for piece in 0..cover.pieces.len() {
-            cover.settle(piece, 0..cover.pieces[piece].len());
+impl Ends {
+    fn new(region: &Region, pieces: Vec<Vec<Cell>>) -> Self {
+        let mut ends = Self { pieces, home: vec![(0, 0); region.plane_len()] };
+        for piece in 0..ends.pieces.len() {
+            ends.settle(piece, 0..ends.pieces[piece].len());
         }
-        cover
+        ends
     }
 
-    /// Turns a piece round, so that its other end is the last cell.
-    fn turn(&mut self, piece: usize) {
-        self.pieces[piece].reverse();
-        self.settle(piece, 0..self.pieces[piece].len());
+    /// Rotation and extension after Pósa, "Hamiltonian circuits in random graphs" (1976), until so many pieces are left or
+    /// the work is done.
+    fn wander(&mut self, region: &Region, pieces: u32) {
+        // Ends drift together like random walks, so small regions get quadratic work; large ones must stay within seconds.
+        let cells = u64::from(region.cell_count());
+        let mut work_left = (2_000 * cells).min(20_000_000 + 64 * cells);
+        let mut rng = ChaCha8Rng::seed_from_u64(0);
+        let mut neighbours = Vec::with_capacity(4);
+        while self.pieces.len() as u32 > pieces && work_left > 0 {
+            let piece = rng.random_range(0..self.pieces.len());
+            if rng.random() {
+                self.pieces[piece].reverse();
+                self.settle(piece, 0..self.pieces[piece].len());
+            }
+            let end = *self.pieces[piece].last().expect("a piece has cells");
+            neighbours.clear();
+            neighbours.extend(region.neighbours(end));
+            let work = match neighbours.len() {
+                0 => 1,
+                count => self.extend(piece, neighbours[rng.random_range(0..count)]),
+            };
+            work_left = work_left.saturating_sub(work);
+        }
     }
 
     /// Links the last cell of a piece to a neighbour; gives the number of cells rewritten.
+    ///
+    /// In its own piece, that turns the stretch between them round and gives the piece a new end; inside another piece, it
+    /// cuts that one and takes over one part of it; at another piece's end, it joins the two.
     fn extend(&mut self, piece: usize, to: Cell) -> u64 {
         let (other, index) = self.home[to as usize];
         let (other, index) = (other as usize, index as usize);
@@ -103,10 +228,8 @@ impl Cover {
         let mut work = self.settle(piece, from..self.pieces[piece].len());
         if self.pieces[other].is_empty() {
             self.pieces.swap_remove(other);
-            if other < self.pieces.len() {
-                work += self.settle(other, 0..self.pieces[other].len());
-            }
-        } else {
+        }
+        if other < self.pieces.len() {
             work += self.settle(other, 0..self.pieces[other].len());
         }
         work
@@ -127,42 +250,4 @@ impl Cover {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn disc(side: u32) -> Region {
-        let inside = |x: u32, y: u32| {
-            let (dx, dy) = (2 * i64::from(x) + 1 - i64::from(side), 2 * i64::from(y) + 1 - i64::from(side));
-            dx * dx + dy * dy <= i64::from(side) * i64::from(side)
-        };
-        Region::from_mask(side, side, (0..side * side).map(|cell| inside(cell % side, cell / side)).collect())
-            .unwrap()
-    }
-
-    #[test]
-    fn the_bound_counts_components_and_colours() {
-        assert_eq!(piece_bound(&Region::rectangle(5, 5).unwrap()), 1);
-        let plus = [false, true, false, true, true, true, false, true, false];
-        assert_eq!(piece_bound(&Region::from_mask(3, 3, plus.to_vec()).unwrap()), 3);
-        let corners = [true, false, true, false, false, false, true, false, true];
-        assert_eq!(piece_bound(&Region::from_mask(3, 3, corners.to_vec()).unwrap()), 4);
-    }
-
-    #[test]
-    fn discs_need_few_pieces() {
-        for side in [4, 10, 21, 40] {
-            let region = disc(side);
-            let path = cover(&region);
-            assert!(path.pieces() >= piece_bound(&region));
-            assert!(path.pieces() <= piece_bound(&region) + 1, "side {side}: {} pieces", path.pieces());
-        }
-    }
-
-    #[test]
-    fn the_smallest_regions() {
-        let plus = [false, true, false, true, true, true, false, true, false];
-        assert_eq!(cover(&Region::from_mask(3, 3, plus.to_vec()).unwrap()).pieces(), 3);
-        assert_eq!(cover(&Region::rectangle(1, 1).unwrap()).pieces(), 1);
-        assert_eq!(cover(&Region::from_mask(2, 2, vec![true, false, false, true]).unwrap()).pieces(), 2);
-    }
-}
+mod tests;

@@ -41,6 +41,7 @@ mod components;
 mod cover;
 mod crossings;
 mod layout;
+mod matching;
 mod path;
 mod region;
 mod splice;

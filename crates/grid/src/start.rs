@@ -88,7 +88,7 @@ impl FromStr for Start {
 }
 
 /// The cells of the region in row zigzag order, whether or not they form one path.
-pub(crate) fn row_zigzag(region: &Region) -> Vec<Cell> {
+fn row_zigzag(region: &Region) -> Vec<Cell> {
     let width = region.width();
     let row = |y: u32| {
         (0..width).map(move |x| if y.is_multiple_of(2) { x } else { width - 1 - x }).map(move |x| (x, y))

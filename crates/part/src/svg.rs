@@ -17,33 +17,46 @@ pub struct Panel<'a> {
     pub path: Option<&'a Path>,
 }
 
-/// Light colours that people with any colour vision tell apart, after Okabe and Ito; the dark path stands out on all.
+/// Colours that people with any colour vision tell apart, after Okabe and Ito, lightened for the dark path to stand out.
 const PALETTE: [[u8; 3]; 8] = [
-    [253, 226, 160],
+    [250, 208, 128],
     [173, 216, 240],
-    [170, 222, 200],
+    [160, 218, 194],
     [246, 240, 165],
-    [165, 195, 225],
-    [240, 190, 160],
-    [232, 195, 216],
-    [215, 215, 215],
+    [150, 184, 222],
+    [240, 180, 148],
+    [232, 190, 214],
+    [212, 212, 212],
 ];
 
-const PATH_COLOUR: &str = "#33373d";
+const PATH_COLOUR: &str = "#1d2126";
 const OUTSIDE_COLOUR: &str = "#e9ecef";
 const CROSSING_COLOUR: &str = "#e0001b";
 
-/// Width of a panel in pixels that cells are scaled to, and the smallest cell.
-const PANEL_WIDTH: f64 = 480.0;
+// All in pixels.
+/// Longer side of a panel that cells are scaled to; whole pixels a cell keep the edges of zones sharp.
+const PANEL_SIDE: f64 = 480.0;
 const SMALLEST_CELL: f64 = 4.0;
+/// A layer of a few cells is no poster.
+const LARGEST_CELL: f64 = 48.0;
 const MARGIN: f64 = 16.0;
 const TITLE_HEIGHT: f64 = 28.0;
+/// Width of a wide letter of a title.
+const LETTER: f64 = 9.0;
+
+/// Widths of lines and diameters of marks: so many cells, but at least so many pixels.
+const PATH_WIDTH: (f64, f64) = (0.14, 1.3);
+const CROSSING_WIDTH: (f64, f64) = (0.3, 2.4);
+const MARK_WIDTH: (f64, f64) = (0.6, 6.0);
 
 /// Draws layers side by side, all to one scale.
 ///
-/// Zones are filled with their `colours`, lightened, or with a palette where there are none. Pieces of a path begin with a ring and
-/// end with a dot; steps between zones are red. The text is the same on every machine; its length grows with the
-/// bends of the paths and the outlines of the zones.
+/// Zones are filled with their `colours`, lightened, or with a palette where there are none. Pieces of a path begin with
+/// a ring and end with a dot; steps between zones are red. The text is the same on every machine; its length grows with
+/// the bends of the paths and the outlines of the zones.
+///
+/// # Panics
+/// If a path visits cells that its panel's zones do not have.
 pub fn svg(panels: &[Panel<'_>], colours: Option<&[[u8; 3]]>) -> String {
     let mut text = String::new();
     write_svg(&mut text, panels, colours).expect("a string takes all text");
@@ -53,28 +66,32 @@ pub fn svg(panels: &[Panel<'_>], colours: Option<&[[u8; 3]]>) -> String {
 fn write_svg(out: &mut String, panels: &[Panel<'_>], colours: Option<&[[u8; 3]]>) -> fmt::Result {
     let widest = panels.iter().map(|panel| panel.region.width()).max().unwrap_or(1);
     let tallest = panels.iter().map(|panel| panel.region.height()).max().unwrap_or(1);
-    let cell = (PANEL_WIDTH / f64::from(widest)).max(SMALLEST_CELL);
-    let width =
-        MARGIN + panels.iter().map(|panel| cell * f64::from(panel.region.width()) + MARGIN).sum::<f64>();
+    let cell = (PANEL_SIDE / f64::from(widest.max(tallest))).round().clamp(SMALLEST_CELL, LARGEST_CELL);
+    // A title may be longer than its layer is wide.
+    let room = |panel: &Panel<'_>| {
+        let title = LETTER * panel.title.chars().count() as f64;
+        title.max(cell * f64::from(panel.region.width())) + MARGIN
+    };
+    let width = MARGIN + panels.iter().map(room).sum::<f64>();
     let height = TITLE_HEIGHT + cell * f64::from(tallest) + MARGIN;
     writeln!(
         out,
-        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0}" height="{height:.0}" viewBox="0 0 {width:.2} {height:.2}">"#
+        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}">"#
     )?;
     writeln!(out, r#"<rect width="100%" height="100%" fill="white"/>"#)?;
     let mut left = MARGIN;
     for panel in panels {
         let title = escape(panel.title);
         let font = r#"font-family="Helvetica, Arial, sans-serif" font-size="15" fill="black""#;
-        writeln!(out, r#"<text x="{left:.2}" y="{:.2}" {font}>{title}</text>"#, TITLE_HEIGHT - 10.0)?;
+        writeln!(out, r#"<text x="{left}" y="{}" {font}>{title}</text>"#, TITLE_HEIGHT - 10.0)?;
         // One unit is a cell: the panel's own coordinates stay whole and short.
-        writeln!(out, r#"<g transform="translate({left:.2} {TITLE_HEIGHT:.2}) scale({cell:.2})">"#)?;
+        writeln!(out, r#"<g transform="translate({left} {TITLE_HEIGHT}) scale({cell})">"#)?;
         write_zones(out, panel, colours)?;
         if let Some(path) = panel.path {
-            write_path(out, panel, path)?;
+            write_path(out, panel, path, cell)?;
         }
         writeln!(out, "</g>")?;
-        left += cell * f64::from(panel.region.width()) + MARGIN;
+        left += room(panel);
     }
     writeln!(out, "</svg>")
 }
@@ -106,8 +123,13 @@ fn write_zones(out: &mut String, panel: &Panel<'_>, colours: Option<&[[u8; 3]]>)
     Ok(())
 }
 
-fn write_path(out: &mut String, panel: &Panel<'_>, path: &Path) -> fmt::Result {
+/// The path with its crossings and ends, where one cell is `cell` pixels.
+fn write_path(out: &mut String, panel: &Panel<'_>, path: &Path, cell: f64) -> fmt::Result {
     let (region, zones) = (panel.region, panel.zones);
+    let wide = |(cells, pixels): (f64, f64)| {
+        let hundredths = (100.0 * cells.max(pixels / cell)).round();
+        hundredths / 100.0
+    };
     let mut line = String::new();
     let mut crossings = String::new();
     let mut starts = String::new();
@@ -125,12 +147,18 @@ fn write_path(out: &mut String, panel: &Panel<'_>, path: &Path) -> fmt::Result {
         }
     }
     let stroke = r#"fill="none" stroke-linecap="round" stroke-linejoin="round""#;
-    writeln!(out, r#"<path {stroke} stroke="{PATH_COLOUR}" stroke-width=".16" d="{line}"/>"#)?;
+    let width = wide(PATH_WIDTH);
+    writeln!(out, r#"<path {stroke} stroke="{PATH_COLOUR}" stroke-width="{width}" d="{line}"/>"#)?;
     if !crossings.is_empty() {
-        writeln!(out, r#"<path {stroke} stroke="{CROSSING_COLOUR}" stroke-width=".34" d="{crossings}"/>"#)?;
+        let width = wide(CROSSING_WIDTH);
+        writeln!(
+            out,
+            r#"<path {stroke} stroke="{CROSSING_COLOUR}" stroke-width="{width}" d="{crossings}"/>"#
+        )?;
     }
-    writeln!(out, r#"<path {stroke} stroke="{PATH_COLOUR}" stroke-width=".6" d="{ends}{starts}"/>"#)?;
-    writeln!(out, r#"<path {stroke} stroke="white" stroke-width=".36" d="{starts}"/>"#)
+    let (mark, hole) = (wide(MARK_WIDTH), wide((MARK_WIDTH.0 * 0.6, MARK_WIDTH.1 * 0.6)));
+    writeln!(out, r#"<path {stroke} stroke="{PATH_COLOUR}" stroke-width="{mark}" d="{ends}{starts}"/>"#)?;
+    writeln!(out, r#"<path {stroke} stroke="white" stroke-width="{hole}" d="{starts}"/>"#)
 }
 
 /// Moves to the first cell and on along the others, straight stretches as one stroke.
@@ -156,15 +184,37 @@ fn centre(region: &Region, cell: Cell) -> (f64, f64) {
 /// The fill of a zone: light enough for the path to stand out.
 fn colour(zone: usize, colours: Option<&[[u8; 3]]>) -> [u8; 3] {
     if let Some(own) = colours.and_then(|colours| colours.get(zone)) {
-        return own.map(|channel| 255 - (255 - channel) / 2);
+        return own.map(|channel| 255 - (u16::from(255 - channel) * 2 / 5) as u8);
     }
-    let round = (zone / PALETTE.len()) as u8;
-    // From the ninth zone on the palette comes again, each time darker.
-    PALETTE[zone % PALETTE.len()].map(|channel| channel - (channel / 8).saturating_mul(round.min(4)))
+    PALETTE.get(zone).copied().unwrap_or_else(|| drawn_colour(zone - PALETTE.len()))
 }
 
+/// Light colours for zones beyond the palette. Hues about a golden angle apart differ much from number to number and
+/// come back only after 3600; three grades of lightness keep those apart whose hues come close.
+fn drawn_colour(number: usize) -> [u8; 3] {
+    let hue = (number * 1_379 % 3_600) as f64 / 600.0;
+    let (low, high) = [(165.0, 250.0), (130.0, 215.0), (185.0, 235.0)][number % 3];
+    let channel = |peak: f64| {
+        let away = (hue - peak).abs().min(6.0 - (hue - peak).abs());
+        (low + (high - low) * (2.0 - away).clamp(0.0, 1.0)).round() as u8
+    };
+    [channel(0.0), channel(2.0), channel(4.0)]
+}
+
+/// Text as it may stand in XML, which has no way to write control characters.
 fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '\u{fffe}' | '\u{ffff}' => escaped.push(char::REPLACEMENT_CHARACTER),
+            _ if character.is_control() => escaped.push(char::REPLACEMENT_CHARACTER),
+            _ => escaped.push(character),
+        }
+    }
+    escaped
 }
 
 #[cfg(test)]
@@ -178,16 +228,16 @@ mod tests {
         let zones = Zones::new(&region, vec![0, 1, 0, 1]).unwrap();
         let path = Start::RowZigzag.path(&region).unwrap();
         let panel = Panel { title: "a < b", region: &region, zones: &zones, path: Some(&path) };
-        let expected = r##"<svg xmlns="http://www.w3.org/2000/svg" width="512" height="524" viewBox="0 0 512.00 524.00">
+        let expected = r##"<svg xmlns="http://www.w3.org/2000/svg" width="128" height="140" viewBox="0 0 128 140">
 <rect width="100%" height="100%" fill="white"/>
-<text x="16.00" y="18.00" font-family="Helvetica, Arial, sans-serif" font-size="15" fill="black">a &lt; b</text>
-<g transform="translate(16.00 28.00) scale(240.00)">
-<path fill="#fde2a0" stroke="#fde2a0" stroke-width=".04" d="M0 0h1v1h-1zM0 1h1v1h-1z"/>
+<text x="16" y="18" font-family="Helvetica, Arial, sans-serif" font-size="15" fill="black">a &lt; b</text>
+<g transform="translate(16 28) scale(48)">
+<path fill="#fad080" stroke="#fad080" stroke-width=".04" d="M0 0h1v1h-1zM0 1h1v1h-1z"/>
 <path fill="#add8f0" stroke="#add8f0" stroke-width=".04" d="M1 0h1v1h-1zM1 1h1v1h-1z"/>
-<path fill="none" stroke-linecap="round" stroke-linejoin="round" stroke="#33373d" stroke-width=".16" d="M0.5 0.5h1v1h-1"/>
-<path fill="none" stroke-linecap="round" stroke-linejoin="round" stroke="#e0001b" stroke-width=".34" d="M0.5 0.5h1M1.5 1.5h-1"/>
-<path fill="none" stroke-linecap="round" stroke-linejoin="round" stroke="#33373d" stroke-width=".6" d="M0.5 1.5h0M0.5 0.5h0"/>
-<path fill="none" stroke-linecap="round" stroke-linejoin="round" stroke="white" stroke-width=".36" d="M0.5 0.5h0"/>
+<path fill="none" stroke-linecap="round" stroke-linejoin="round" stroke="#1d2126" stroke-width="0.14" d="M0.5 0.5h1v1h-1"/>
+<path fill="none" stroke-linecap="round" stroke-linejoin="round" stroke="#e0001b" stroke-width="0.3" d="M0.5 0.5h1M1.5 1.5h-1"/>
+<path fill="none" stroke-linecap="round" stroke-linejoin="round" stroke="#1d2126" stroke-width="0.6" d="M0.5 1.5h0M0.5 0.5h0"/>
+<path fill="none" stroke-linecap="round" stroke-linejoin="round" stroke="white" stroke-width="0.36" d="M0.5 0.5h0"/>
 </g>
 </svg>
 "##;
@@ -206,7 +256,6 @@ mod tests {
             let red = drawing.lines().find(|line| line.contains(CROSSING_COLOUR)).unwrap();
             let strokes = red.split(" d=\"").nth(1).unwrap().matches('M').count();
             assert_eq!(strokes, Crossings::new(&region, &zones).count(&path) as usize);
-            assert_eq!(drawing.matches("<g ").count(), drawing.matches("</g>").count());
         }
     }
 
@@ -222,6 +271,67 @@ mod tests {
         let path = Start::Cover.path(&apart).unwrap();
         let drawing =
             svg(&[Panel { title: "", region: &apart, zones: &zones, path: Some(&path) }], Some(&[[0; 3]]));
-        assert!(drawing.contains(r#"d="M0.5 0.5M1.5 1.5""#) && drawing.contains("#808080"), "{drawing}");
+        assert!(drawing.contains(r#"d="M0.5 0.5M1.5 1.5""#) && drawing.contains("#999999"), "{drawing}");
+    }
+
+    /// Whether every tag is closed, the innermost first, and no other markup stands between them.
+    fn is_balanced(drawing: &str) -> bool {
+        let mut open = Vec::new();
+        for tag in drawing.split('<').skip(1) {
+            let Some((tag, text)) = tag.split_once('>') else { return false };
+            if text.contains('>') || tag.matches('"').count() % 2 == 1 {
+                return false;
+            }
+            if let Some(name) = tag.strip_prefix('/') {
+                if open.pop() != Some(name) {
+                    return false;
+                }
+            } else if !tag.ends_with('/') {
+                open.push(tag.split(' ').next().unwrap());
+            }
+        }
+        open.is_empty()
+    }
+
+    #[test]
+    fn any_title_is_well_formed() {
+        let region = Region::rectangle(3, 2).unwrap();
+        let zones = LayoutSpec::new(Layout::Stripes).zones(&region, 0).unwrap();
+        let path = Start::Spiral.path(&region).unwrap();
+        for title in ["", "</text><g>", "a > b & c", "\"quoted\" 'twice'", "bell\u{7}, \0 and \u{ffff}"] {
+            let panel = Panel { title, region: &region, zones: &zones, path: Some(&path) };
+            let drawing = svg(&[panel, panel], None);
+            assert!(is_balanced(&drawing), "{drawing}");
+            assert!(!drawing.contains(|c: char| (c.is_control() && c != '\n') || c == '\u{ffff}'));
+        }
+        assert!(is_balanced(&svg(&[], None)));
+        assert_eq!(escape("&lt; <\u{1b}>"), "&amp;lt; &lt;\u{fffd}&gt;");
+    }
+
+    #[test]
+    fn panels_keep_their_places_and_sizes() {
+        let size = |width: u32, height: u32, title: &str| {
+            let region = Region::rectangle(width, height).unwrap();
+            let zones = Zones::new(&region, vec![0; region.plane_len()]).unwrap();
+            let panel = Panel { title, region: &region, zones: &zones, path: None };
+            let drawing = svg(&[panel, panel], None);
+            let view = drawing.split("viewBox=\"0 0 ").nth(1).unwrap().split('"').next().unwrap();
+            let (width, height) = view.split_once(' ').unwrap();
+            (width.parse::<u32>().unwrap(), height.parse::<u32>().unwrap())
+        };
+        assert_eq!(size(30, 30, ""), (16 + 2 * 496, 28 + 480 + 16));
+        assert_eq!(size(130, 130, ""), (16 + 2 * 536, 28 + 520 + 16));
+        assert_eq!(size(1, 96, ""), (16 + 2 * 21, 28 + 480 + 16), "a tall layer is no tower");
+        assert_eq!(size(1, 1, "a title of 21 letters"), (16 + 2 * 205, 28 + 48 + 16), "titles don't overlap");
+    }
+
+    #[test]
+    fn every_zone_has_a_light_colour_of_its_own() {
+        let mut fills: Vec<[u8; 3]> = (0..Zones::MAX as usize).map(|zone| colour(zone, None)).collect();
+        assert!(fills.iter().flatten().all(|&channel| channel >= 120));
+        fills.sort_unstable();
+        fills.dedup();
+        assert_eq!(fills.len(), Zones::MAX as usize);
+        assert_eq!(colour(1, Some(&[[0; 3]])), PALETTE[1], "a zone beyond the given colours");
     }
 }
