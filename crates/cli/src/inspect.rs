@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use anyhow::{Context, bail};
-use beadwork_dataset::{Dataset, ShardHeader, ShardReader, ShardSummary, Trajectory};
+use beadwork_dataset::{Dataset, ShardHeader, ShardReader, ShardSummary, Trajectory, search_times};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde_json::json;
@@ -97,6 +97,16 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
             text,
             "shard {}, records from {}, configuration {:016x}",
             header.shard, header.first_record, header.fingerprint
+        )?;
+    }
+    let times: Option<Vec<Vec<f64>>> = shards.iter().map(|shard| search_times(&shard.path)).collect();
+    if let Some(times) = times.map(|times| times.concat()).filter(|times| !times.is_empty()) {
+        let sum: f64 = times.iter().sum();
+        let (mean, most) = (sum / times.len() as f64, times.iter().copied().fold(0.0, f64::max));
+        writeln!(
+            text,
+            "searches took {:.1} s in all, {mean:.2} ms on average, {most:.1} ms at most",
+            sum / 1e3
         )?;
     }
     shown.iter().try_for_each(|record| write_record(&mut text, record))?;

@@ -1,12 +1,18 @@
 //! Progress bars on stderr, drawn only where it is a terminal.
 
-use indicatif::{ProgressBar, ProgressStyle};
+use std::fmt::Write;
+
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 /// A bar over so many items with their rate and the time left.
 pub(crate) fn bar(items: u64, what: &'static str) -> ProgressBar {
+    let template = "{prefix} {wide_bar} {human_pos}/{human_len}  {rate}  {eta} left";
+    let style = ProgressStyle::with_template(template).expect("the template is sound");
     let bar = ProgressBar::new(items);
-    let template = "{prefix} {wide_bar} {human_pos}/{human_len} {msg}  {per_sec}  {eta} left";
-    bar.set_style(ProgressStyle::with_template(template).expect("the template is sound"));
+    bar.set_style(style.with_key("rate", |state: &ProgressState, out: &mut dyn Write| {
+        // A bar that can't be drawn is no reason to stop the work.
+        let _ = write!(out, "{:.0}/s", state.per_sec());
+    }));
     bar.set_prefix(what);
     bar
 }

@@ -11,7 +11,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[error("cannot {action} '{path}': {cause}", path = path.display())]
 pub struct FileError {
-    /// What was to be done: "read", "write", "list" or "remove".
+    /// What was to be done: "read", "write" or "lock".
     pub action: &'static str,
     /// The file or folder.
     pub path: PathBuf,
@@ -29,8 +29,8 @@ impl FileError {
 ///
 /// `write` fills a temporary file, `.NAME.partial` in the same folder, which gets its name only when all of its bytes are on
 /// disk; a file of that name is replaced. On an error, and when `write` panics, the temporary file is removed and whatever
-/// had the name stays. A killed process leaves the temporary file behind: the next run overwrites it, or [`remove_partials`]
-/// removes it. Two processes must not write the same file at once.
+/// had the name stays. A killed process leaves the temporary file behind, for the next run to overwrite. Two
+/// processes must not write the same file at once.
 ///
 /// `write` can report errors of its own kind with [`io::Error::other`].
 pub fn write_whole<T>(
@@ -78,26 +78,6 @@ fn sync_folder(path: &Path) -> io::Result<()> {
 #[cfg(not(unix))]
 fn sync_folder(_: &Path) -> io::Result<()> {
     Ok(())
-}
-
-/// Removes the temporary files that killed runs left in a folder and gives their number. Files in the folders below it stay.
-///
-/// It can't tell them from those that another process is writing just now, so no other process may write there.
-pub fn remove_partials(folder: &Path) -> Result<u64, FileError> {
-    let list_error = |cause| FileError::new("list", folder, cause);
-    let mut removed = 0;
-    for entry in fs::read_dir(folder).map_err(list_error)? {
-        let entry = entry.map_err(list_error)?;
-        let name = entry.file_name();
-        let name = name.as_encoded_bytes();
-        let partial = name.starts_with(b".") && name.ends_with(b".partial");
-        if partial && entry.file_type().map_err(list_error)?.is_file() {
-            let path = entry.path();
-            fs::remove_file(&path).map_err(|cause| FileError::new("remove", &path, cause))?;
-            removed += 1;
-        }
-    }
-    Ok(removed)
 }
 
 /// Reads a whole file.
@@ -169,18 +149,5 @@ mod tests {
         let panicked = std::panic::catch_unwind(|| write_whole::<()>(&path, |_| panic!("on purpose")));
         assert!(panicked.is_err());
         assert_eq!(names(folder.path()), ["taken"]);
-    }
-
-    #[test]
-    fn only_partial_files_are_removed() {
-        let folder = tempfile::tempdir().unwrap();
-        for name in [".a.bws.partial", ".b.json.partial", "c.partial", ".d", "e.bws"] {
-            fs::write(folder.path().join(name), name).unwrap();
-        }
-        fs::create_dir(folder.path().join(".f.partial")).unwrap();
-        assert_eq!(remove_partials(folder.path()).unwrap(), 2);
-        assert_eq!(names(folder.path()), [".d", ".f.partial", "c.partial", "e.bws"]);
-        let error = remove_partials(&folder.path().join("none")).unwrap_err();
-        assert_eq!((error.action, error.cause.kind()), ("list", io::ErrorKind::NotFound));
     }
 }

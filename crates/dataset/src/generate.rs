@@ -185,9 +185,8 @@ pub fn generate(
     let layout = Shards::new(factory, folder);
     let mine = settings.slice.shards(layout.count);
 
-    let mut shards: Vec<Option<Shard>> = pool.install(|| {
-        (0..layout.count).into_par_iter().map(|number| layout.find(number)).collect::<Result<_, _>>()
-    })?;
+    let mut shards = vec![None; layout.count as usize];
+    pool.install(|| layout.find_missing(&mut shards))?;
     let size = |number: u32| layout.records(number).end - layout.records(number).start;
     let kept = mine.clone().filter(|&number| shards[number as usize].is_some()).map(size).sum();
     let total = mine.clone().map(size).sum();
@@ -237,16 +236,28 @@ pub fn generate(
         searched
     })?;
 
+    // Other slices may have been at work meanwhile.
+    pool.install(|| layout.find_missing(&mut shards))?;
     let missing = shards.iter().filter(|shard| shard.is_none()).count() as u32;
     let manifest = match shards.into_iter().collect::<Option<Vec<Shard>>>() {
         Some(shards) => {
             let manifest = layout.manifest(shards);
-            manifest.store(folder)?;
+            layout.store(&manifest)?;
             Some(manifest)
         }
         None => None,
     };
     Ok(Generated { manifest, made, kept, missing, cancelled })
+}
+
+/// Milliseconds that each search of a shard took, in the order of its records; `None` where they are not known.
+pub fn search_times(shard: &Path) -> Option<Vec<f64>> {
+    let text = fs::read_to_string(times_file(shard)).ok()?;
+    text.lines().skip(1).map(|line| line.split_once(',')?.1.parse().ok()).collect()
+}
+
+fn times_file(shard: &Path) -> PathBuf {
+    shard.with_extension("ms.csv")
 }
 
 /// Refuses a folder whose finished dataset is another one.
@@ -291,6 +302,15 @@ impl<'a> Shards<'a> {
             fingerprint: self.factory.fingerprint(),
             first_record: self.records(number).start,
         }
+    }
+
+    /// Looks for the shards that are not known yet.
+    fn find_missing(&self, shards: &mut [Option<Shard>]) -> Result<(), GenerateError> {
+        let missing = shards.par_iter_mut().enumerate().filter(|(_, shard)| shard.is_none());
+        missing.try_for_each(|(number, shard)| {
+            *shard = self.find(number as u32)?;
+            Ok(())
+        })
     }
 
     /// The shard of an earlier run, checked byte by byte; `None` if there is none.
@@ -343,7 +363,7 @@ impl<'a> Shards<'a> {
     /// Writes a shard, and before it the times of its searches.
     fn write(&self, made: &Made) -> Result<Shard, FileError> {
         let file = self.folder.join(Self::file(made.number));
-        write_whole(&file.with_extension("ms.csv"), |out| {
+        write_whole(&times_file(&file), |out| {
             writeln!(out, "trajectory,milliseconds")?;
             for (index, milliseconds) in self.records(made.number).zip(&made.milliseconds) {
                 writeln!(out, "{index},{milliseconds:.3}")?;
@@ -358,6 +378,14 @@ impl<'a> Shards<'a> {
             writer.finish().map(|(_, summary)| summary)
         })?;
         Ok(Shard { summary, moves: made.moves })
+    }
+
+    /// Stores the manifest; two slices that end at once take turns.
+    fn store(&self, manifest: &Manifest) -> Result<(), FileError> {
+        let first = self.folder.join(Self::file(0));
+        let turn = File::open(&first).and_then(|file| file.lock().map(|()| file));
+        let _turn = turn.map_err(|cause| FileError::new("lock", &first, cause))?;
+        manifest.store(self.folder)
     }
 
     fn manifest(&self, shards: Vec<Shard>) -> Manifest {

@@ -42,9 +42,9 @@ mod trajectory;
 pub use codec::CodecError;
 pub use config::{Config, ConfigError, LayoutConfig, Named, Size, SizeError, StartChoice};
 pub use factory::{Factory, FactoryError};
-pub use file::{FileError, remove_partials, write_whole};
+pub use file::{FileError, write_whole};
 pub use generate::{
-    GenerateError, GenerateProgress, GenerateSettings, Generated, Slice, SliceError, generate,
+    GenerateError, GenerateProgress, GenerateSettings, Generated, Slice, SliceError, generate, search_times,
 };
 pub use manifest::{Manifest, ManifestError, ShardEntry};
 pub use shard::{Block, PackError, Record, ShardError, ShardHeader, ShardReader, ShardSummary, ShardWriter};

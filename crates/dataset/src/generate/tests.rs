@@ -44,9 +44,9 @@ fn the_dataset_holds_every_trajectory_in_order() {
     assert_eq!(dataset.manifest().moves, records.iter().map(|it| it.moves.len() as u64).sum::<u64>());
     assert_eq!(dataset.manifest().strata["voronoi/9x8/short"], 12);
     records.iter().for_each(|it| drop(it.replay().unwrap()));
-    let times = fs::read_to_string(folder.path().join("shard-00004.ms.csv")).unwrap();
-    assert_eq!(times.lines().count(), 1 + 3);
-    assert!(times.starts_with("trajectory,milliseconds\n20,"));
+    let times = search_times(&folder.path().join("shard-00004.bws")).unwrap();
+    assert!(times.len() == 3 && times.iter().all(|&milliseconds| milliseconds > 0.0), "{times:?}");
+    assert_eq!(search_times(&folder.path().join("shard-00005.bws")), None);
 }
 
 #[test]
@@ -70,6 +70,21 @@ fn slices_equal_a_whole_run_in_any_order() {
             assert_eq!((generated.manifest.is_some(), generated.missing == 0), (last, last));
         }
         assert_eq!(bytes(folder.path()), expected, "{of} slices");
+    }
+}
+
+#[test]
+fn slices_at_work_together_equal_a_whole_run() {
+    let (_whole, expected) = whole();
+    for _ in 0..10 {
+        let folder = tempfile::tempdir().unwrap();
+        std::thread::scope(|scope| {
+            for part in 1..=3 {
+                let folder = folder.path();
+                scope.spawn(move || run(SMALL, folder, &format!("{part}/3"), 1).unwrap());
+            }
+        });
+        assert_eq!(bytes(folder.path()), expected, "the last one to end writes the manifest");
     }
 }
 
