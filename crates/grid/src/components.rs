@@ -19,6 +19,9 @@ impl Components {
     }
 
     /// The component of a cell, from 0 in the order of their first cells; [`Components::OUTSIDE`] outside the region.
+    ///
+    /// # Panics
+    /// If the cell lies outside the plane.
     pub fn label(&self, cell: Cell) -> u32 {
         self.label[cell as usize]
     }

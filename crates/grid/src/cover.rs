@@ -188,7 +188,7 @@ impl Ends {
             let piece = rng.random_range(0..self.pieces.len());
             if rng.random() {
                 self.pieces[piece].reverse();
-                self.settle(piece, 0..self.pieces[piece].len());
+                work_left = work_left.saturating_sub(self.settle(piece, 0..self.pieces[piece].len()));
             }
             let end = *self.pieces[piece].last().expect("a piece has cells");
             neighbours.clear();

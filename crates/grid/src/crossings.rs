@@ -4,6 +4,8 @@ use crate::path::link;
 use crate::{Cell, Path, Region, Sides, Switch, Zones};
 
 /// Which links of a region cross from one zone to another.
+///
+/// Its methods take paths, switches and cells of that region; they panic on cells outside the plane.
 #[derive(Clone, Debug)]
 pub struct Crossings {
     /// For each cell, whether its links to the right and below cross.

@@ -217,8 +217,8 @@ fn voronoi(region: &Region, zones: u8, rng: &mut ChaCha8Rng) -> Result<Vec<u8>, 
     }
     let squared = |x: u32, y: u32, seed: (u32, u32)| x.abs_diff(seed.0).pow(2) + y.abs_diff(seed.1).pow(2);
     Ok(draw(region, |x, y| {
-        let nearest = (0..).zip(&seeds).min_by_key(|&(_, &seed)| squared(x, y, seed));
-        nearest.map_or(0, |(zone, _)| zone)
+        let nearest = seeds.iter().enumerate().min_by_key(|&(_, &seed)| squared(x, y, seed));
+        nearest.map_or(0, |(zone, _)| zone as u8)
     }))
 }
 
@@ -276,6 +276,15 @@ mod tests {
         let digest =
             draw(3).ids().iter().fold(0_u32, |sum, &id| sum.wrapping_mul(31).wrapping_add(u32::from(id)));
         assert_eq!(digest, 3_013_580_649);
+    }
+
+    #[test]
+    fn the_most_zones_are_drawn() {
+        let region = plane(255, 20);
+        for layout in [Layout::Stripes, Layout::Islands, Layout::Voronoi, Layout::Checkerboard] {
+            let zones = LayoutSpec { layout, zones: 255, side: 1 }.zones(&region, 0).unwrap();
+            assert_eq!(zones.count(), 255, "{layout}");
+        }
     }
 
     #[test]

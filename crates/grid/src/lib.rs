@@ -34,8 +34,8 @@
 //! code with the moves. Nothing here does I/O or depends on the machine; layouts are drawn with ChaCha8.
 //!
 //! # Limits
-//! At most [`Region::MAX_SIDE`] cells a side and [`Zones::MAX`] zones. A move keeps the cells at which the pieces begin and
-//! end, and which piece follows which; it cannot change the number of pieces.
+//! At most [`Region::MAX_SIDE`] cells a side and [`Zones::MAX`] zones. A move keeps the first and the last cell of
+//! all and the two cells of every jump between pieces; it cannot change the number of pieces.
 
 mod components;
 mod cover;

@@ -85,8 +85,10 @@ impl Path {
     /// Makes this path a copy of another one of the same region, without allocating.
     ///
     /// # Panics
-    /// If the two have different numbers of cells.
+    /// If the two have regions or planes of different sizes.
     pub fn copy_from(&mut self, other: &Self) {
+        let sizes = |path: &Self| (path.order.len(), path.links.len());
+        assert_eq!(sizes(self), sizes(other), "paths of one region are copied");
         self.width = other.width;
         self.pieces = other.pieces;
         self.order.copy_from_slice(&other.order);
@@ -114,31 +116,34 @@ impl Path {
         self.links.len() as u32 / self.width
     }
 
-    /// Place of a cell of the region on the path, from 0.
+    /// Place of a cell of the region on the path, from 0; a number past the end for the plane's other cells.
+    ///
+    /// # Panics
+    /// If the cell lies outside the plane, as for all queries of a cell.
     #[inline]
     pub fn position(&self, cell: Cell) -> u32 {
         self.position[cell as usize]
     }
 
-    /// Whether the path steps between this cell and its right neighbour.
+    /// Whether the path steps between this cell of the plane and its right neighbour.
     #[inline]
     pub fn linked_right(&self, cell: Cell) -> bool {
         self.links[cell as usize] & link::RIGHT != 0
     }
 
-    /// Whether the path steps between this cell and the neighbour below.
+    /// Whether the path steps between this cell of the plane and the neighbour below.
     #[inline]
     pub fn linked_below(&self, cell: Cell) -> bool {
         self.links[cell as usize] & link::BELOW != 0
     }
 
-    /// The cell before this one; `None` at the beginning of a piece.
+    /// The cell before this one of the region; `None` at the beginning of a piece.
     pub fn previous(&self, cell: Cell) -> Option<Cell> {
         let before = *self.order.get((self.position(cell) as usize).checked_sub(1)?)?;
         self.is_step(before, cell).then_some(before)
     }
 
-    /// The cell after this one; `None` at the end of a piece.
+    /// The cell after this one of the region; `None` at the end of a piece.
     pub fn next(&self, cell: Cell) -> Option<Cell> {
         let after = *self.order.get(self.position(cell) as usize + 1)?;
         self.is_step(cell, after).then_some(after)

@@ -42,7 +42,8 @@ impl Cuts {
 impl Path {
     /// Where the links of the unit cell at `corner` along `from` cut the path.
     ///
-    /// Both links must be there, as [`Path::sides`] tells; otherwise the answer means nothing.
+    /// Both links must be there, as [`Path::sides`] tells; otherwise the answer means nothing, or there is a panic where no
+    /// unit cell begins.
     #[inline]
     pub fn cuts(&self, corner: Cell, from: Sides) -> Cuts {
         let (a, d) = (corner as usize, corner as usize + self.width as usize + 1);

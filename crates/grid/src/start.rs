@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-use crate::{Cell, Path, PathError, Region, cover};
+use crate::{Cell, Path, Region, cover};
 
 /// A way to visit a region, chosen without looking at its zones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -55,11 +55,8 @@ impl Start {
         if let Some(jump) = order.windows(2).find(|step| !region.adjacent(step[0], step[1])) {
             return Err(StartError { start: self, from: region.xy(jump[0]), to: region.xy(jump[1]) });
         }
-        Path::hamiltonian(region, order).map_err(|error| match error {
-            PathError::Order(_) | PathError::Pieces(_) => {
-                unreachable!("the order was clipped to the region: {error}")
-            }
-        })
+        Ok(Path::hamiltonian(region, order)
+            .expect("all cells of the plane, clipped to the region, in unit steps"))
     }
 
     /// Its name in configurations and on the command line.

@@ -62,6 +62,9 @@ impl Zones {
     }
 
     /// Zone of a cell; [`Zones::OUTSIDE`] outside the region.
+    ///
+    /// # Panics
+    /// If the cell lies outside the plane.
     pub fn id(&self, cell: Cell) -> u8 {
         self.ids[cell as usize]
     }

@@ -47,7 +47,7 @@ const EXTRA_BYTES: usize = 1 << 20;
 impl Picture {
     /// Reads a picture: every kind of PNG, reduced to 8 bits a channel; of an animation the first frame.
     ///
-    /// Each distinct colour is a zone; how opaque a pixel is only decides whether it belongs to the region. The size is
+    /// Each distinct colour of 8 bits a channel is a zone; how opaque a pixel is only decides whether it belongs to the region. The size is
     /// checked before any pixel is decoded. Linear in the pixels.
     pub fn from_png(bytes: &[u8]) -> Result<Self, PictureError> {
         let (width, height) = size(bytes)?;

@@ -17,9 +17,9 @@ use crate::{Cost, Move};
 pub struct Free {
     /// Moves to propose.
     pub proposals: u64,
-    /// Temperature at the beginning, in units of the cost.
+    /// Temperature at the beginning, in units of the cost; positive.
     pub hot: f64,
-    /// Temperature at the end; it falls geometrically.
+    /// Temperature at the end, positive; it falls geometrically.
     pub cold: f64,
     /// How far from a unit cell that changes the cost the first switch may lie, in cells.
     pub reach: u32,
@@ -43,7 +43,8 @@ pub(super) fn run<C: Cost>(free: &Free, start: Path, cost: &C, settings: &Settin
     let mut run = Run::new(start, cost, settings);
     let corners = corners(&run.path, cost, free.reach);
     if corners.is_empty() {
-        return run.finish(Stop::Done, 0);
+        let stop = run.stop().unwrap_or(Stop::Done);
+        return run.finish(stop, 0);
     }
     let touching = Touching::new(run.path.width());
     let nearby = (free.nearby * f64::from(1 << 16)) as u64;
@@ -138,8 +139,9 @@ fn corners<C: Cost>(path: &Path, cost: &C, reach: u32) -> Vec<Cell> {
             if !cost.is_sensitive(y * path.width() + x, path.width()) {
                 continue;
             }
-            for row in y.saturating_sub(reach)..rows.min(y + reach + 1) {
-                for column in x.saturating_sub(reach)..columns.min(x + reach + 1) {
+            for row in y.saturating_sub(reach)..rows.min(y.saturating_add(reach).saturating_add(1)) {
+                for column in x.saturating_sub(reach)..columns.min(x.saturating_add(reach).saturating_add(1))
+                {
                     near[(row * columns + column) as usize] = true;
                 }
             }

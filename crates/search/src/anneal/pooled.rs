@@ -55,11 +55,10 @@ impl Pooled {
 
 pub(super) fn run<C: Cost>(pooled: &Pooled, start: Path, cost: &C, settings: &Settings<'_>) -> Outcome {
     let mut run = Run::new(start, cost, settings);
-    let anchors = anchors(run.path.width(), run.path.height());
     let width = run.path.width();
     let first_flips = (f64::from(pooled.iterations) * pooled.transposes_only) as u32;
     let mut hot = pooled.hot;
-    let mut pool = Vec::new();
+    let mut pool = Pool::new(pooled.pool);
     let mut pool_age = pooled.pool_life;
     let mut last_gain = 0;
 
@@ -72,7 +71,7 @@ pub(super) fn run<C: Cost>(pooled: &Pooled, start: Path, cost: &C, settings: &Se
         if pool_age >= pooled.pool_life || iteration == first_flips {
             let kinds: &[Kind] =
                 if iteration < first_flips { &[Kind::Transpose] } else { &[Kind::Transpose, Kind::Flip] };
-            fill(&mut pool, &run.path, &anchors, kinds, pooled.pool);
+            pool.fill(&run.path, kinds);
             pool_age = 0;
             let temperature = pooled.temperature(iteration, hot);
             run.observe(u64::from(iteration), u64::from(pooled.iterations), temperature);
@@ -81,11 +80,11 @@ pub(super) fn run<C: Cost>(pooled: &Pooled, start: Path, cost: &C, settings: &Se
             }
         }
         pool_age += 1;
-        if pool.is_empty() {
+        if pool.moves.is_empty() {
             // Nothing to draw until the pool is made anew, and the path does not change before.
             continue;
         }
-        let placed = pool[below(&mut run.rng, pool.len())];
+        let placed = pool.moves[below(&mut run.rng, pool.moves.len())];
         if !run.path.allows_variant(placed) {
             continue;
         }
@@ -100,27 +99,31 @@ pub(super) fn run<C: Cost>(pooled: &Pooled, start: Path, cost: &C, settings: &Se
     run.finish(stop, u64::from(pooled.iterations))
 }
 
-/// Anchors of all windows, from the border of the plane inwards, ring by ring, row by row in each.
-fn anchors(width: u32, height: u32) -> Vec<(u16, u16)> {
-    let (columns, rows) = (width.saturating_sub(1), height.saturating_sub(1));
-    let ring = |&(x, y): &(u16, u16)| {
-        let (x, y) = (u32::from(x), u32::from(y));
-        x.min(y).min(columns - 1 - x).min(rows - 1 - y)
-    };
-    let mut anchors: Vec<(u16, u16)> =
-        (0..rows as u16).flat_map(|y| (0..columns as u16).map(move |x| (x, y))).collect();
-    anchors.sort_by_key(ring);
-    anchors
+/// The moves to draw from.
+struct Pool {
+    capacity: usize,
+    moves: Vec<Placed>,
+    /// Those of each ring of windows, the outermost first.
+    rings: Vec<Vec<Placed>>,
 }
 
-/// Fills the pool with the moves that apply now, in the order of the anchors, as far as it goes.
-fn fill(pool: &mut Vec<Placed>, path: &Path, anchors: &[(u16, u16)], kinds: &[Kind], capacity: usize) {
-    pool.clear();
-    for &(x, y) in anchors {
-        pool.extend(path.variants_at(x, y, kinds));
-        if pool.len() >= capacity {
-            pool.truncate(capacity);
-            return;
-        }
+impl Pool {
+    fn new(capacity: usize) -> Self {
+        Self { capacity, moves: Vec::new(), rings: Vec::new() }
+    }
+
+    /// Takes the moves that apply now, from the border of the plane inwards, ring by ring, row by row in each, as far as the
+    /// capacity goes.
+    fn fill(&mut self, path: &Path, kinds: &[Kind]) {
+        let (columns, rows) = (path.width().saturating_sub(1), path.height().saturating_sub(1));
+        self.rings.iter_mut().for_each(Vec::clear);
+        self.rings.resize(columns.min(rows).div_ceil(2) as usize, Vec::new());
+        path.for_each_variant(kinds, |placed| {
+            let (x, y) = (u32::from(placed.x), u32::from(placed.y));
+            let ring = x.min(y).min(columns - 1 - x).min(rows - 1 - y);
+            self.rings[ring as usize].push(placed);
+        });
+        self.moves.clear();
+        self.moves.extend(self.rings.iter().flatten().take(self.capacity));
     }
 }
