@@ -45,6 +45,7 @@ fn smoke_is_made_shown_and_verified() {
     assert_eq!((&json["records"], &json["moves"]), (&96.into(), &made["moves"]));
     let shard = run(&["inspect", text(&folder.path().join("shard-00001.bws")), "--verify", "--records", "1"]);
     assert!(shard.contains("32 trajectories") && shard.contains("trajectory 32: "), "{shard}");
+    assert!(shown.contains("searches took "), "{shown}");
 }
 
 #[test]
@@ -92,11 +93,11 @@ fn ten_kills_and_a_resume_equal_an_unbroken_run() {
         } else {
             // It was done before the kill: let the next one lose something again.
             finished += 1;
+            assert!(finished < 10, "the work is too short to be interrupted");
             fs::remove_dir_all(&broken).unwrap();
         }
         child.wait().unwrap();
     }
-    assert!(finished < 10, "the work is too short to be interrupted");
     run(&["gen-data", "--config", &file, "--out", text(&broken)]);
     assert_eq!(dataset(&broken), dataset(&unbroken));
     run(&["inspect", text(&broken), "--verify"]);
@@ -113,9 +114,9 @@ fn ctrl_c_ends_cleanly_and_the_run_goes_on() {
         .args(["gen-data", "--config", &file, "--out", text(&out)])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped());
-    let child = command.spawn().unwrap();
+    let mut child = command.spawn().unwrap();
     // Once a shard is there, the handler is too.
-    while !out.join("shard-00000.bws").exists() {
+    while child.try_wait().unwrap().is_none() && !out.join("shard-00000.bws").exists() {
         std::thread::sleep(Duration::from_millis(5));
     }
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
@@ -236,18 +237,18 @@ fn wrong_configurations_are_refused() {
     let out = folder.path().join("out");
     for (toml, word) in [
         ("count = 1\ncolour = 'red'", "colour"),
-        ("count = 1\npresets = ['paper']", "layouts"),
+        ("count = 1\npresets = ['paper']", "config.toml': it needs 'layouts'"),
+        ("count = 1\ncount = 2", "config.toml': line 2: "),
         ("count = 1\npresets = ['paper']\nlayouts = [{ name = 'islands' }]\nsizes = ['5x5']", "no room"),
     ] {
         let file = config(folder.path(), toml);
-        let output = beadwork().args(["gen-data", "--config", &file, "--out", text(&out)]).output().unwrap();
-        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(1), "{stderr}");
-        assert!(stderr.contains(word), "{stderr}");
+        let error = fail(&["gen-data", "--config", &file, "--out", text(&out)]);
+        assert!(error.contains(word), "{error}");
     }
     assert!(fail(&["gen-data", "--config", text(&folder.path().join("none.toml"))]).contains("none.toml"));
     assert!(!out.exists(), "nothing is made of a wrong configuration");
-    let wrong_use: [&[&str]; 5] = [
+    let wrong_use: [&[&str]; 6] = [
+        &["gen-data", "--preset", "smoke", "--pictures", "."],
         &["gen-data"],
         &["gen-data", "--preset", "none"],
         &["gen-data", "--preset", "smoke", "--shard", "3/2"],

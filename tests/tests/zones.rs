@@ -92,7 +92,7 @@ fn a_folder_of_pictures_becomes_a_dataset() {
     write_png(&pictures.join("disc-20.png"), 20, &disc(20).iter().rev().copied().collect::<Vec<_>>());
     assert!(fail(&make).contains("another configuration"));
     fs::write(pictures.join("broken.png"), "text").unwrap();
-    assert!(fail(&make).contains("picture 'broken'"));
+    assert!(fail(&make).contains("picture 'broken.png'"));
     assert!(
         fail(&["gen-data", "--preset", "pictures", "--pictures", text(&out)]).contains("no PNG pictures")
     );

@@ -1,10 +1,12 @@
 //! `bench`: rates and ratios, measured in one run.
 
 use std::fmt::Write;
+use std::fs;
 use std::hint::black_box;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use anyhow::{Context, bail};
 use beadwork_dataset::{Config, Factory, GenerateSettings, Slice, generate};
 use beadwork_grid::{Crossings, Kind, Layout, LayoutSpec, Path, Region, Start, Switch};
 use beadwork_search::{Preset, Settings, anneal};
@@ -42,7 +44,7 @@ struct GridArgs {
 #[derive(clap::Args)]
 struct DatasetArgs {
     /// Trajectories; the preset's own number if not given.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     count: Option<u64>,
     /// Times each is measured; the median is shown.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
@@ -150,8 +152,8 @@ fn grid_row(side: u32, repeats: u64) -> anyhow::Result<GridRow> {
     })
 }
 
-/// A million pairs of switches at random places, both of which take out two links that are there: the cases in which
-/// positions decide.
+/// A million pairs of switches at random places, the second one or two cells from the first; both take out two links that
+/// are there: the cases in which positions decide.
 fn shuffled_pairs(path: &Path, side: u32) -> Vec<[Switch; 2]> {
     let corners: Vec<u32> = (0..side * side).filter(|&corner| path.sides(corner).is_some()).collect();
     let mut state = 1_u64;
@@ -190,8 +192,9 @@ fn dataset(args: &DatasetArgs) -> anyhow::Result<()> {
             let begin = Instant::now();
             let generated = generate(&factory, &folder, &settings);
             seconds[threads - 1].push(begin.elapsed().as_secs_f64());
-            std::fs::remove_dir_all(&folder)?;
-            let Some(manifest) = generated?.manifest else { anyhow::bail!("stopped") };
+            let removed = fs::remove_dir_all(&folder);
+            let Some(manifest) = generated?.manifest else { bail!("stopped") };
+            removed.with_context(|| format!("cannot remove '{}'", folder.display()))?;
             let bytes: u64 = manifest.shards.iter().map(|shard| shard.bytes).sum();
             let raw_bytes: u64 = manifest.shards.iter().map(|shard| shard.raw_bytes).sum();
             facts = json!({

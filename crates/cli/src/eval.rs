@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use anyhow::bail;
-use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start, Zones, piece_bound};
+use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start, Zones};
 use beadwork_search::{Preset, Settings, anneal, bound};
 use clap::Subcommand;
 use rayon::prelude::*;
@@ -108,7 +108,7 @@ fn zones(args: &ZonesArgs) -> anyhow::Result<()> {
         }
     }
 
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads).build()?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
     let cancel = cancel::token()?;
     let bar = progress::bar(jobs.len() as u64, "eval zones");
     let run = |job: Job| {
@@ -174,6 +174,7 @@ fn search(job: Job, cancel: &AtomicBool) -> anyhow::Result<Run> {
             (outcome.cost as u32, outcome.moves.len() as u64)
         }
     };
+    let seconds = begin.elapsed().as_secs_f64();
     let row = Row {
         layout: layout.name().to_owned(),
         width: size.width,
@@ -182,13 +183,15 @@ fn search(job: Job, cancel: &AtomicBool) -> anyhow::Result<Run> {
         seed: job.seed,
         method: job.preset.map_or(MethodName::Zigzag, |_| MethodName::Anneal).name().to_owned(),
         preset: job.preset.map(|preset| preset.name().to_owned()),
+        start: Start::RowZigzag.name().to_owned(),
         initial,
         crossings: best,
         bound: Some(lower),
         pieces: 1,
-        piece_bound: piece_bound(&region),
+        // It has a path of one piece.
+        piece_bound: 1,
         moves,
-        seconds: begin.elapsed().as_secs_f64(),
+        seconds,
     };
     Ok(Run { job, row })
 }
@@ -263,21 +266,17 @@ fn tables(runs: &[Run], seeds: u64) -> Result<String, std::fmt::Error> {
         text,
         "\n## Mean reduction of crossings, preset `paper`, in % (the paper's Table 5 in brackets)\n"
     )?;
-    table(&mut text, |cell| format!("{:.1} ({:.1})", totals(cell, runs).mean, cell.mean))?;
+    table(&mut text, |cell| format!("{} ({:.1})", percent(totals(cell, runs).mean), cell.mean))?;
     let averaged = AVERAGED.map(|preset| format!("`{preset}`")).join(", ");
     writeln!(text, "\n## Mean over the presets {averaged}, in % (the paper's Table 5 in brackets)\n")?;
-    table(&mut text, |cell| format!("{:.1} ({:.1})", totals(cell, runs).mean_of_presets, cell.mean))?;
+    table(&mut text, |cell| format!("{} ({:.1})", percent(totals(cell, runs).mean_of_presets), cell.mean))?;
     writeln!(
         text,
         "\n## Best reduction of crossings, in %: by the paper's presets / by `fast` (the paper's Table 3 in brackets)\n"
     )?;
     table(&mut text, |cell| {
         let totals = totals(cell, runs);
-        let ours = [totals.best, totals.best_fast].map(|best| match best {
-            best if best.is_nan() => "-".to_owned(),
-            best => format!("{best:.1}"),
-        });
-        format!("{} / {} ({:.1})", ours[0], ours[1], cell.best)
+        format!("{} / {} ({:.1})", percent(totals.best), percent(totals.best_fast), cell.best)
     })?;
     writeln!(text, "\nInstances whose zigzag crosses within 10 % as often as the paper's:")?;
     for cell in paper::cells().filter(|cell| cell.layout.is_random()) {
@@ -289,6 +288,11 @@ fn tables(runs: &[Run], seeds: u64) -> Result<String, std::fmt::Error> {
         )?;
     }
     Ok(text)
+}
+
+/// A share, or a dash where no run gave one.
+fn percent(value: f64) -> String {
+    if value.is_nan() { "-".to_owned() } else { format!("{value:.1}") }
 }
 
 /// A table of the 24 cells, a row for each layout.

@@ -7,7 +7,7 @@ use anyhow::{Context, bail};
 use beadwork_dataset::{Config, Factory, GenerateProgress, GenerateSettings, Slice, generate};
 use serde_json::json;
 
-use crate::{cancel, output, progress};
+use crate::{cancel, machine, output, progress};
 
 /// Write training data: records of searches in checked, resumable shards.
 ///
@@ -61,7 +61,8 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let (name, mut config) = args.source.load()?;
     if let Some(pictures) = &args.pictures {
         if config.pictures.is_none() {
-            bail!("--pictures needs a configuration of pictures, such as --preset pictures");
+            let message = "--pictures needs a configuration of pictures, such as --preset pictures\n";
+            clap::Error::raw(clap::error::ErrorKind::ArgumentConflict, message).exit();
         }
         config.pictures = Some(pictures.to_string_lossy().into_owned());
     }
@@ -69,7 +70,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     config.count = args.count.unwrap_or(config.count);
     let folder = args.out.clone().unwrap_or_else(|| Path::new("datasets").join(name));
     let pictures = match &config.pictures {
-        Some(pictures) => read_pictures(Path::new(pictures))?,
+        Some(configured) => read_pictures(args.pictures.as_deref().unwrap_or(Path::new(configured)))?,
         None => Vec::new(),
     };
     let factory = Factory::new(config, pictures)?;
@@ -85,7 +86,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     };
     let settings = GenerateSettings {
         slice: args.shard,
-        threads: args.threads,
+        threads: machine::threads(args.threads),
         cancel: cancel::token()?,
         observer: &observer,
     };
@@ -105,19 +106,19 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     });
     if args.json {
         return output::json(&json!({
-            "out": folder, "slice": args.shard.to_string(), "made": generated.made, "kept": generated.kept,
+            "out": folder.display().to_string(), "slice": args.shard.to_string(), "made": generated.made, "kept": generated.kept,
             "missing_shards": generated.missing, "complete": generated.manifest.is_some(),
             "moves": moves, "bytes": bytes, "raw_bytes": raw_bytes,
         }));
     }
     let trajectories = generated.made + generated.kept;
     output::text(&match generated.manifest {
-        Some(_) => format!(
-            "{trajectories} trajectories, {moves} moves, {:.1} MB in '{}' ({} made now, {} kept)\n",
+        Some(manifest) => format!(
+            "{} trajectories, {moves} moves, {:.1} MB in '{}'; {} made now\n",
+            manifest.records,
             bytes as f64 / 1e6,
             folder.display(),
-            generated.made,
-            generated.kept
+            generated.made
         ),
         None => format!(
             "slice {}: {trajectories} trajectories in '{}'; {} shards of other slices are missing\n",

@@ -8,12 +8,12 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use anyhow::{Context, bail};
-use beadwork_dataset::{Dataset, ShardHeader, ShardReader, ShardSummary, Trajectory, search_times};
+use beadwork_dataset::{Dataset, ShardReader, Trajectory, search_times};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde_json::json;
 
-use crate::{cancel, output, progress};
+use crate::{cancel, machine, output, progress};
 
 /// Show what a dataset or a shard holds, and check it.
 #[derive(clap::Args)]
@@ -43,8 +43,11 @@ pub(crate) struct Args {
 /// A shard to look at.
 struct Shard {
     path: PathBuf,
-    header: ShardHeader,
-    summary: ShardSummary,
+    first_record: u64,
+    records: u64,
+    blocks: u32,
+    bytes: u64,
+    raw_bytes: u64,
 }
 
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
@@ -52,21 +55,22 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         fs::metadata(&args.path).with_context(|| format!("cannot read '{}'", args.path.display()))?;
     let dataset = if metadata.is_dir() { Some(Dataset::open(&args.path)?) } else { None };
     let shards = match &dataset {
-        Some(dataset) => checked_shards(dataset, &args.path)?,
+        Some(dataset) => listed_shards(dataset, &args.path),
         None => vec![read_shard(&args.path)?],
     };
     let shown = first_records(&shards, args.records)?;
     if args.verify {
-        verify(&shards, args.threads)?;
+        verify(&shards, dataset.as_ref(), args.threads)?;
     }
 
     let sum = |of: fn(&Shard) -> u64| shards.iter().map(of).sum::<u64>();
-    let (records, bytes) = (sum(|shard| shard.summary.records), sum(|shard| shard.summary.bytes));
-    let raw_bytes = sum(|shard| shard.summary.raw_bytes);
+    let records = sum(|shard| shard.records);
+    let (bytes, raw_bytes) = (sum(|shard| shard.bytes), sum(|shard| shard.raw_bytes));
     let manifest = dataset.as_ref().map(Dataset::manifest);
     if args.json {
         return output::json(&json!({
-            "path": args.path, "shards": shards.len(), "records": records, "bytes": bytes, "raw_bytes": raw_bytes,
+            "path": args.path.display().to_string(), "shards": shards.len(), "records": records,
+            "bytes": bytes, "raw_bytes": raw_bytes,
             "moves": manifest.map(|manifest| manifest.moves),
             "strata": manifest.map(|manifest| &manifest.strata),
             "config": manifest.map(|manifest| &manifest.config),
@@ -91,13 +95,6 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         )?;
         writeln!(text, "config {}", manifest.config)?;
         write_strata(&mut text, &manifest.strata)?;
-    } else {
-        let header = &shards[0].header;
-        writeln!(
-            text,
-            "shard {}, records from {}, configuration {:016x}",
-            header.shard, header.first_record, header.fingerprint
-        )?;
     }
     let times: Option<Vec<Vec<f64>>> = shards.iter().map(|shard| search_times(&shard.path)).collect();
     if let Some(times) = times.map(|times| times.concat()).filter(|times| !times.is_empty()) {
@@ -116,14 +113,31 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     output::text(&text)
 }
 
-fn checked_shards(dataset: &Dataset, folder: &Path) -> anyhow::Result<Vec<Shard>> {
-    let entries = dataset.manifest().shards.par_iter().enumerate();
-    let shards = entries.map(|(number, entry)| {
-        let summary = dataset.verify_shard(number)?;
-        let header = ShardHeader { first_record: entry.first, ..read_header(&folder.join(&entry.file))? };
-        Ok(Shard { path: folder.join(&entry.file), header, summary })
+fn listed_shards(dataset: &Dataset, folder: &Path) -> Vec<Shard> {
+    let entries = dataset.manifest().shards.iter();
+    let shards = entries.map(|entry| Shard {
+        path: folder.join(&entry.file),
+        first_record: entry.first,
+        records: entry.records,
+        blocks: entry.blocks,
+        bytes: entry.bytes,
+        raw_bytes: entry.raw_bytes,
     });
     shards.collect()
+}
+
+/// A shard by itself, for which no manifest speaks: all of its bytes are checked.
+fn read_shard(path: &Path) -> anyhow::Result<Shard> {
+    let mut reader = open(path)?;
+    let summary = reader.verify().with_context(|| format!("cannot read '{}'", path.display()))?;
+    Ok(Shard {
+        path: path.to_owned(),
+        first_record: reader.header().first_record,
+        records: summary.records,
+        blocks: summary.blocks,
+        bytes: summary.bytes,
+        raw_bytes: summary.raw_bytes,
+    })
 }
 
 fn open(path: &Path) -> anyhow::Result<ShardReader<BufReader<File>>> {
@@ -131,19 +145,12 @@ fn open(path: &Path) -> anyhow::Result<ShardReader<BufReader<File>>> {
     ShardReader::open(BufReader::new(file)).with_context(|| format!("cannot read '{}'", path.display()))
 }
 
-fn read_header(path: &Path) -> anyhow::Result<ShardHeader> {
-    Ok(*open(path)?.header())
-}
-
-fn read_shard(path: &Path) -> anyhow::Result<Shard> {
-    let mut reader = open(path)?;
-    let summary = reader.verify().with_context(|| format!("cannot read '{}'", path.display()))?;
-    Ok(Shard { path: path.to_owned(), header: *reader.header(), summary })
-}
-
 fn first_records(shards: &[Shard], count: usize) -> anyhow::Result<Vec<Trajectory>> {
     let mut shown = Vec::new();
     for shard in shards {
+        if shown.len() == count {
+            break;
+        }
         for record in open(&shard.path)?.records().take(count - shown.len()) {
             shown.push(record.with_context(|| format!("cannot read '{}'", shard.path.display()))?);
         }
@@ -151,38 +158,55 @@ fn first_records(shards: &[Shard], count: usize) -> anyhow::Result<Vec<Trajector
     Ok(shown)
 }
 
-/// Replays all trajectories, block by block in parallel; stops at the first that is wrong.
-fn verify(shards: &[Shard], threads: usize) -> anyhow::Result<()> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+/// Checks every byte against the manifest and replays all trajectories, in parallel; stops at the first that is wrong.
+fn verify(shards: &[Shard], dataset: Option<&Dataset>, threads: usize) -> anyhow::Result<()> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(machine::threads(threads)).build()?;
     let cancel = cancel::token()?;
-    let bar = progress::bar(shards.iter().map(|shard| shard.summary.records).sum(), "verify");
+    let bar = progress::bar(shards.iter().map(|shard| shard.records).sum(), "verify");
     let blocks: Vec<(&Shard, u32)> =
-        shards.iter().flat_map(|shard| (0..shard.summary.blocks).map(move |block| (shard, block))).collect();
+        shards.iter().flat_map(|shard| (0..shard.blocks).map(move |block| (shard, block))).collect();
     let verified = pool.install(|| {
-        blocks.par_iter().try_for_each(|&(shard, block)| {
+        if let Some(dataset) = dataset {
+            (0..shards.len()).into_par_iter().try_for_each(|shard| dataset.verify_shard(shard).map(drop))?;
+        }
+        let moves = blocks.par_iter().map(|&(shard, block)| {
             if cancel.load(Ordering::Relaxed) {
                 bail!("stopped");
             }
             verify_block(shard, block, &bar)
-        })
+        });
+        moves.try_reduce(|| 0, |a, b| Ok(a + b))
     });
     bar.finish_and_clear();
-    verified
+    let moves = verified?;
+    match dataset.map(|dataset| dataset.manifest().moves) {
+        Some(listed) if listed != moves => {
+            bail!("the manifest counts {listed} moves, the shards hold {moves}")
+        }
+        _ => Ok(()),
+    }
 }
 
-fn verify_block(shard: &Shard, block: u32, bar: &ProgressBar) -> anyhow::Result<()> {
+/// Replays the trajectories of one block; gives the number of their moves.
+fn verify_block(shard: &Shard, block: u32, bar: &ProgressBar) -> anyhow::Result<u64> {
     let in_shard = || format!("'{}'", shard.path.display());
-    let trajectories: Vec<Trajectory> = open(&shard.path)?.read_block(block).with_context(in_shard)?;
-    for trajectory in trajectories {
-        let in_record = || format!("'{}', trajectory {}", shard.path.display(), trajectory.index);
-        trajectory.replay().with_context(in_record)?;
-        let numbers = shard.header.first_record..shard.header.first_record + shard.summary.records;
-        if !numbers.contains(&trajectory.index) {
-            bail!("'{}' holds trajectory {}, not one of {numbers:?}", shard.path.display(), trajectory.index);
+    let mut reader = open(&shard.path)?;
+    let first = shard.first_record + reader.first_of_block(block);
+    let trajectories: Vec<Trajectory> = reader.read_block(block).with_context(in_shard)?;
+    let mut moves = 0;
+    for (number, trajectory) in (first..).zip(trajectories) {
+        if trajectory.index != number {
+            bail!(
+                "'{}' holds trajectory {} in the place of {number}",
+                shard.path.display(),
+                trajectory.index
+            );
         }
+        trajectory.replay().with_context(|| format!("'{}', trajectory {number}", shard.path.display()))?;
+        moves += trajectory.moves.len() as u64;
         bar.inc(1);
     }
-    Ok(())
+    Ok(moves)
 }
 
 fn write_strata(text: &mut String, strata: &BTreeMap<String, u64>) -> std::fmt::Result {

@@ -23,6 +23,12 @@ pub(crate) fn line() -> String {
     format!("{}, {} cores, {}, commit {}", text("processor"), facts["cores"], text("system"), text("commit"))
 }
 
+/// The number of threads asked for, where 0 stands for one a core.
+pub(crate) fn threads(asked: usize) -> usize {
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    if asked == 0 { cores() } else { asked }
+}
+
 /// Peak memory of this process so far in bytes, where the system tells it.
 pub(crate) fn peak_memory_bytes() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
@@ -39,7 +45,14 @@ fn processor() -> Option<String> {
 
 fn commit() -> Option<String> {
     let run = |args: &[&str]| {
-        let output = Command::new("git").args(args).output().ok().filter(|output| output.status.success())?;
+        // The sources' repository, not the one that the user happens to be in.
+        let git = ["-C", env!("CARGO_MANIFEST_DIR")];
+        let output = Command::new("git")
+            .args(git)
+            .args(args)
+            .output()
+            .ok()
+            .filter(|output| output.status.success())?;
         Some(String::from_utf8(output.stdout).ok()?.trim().to_owned())
     };
     let commit = run(&["rev-parse", "--short=12", "HEAD"])?;

@@ -1,10 +1,12 @@
 //! `zones`: a path of few crossings for one layer.
 
-use std::path::PathBuf;
+use std::fs;
+use std::io::Write;
+use std::path::{Path as FilePath, PathBuf};
 use std::time::Instant;
 
-use anyhow::bail;
-use beadwork_dataset::StartChoice;
+use anyhow::{Context, bail};
+use beadwork_dataset::{StartChoice, write_whole};
 use beadwork_grid::{Crossings, Path, Start, piece_bound};
 use beadwork_part::{Panel, svg};
 use beadwork_search::{Preset, Settings, Stop, anneal, bound};
@@ -72,6 +74,7 @@ pub(crate) struct Row {
     pub(crate) seed: u64,
     pub(crate) method: String,
     pub(crate) preset: Option<String>,
+    pub(crate) start: String,
     pub(crate) initial: u32,
     pub(crate) crossings: u32,
     pub(crate) bound: Option<u32>,
@@ -84,9 +87,12 @@ pub(crate) struct Row {
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let instance = args.instance.load(args.seed)?;
     let Instance { region, zones, .. } = &instance;
-    let start = match args.start {
-        StartChoice::Given(start) => start.path(region)?,
-        StartChoice::Auto => Start::RowZigzag.path(region).or_else(|_| Start::Cover.path(region))?,
+    let (start_name, start) = match args.start {
+        StartChoice::Given(start) => (start, start.path(region)?),
+        StartChoice::Auto => match Start::RowZigzag.path(region) {
+            Ok(path) => (Start::RowZigzag, path),
+            Err(_) => (Start::Cover, Start::Cover.path(region)?),
+        },
     };
     let begin = Instant::now();
     let crossings = Crossings::new(region, zones);
@@ -115,6 +121,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         seed: args.seed,
         method: args.method.name().to_owned(),
         preset: (args.method == MethodName::Anneal).then(|| args.preset.name().to_owned()),
+        start: start_name.name().to_owned(),
         initial: crossings.count(&start),
         crossings: crossings.count(&best),
         bound: Some(lower),
@@ -125,7 +132,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     };
     if let Some(file) = &args.svg {
         let drawing = draw(&instance, &row, &start, &best);
-        beadwork_dataset::write_whole(file, |out| std::io::Write::write_all(out, drawing.as_bytes()))?;
+        write_drawing(file, &drawing)?;
     }
     if args.json {
         return output::json(&json!(row));
@@ -140,10 +147,18 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     ))
 }
 
+fn write_drawing(file: &FilePath, drawing: &str) -> anyhow::Result<()> {
+    // A terminal or a pipe must be written to, not replaced.
+    if fs::metadata(file).is_ok_and(|metadata| !metadata.is_file()) {
+        return fs::write(file, drawing).with_context(|| format!("cannot write '{}'", file.display()));
+    }
+    Ok(write_whole(file, |out| out.write_all(drawing.as_bytes()))?)
+}
+
 fn draw(instance: &Instance, row: &Row, start: &Path, best: &Path) -> String {
     let Instance { region, zones, colours, .. } = instance;
     let titles = [
-        format!("start: {} crossings", row.initial),
+        format!("{}: {} crossings", row.start, row.initial),
         format!("{}: {} crossings", row.preset.as_ref().unwrap_or(&row.method), row.crossings),
     ];
     let paths = [start, best];

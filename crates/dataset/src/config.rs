@@ -154,9 +154,23 @@ impl FromStr for StartChoice {
 #[derive(Clone, Debug, Error)]
 #[non_exhaustive]
 pub enum ConfigError {
-    /// It is no TOML, or has an unknown key or a wrong value. The message shows the place.
-    #[error("{0}")]
-    Toml(#[from] toml::de::Error),
+    /// It is no TOML, or has an unknown key or a wrong value.
+    #[error("line {line}: {message}")]
+    Toml {
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong there.
+        message: String,
+    },
+    /// It would make too many files.
+    #[error("{shards} shards are more than {max}: raise 'per_shard' or lower 'count'", max = Config::MAX_SHARDS)]
+    Shards {
+        /// Files it would make.
+        shards: u64,
+    },
+    /// Something is listed twice.
+    #[error("'{0}' is listed twice")]
+    Twice(String),
     /// A number is 0.
     #[error("'{0}' must be at least 1")]
     Zero(&'static str),
@@ -179,9 +193,15 @@ impl Config {
         ("pictures", include_str!("../../../configs/gen-data/pictures.toml")),
     ];
 
+    /// The largest number of shards, for their names have five digits.
+    pub const MAX_SHARDS: u64 = 100_000;
+
     /// Reads a configuration.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
-        let config: Self = toml::from_str(text)?;
+        let config: Self = toml::from_str(text).map_err(|error| ConfigError::Toml {
+            line: 1 + text[..error.span().map_or(0, |span| span.start)].matches('\n').count(),
+            message: error.message().replace('\n', " "),
+        })?;
         config.check()?;
         Ok(config)
     }
@@ -192,12 +212,17 @@ impl Config {
         Some(Self::from_toml(text).expect("the presets are tested"))
     }
 
-    fn check(&self) -> Result<(), ConfigError> {
+    /// Whether the parts go together.
+    pub(crate) fn check(&self) -> Result<(), ConfigError> {
         if self.count == 0 {
             return Err(ConfigError::Zero("count"));
         }
         if self.per_shard == 0 {
             return Err(ConfigError::Zero("per_shard"));
+        }
+        let shards = self.count.div_ceil(u64::from(self.per_shard));
+        if shards > Self::MAX_SHARDS {
+            return Err(ConfigError::Shards { shards });
         }
         if self.presets.is_empty() {
             return Err(ConfigError::Empty("presets"));
@@ -267,6 +292,8 @@ mod tests {
         assert_eq!(error(&|text| text.replace("count = 3", "count = 0")), "'count' must be at least 1");
         assert_eq!(error(&|text| format!("per_shard = 0\n{text}")), "'per_shard' must be at least 1");
         assert_eq!(error(&|text| text.replace("'short'", "")), "'presets' is empty");
+        assert!(error(&|text| text.replace("'short'", "'shor'")).starts_with("line 4: "));
+        assert!(error(&|text| text.replace("= 3", "= 99000000000")).contains("raise 'per_shard'"));
         assert_eq!(
             error(&|text| format!("pictures = 'x'\n{text}")),
             "it has both layouts and pictures: make two datasets"

@@ -1,9 +1,10 @@
 //! Makes the trajectories of a configuration, each from its number alone.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use beadwork_grid::{Crossings, LayoutSpec, Path, Region, Start, StartError, Zones};
+use beadwork_grid::{Crossings, LayoutError, LayoutSpec, Path, Region, Start, StartError, Zones};
 use beadwork_part::{Picture, PictureError};
 use beadwork_search::{Preset, Settings, Stop, anneal, bound};
 use rand::{Rng, SeedableRng};
@@ -12,7 +13,7 @@ use serde_json::json;
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
-use crate::config::{Config, Size, StartChoice};
+use crate::config::{Config, ConfigError, Size, StartChoice};
 use crate::shard::hex;
 use crate::trajectory::{DrawError, Instance, Moves, Trajectory};
 
@@ -26,6 +27,9 @@ pub struct Factory {
     strata: Vec<Stratum>,
     fingerprint: u64,
 }
+
+/// Times that an instance without room for its islands is drawn anew.
+const MAX_REDRAWS: u32 = 100;
 
 /// One combination of instance, preset and start.
 #[derive(Debug)]
@@ -55,10 +59,13 @@ struct PictureSource {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FactoryError {
+    /// The configuration contradicts itself.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
     /// A picture can't be read.
-    #[error("picture '{name}'")]
+    #[error("picture '{name}.png'")]
     Picture {
-        /// Its name.
+        /// Its file's name, without extension.
         name: String,
         /// What is wrong with it.
         source: PictureError,
@@ -89,6 +96,7 @@ impl Factory {
     ///
     /// Every combination is tried once, so that an impossible one is found before hours of work.
     pub fn new(config: Config, mut pictures: Vec<(String, Vec<u8>)>) -> Result<Self, FactoryError> {
+        config.check()?;
         pictures.sort();
         let mut echo = serde_json::to_value(&config).expect("a configuration is plain data");
         let sources: Vec<Source> = if config.pictures.is_some() {
@@ -117,6 +125,10 @@ impl Factory {
                     strata.push(Stratum::new(source.clone(), preset.0, start.0, config.starts.len() > 1));
                 }
             }
+        }
+        let mut names = HashSet::new();
+        if let Some(twice) = strata.iter().find(|stratum| !names.insert(&stratum.name)) {
+            return Err(ConfigError::Twice(twice.name.clone()).into());
         }
         for stratum in &strata {
             let (_, region, _) = stratum.draw(0)?;
@@ -167,8 +179,20 @@ impl Factory {
         let stratum = self.stratum_of(index);
         let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
         rng.set_stream(index);
-        let (instance_seed, seed) = (rng.next_u64(), rng.next_u64());
-        let (instance, region, zones) = stratum.draw(instance_seed)?;
+        let (mut instance_seed, seed) = (rng.next_u64(), rng.next_u64());
+        let mut redraws = 0;
+        let (instance, region, zones) = loop {
+            match stratum.draw(instance_seed) {
+                // A crowded layout finds room for its islands with some seeds only.
+                Err(FactoryError::Draw { cause: DrawError::Layout(LayoutError::NoRoom { .. }), .. })
+                    if redraws < MAX_REDRAWS =>
+                {
+                    redraws += 1;
+                    instance_seed = rng.next_u64();
+                }
+                drawn => break drawn?,
+            }
+        };
         let (start, path) = stratum.start(&region)?;
         let crossings = Crossings::new(&region, &zones);
         let pieces = path.pieces();
@@ -303,7 +327,12 @@ mod tests {
         let pictures = config("count = 1\npictures = 'x'\npresets = ['paper']");
         assert!(matches!(Factory::new(pictures.clone(), Vec::new()), Err(FactoryError::NoPictures)));
         let error = Factory::new(pictures, vec![("a".to_owned(), b"text".to_vec())]).unwrap_err();
-        assert_eq!(error.to_string(), "picture 'a'");
+        assert_eq!(error.to_string(), "picture 'a.png'");
+        let twice = config(
+            "count = 1\nlayouts = [{ name = 'stripes' }]\nsizes = ['9x9', '9x9']\npresets = ['paper']",
+        );
+        let error = Factory::new(twice, Vec::new()).unwrap_err();
+        assert_eq!(error.to_string(), "'stripes/9x9/paper' is listed twice");
     }
 
     #[test]

@@ -11,7 +11,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[error("cannot {action} '{path}': {cause}", path = path.display())]
 pub struct FileError {
-    /// What was to be done: "read", "write" or "lock".
+    /// What was to be done: "read", "write", "lock", "list" or "remove".
     pub action: &'static str,
     /// The file or folder.
     pub path: PathBuf,
@@ -27,10 +27,9 @@ impl FileError {
 
 /// Writes a file that is whole or absent.
 ///
-/// `write` fills a temporary file, `.NAME.partial` in the same folder, which gets its name only when all of its bytes are on
+/// `write` fills a temporary file, `.NAME.PROCESS.partial` in the same folder, which gets its name only when all of its bytes are on
 /// disk; a file of that name is replaced. On an error, and when `write` panics, the temporary file is removed and whatever
-/// had the name stays. A killed process leaves the temporary file behind, for the next run to overwrite. Two
-/// processes must not write the same file at once.
+/// had the name stays. A killed process leaves the temporary file behind.
 ///
 /// `write` can report errors of its own kind with [`io::Error::other`].
 pub fn write_whole<T>(
@@ -45,7 +44,8 @@ fn try_write<T>(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Res
     let name = path.file_name().ok_or_else(no_name)?;
     let mut partial_name = OsString::from(".");
     partial_name.push(name);
-    partial_name.push(".partial");
+    // Two processes that make the same file must not fill one temporary file together.
+    partial_name.push(format!(".{}.partial", std::process::id()));
     let partial = Partial { path: path.with_file_name(partial_name) };
     let mut out = BufWriter::new(File::create(&partial.path)?);
     let value = write(&mut out)?;
@@ -80,6 +80,21 @@ fn sync_folder(_: &Path) -> io::Result<()> {
     Ok(())
 }
 
+/// Removes the temporary files that killed runs left in a folder; no other process may be writing there.
+pub(crate) fn remove_partials(folder: &Path) -> Result<(), FileError> {
+    let list_error = |cause| FileError::new("list", folder, cause);
+    for entry in fs::read_dir(folder).map_err(list_error)? {
+        let entry = entry.map_err(list_error)?;
+        let name = entry.file_name();
+        let name = name.as_encoded_bytes();
+        if name.starts_with(b".") && name.ends_with(b".partial") {
+            let path = entry.path();
+            fs::remove_file(&path).map_err(|cause| FileError::new("remove", &path, cause))?;
+        }
+    }
+    Ok(())
+}
+
 /// Reads a whole file.
 pub(crate) fn read(path: &Path) -> Result<Vec<u8>, FileError> {
     fs::read(path).map_err(|cause| FileError::new("read", path, cause))
@@ -106,7 +121,7 @@ mod tests {
         let path = folder.path().join("a.txt");
         for content in ["first, longer", "second"] {
             let given = write_whole(&path, |out| {
-                assert_eq!(names(folder.path())[0], ".a.txt.partial");
+                assert!(names(folder.path())[0].starts_with(".a.txt."));
                 out.write_all(content.as_bytes())?;
                 Ok(content.len())
             });
@@ -149,5 +164,17 @@ mod tests {
         let panicked = std::panic::catch_unwind(|| write_whole::<()>(&path, |_| panic!("on purpose")));
         assert!(panicked.is_err());
         assert_eq!(names(folder.path()), ["taken"]);
+    }
+
+    #[test]
+    fn only_partial_files_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in [".a.bws.12.partial", ".b.json.7.partial", "c.partial", ".d", "e.bws"] {
+            fs::write(folder.path().join(name), name).unwrap();
+        }
+        remove_partials(folder.path()).unwrap();
+        assert_eq!(names(folder.path()), [".d", "c.partial", "e.bws"]);
+        let error = remove_partials(&folder.path().join("none")).unwrap_err();
+        assert_eq!((error.action, error.cause.kind()), ("list", io::ErrorKind::NotFound));
     }
 }

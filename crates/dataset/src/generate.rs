@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::factory::{Factory, FactoryError};
-use crate::file::{FileError, write_whole};
+use crate::file::{FileError, remove_partials, write_whole};
 use crate::manifest::{Manifest, ManifestError, ShardEntry};
 use crate::shard::{
     Block, PackError, Record, ShardError, ShardHeader, ShardReader, ShardSummary, ShardWriter,
@@ -30,8 +30,11 @@ impl Record for Trajectory {
     const KIND: u16 = 1;
 }
 
-/// Trajectories in a block: enough for zstd to find what they share, few enough to shuffle well.
+/// Most trajectories in a block: enough for zstd to find what they share, few enough to shuffle well.
 const PER_BLOCK: usize = 32;
+
+/// Bytes, about, after which a block takes no further trajectory: large pictures would outgrow the format's limit.
+const BLOCK_BYTES: usize = 8 << 20;
 
 /// Level of compression; the search takes a hundred times as long, and higher levels gain a few per cent.
 const LEVEL: i32 = Block::DEFAULT_LEVEL;
@@ -92,7 +95,7 @@ pub struct GenerateSettings<'a> {
 /// How far a [`generate`] has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GenerateProgress {
-    /// Trajectories of this slice that are there, those of earlier runs included.
+    /// Trajectories of this slice that are searched, those of earlier runs included.
     pub done: u64,
     /// Of them, those made by earlier runs.
     pub kept: u64,
@@ -143,8 +146,13 @@ pub enum GenerateError {
         cause: ShardError,
     },
     /// Trajectories don't fit into a block.
-    #[error(transparent)]
-    Pack(#[from] PackError),
+    #[error("cannot write '{path}': {cause}", path = path.display())]
+    Pack {
+        /// The shard.
+        path: PathBuf,
+        /// Why not.
+        cause: PackError,
+    },
     /// The threads can't be started.
     #[error("cannot start {threads} threads: {cause}")]
     Threads {
@@ -348,15 +356,19 @@ impl<'a> Shards<'a> {
             let begin = Instant::now();
             let trajectory =
                 if cancel.load(Ordering::Relaxed) { None } else { self.factory.trajectory(index, cancel)? };
-            report();
+            if trajectory.is_some() {
+                report();
+            }
             Ok(trajectory.map(|trajectory| (trajectory, begin.elapsed().as_secs_f64() * 1e3)))
         });
         let searched: Result<Option<Vec<_>>, FactoryError> = searched.collect();
         let Some(searched) = searched? else { return Ok(None) };
         let (trajectories, milliseconds): (Vec<Trajectory>, Vec<f64>) = searched.into_iter().unzip();
         let moves = trajectories.iter().map(|trajectory| trajectory.moves.len() as u64).sum();
-        let blocks = trajectories.par_chunks(PER_BLOCK).map(|chunk| Block::pack(chunk, LEVEL));
-        let blocks = blocks.collect::<Result<_, _>>()?;
+        let chunks = chunks(&trajectories, Trajectory::size_hint);
+        let blocks = chunks.into_par_iter().map(|chunk| Block::pack(chunk, LEVEL)).collect::<Result<_, _>>();
+        let blocks = blocks
+            .map_err(|cause| GenerateError::Pack { path: self.folder.join(Self::file(number)), cause })?;
         Ok(Some(Made { number, blocks, moves, milliseconds }))
     }
 
@@ -380,12 +392,14 @@ impl<'a> Shards<'a> {
         Ok(Shard { summary, moves: made.moves })
     }
 
-    /// Stores the manifest; two slices that end at once take turns.
+    /// Stores the manifest and clears up after killed runs; two slices that end at once take turns.
     fn store(&self, manifest: &Manifest) -> Result<(), FileError> {
         let first = self.folder.join(Self::file(0));
         let turn = File::open(&first).and_then(|file| file.lock().map(|()| file));
         let _turn = turn.map_err(|cause| FileError::new("lock", &first, cause))?;
-        manifest.store(self.folder)
+        manifest.store(self.folder)?;
+        // All shards are there, so nobody is writing one.
+        remove_partials(self.folder)
     }
 
     fn manifest(&self, shards: Vec<Shard>) -> Manifest {
@@ -406,6 +420,23 @@ impl<'a> Shards<'a> {
                 .collect(),
         }
     }
+}
+
+/// Splits records into blocks by their number and their sizes.
+fn chunks<T>(mut records: &[T], size: impl Fn(&T) -> usize) -> Vec<&[T]> {
+    let mut chunks = Vec::new();
+    while !records.is_empty() {
+        let mut bytes = 0;
+        let fitting = records.iter().take(PER_BLOCK).take_while(|record| {
+            let fits = bytes < BLOCK_BYTES;
+            bytes += size(record);
+            fits
+        });
+        let (chunk, rest) = records.split_at(fitting.count());
+        chunks.push(chunk);
+        records = rest;
+    }
+    chunks
 }
 
 #[cfg(test)]

@@ -165,7 +165,10 @@ impl Manifest {
             next = end;
             records += shard.records;
         }
-        (records != self.records).then(|| format!("it counts {} records, its shards {records}", self.records))
+        let in_strata = self.strata.values().sum();
+        let counts = [("shards", records), ("strata", in_strata)];
+        let (what, count) = counts.into_iter().find(|&(_, count)| count != self.records)?;
+        Some(format!("it counts {} records, its {what} {count}", self.records))
     }
 }
 
@@ -284,6 +287,7 @@ mod tests {
     fn contradictions_are_found() {
         let cases = [
             ("/records", json!(13), "it counts 13 records, its shards 12"),
+            ("/strata/islands", json!(8), "it counts 12 records, its strata 13"),
             ("/shards/1/first", json!(11), "'shard-00001.bws' begins at record 11, not 10"),
             ("/shards/1/records", json!(u64::MAX), "'shard-00001.bws' has too many records"),
             ("/shards/0/file", json!("../a.bws"), "'../a.bws' is not the name of a file in its folder"),

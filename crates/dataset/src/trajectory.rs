@@ -212,6 +212,15 @@ impl Trajectory {
         self.instance.draw(u32::from(self.width), u32::from(self.height))
     }
 
+    /// About how many bytes it takes uncompressed, at most.
+    pub(crate) fn size_hint(&self) -> usize {
+        let ids = match &self.instance {
+            Instance::Layout { .. } => 0,
+            Instance::Picture { ids, .. } => ids.len(),
+        };
+        64 + ids + 11 * self.moves.len()
+    }
+
     /// The moves with the crossings before and after each.
     ///
     /// It ends early where the record names no move, as [`Trajectory::replay`] reports.

@@ -163,6 +163,27 @@ fn a_folder_that_can_not_be_written_is_named() {
 }
 
 #[test]
+fn blocks_are_cut_by_number_and_size() {
+    let lengths =
+        |sizes: &[usize]| chunks(sizes, |&size| size).iter().map(|chunk| chunk.len()).collect::<Vec<_>>();
+    assert!(lengths(&[]).is_empty());
+    assert_eq!(lengths(&[1; 70]), [32, 32, 6]);
+    assert_eq!(lengths(&[BLOCK_BYTES, 1, BLOCK_BYTES - 1, 1, 1]), [1, 2, 2]);
+    assert_eq!(lengths(&[10 * BLOCK_BYTES; 3]), [1, 1, 1]);
+}
+
+#[test]
+fn leftovers_of_killed_runs_go_with_the_manifest() {
+    let folder = tempfile::tempdir().unwrap();
+    let left = folder.path().join(".shard-00001.bws.1.partial");
+    fs::write(&left, "half a shard").unwrap();
+    run(SMALL, folder.path(), "1/2", 1).unwrap();
+    assert!(left.exists(), "another slice may be writing it");
+    run(SMALL, folder.path(), "2/2", 1).unwrap();
+    assert!(!left.exists());
+}
+
+#[test]
 fn slices_are_read_and_refused() {
     assert_eq!("1/1".parse(), Ok(Slice::WHOLE));
     assert_eq!("2/5".parse::<Slice>().unwrap().to_string(), "2/5");

@@ -94,6 +94,14 @@ impl<R: Read + Seek> ShardReader<R> {
         self.outline.records
     }
 
+    /// Place of a block's first record in the shard, from 0.
+    ///
+    /// # Panics
+    /// If there is no block of this number.
+    pub fn first_of_block(&self, block: u32) -> u64 {
+        self.outline.blocks[block as usize].first_record - self.outline.header.first_record
+    }
+
     /// The records of one block, in order.
     ///
     /// # Panics

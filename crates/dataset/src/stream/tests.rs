@@ -83,7 +83,7 @@ fn dataset(shape: &[Vec<usize>]) -> TempDir {
         config: serde_json::Value::Null,
         records: next,
         moves: 0,
-        strata: BTreeMap::new(),
+        strata: BTreeMap::from([("numbers".to_owned(), next)]),
         shards,
     };
     manifest.store(folder.path()).unwrap();
