@@ -3,6 +3,10 @@
 //! A move looks at a window anchored at its top-left cell, whose cells are numbered row by row. It applies only where the
 //! path's links inside the window are exactly `kept` and `removed`, and only if the result is still one path. Seen from
 //! above each is two switches: a flip of two unit cells side by side, a transpose of two that touch at a corner.
+//!
+//! The second condition follows from the first. The needed links of each window form two strands, and the move leaves two strands between
+//! the same pairs of cells; sr, say, takes 0-1-2-5-4-3 and 6-7-8 for 0-3 and 6-7-4-1-2-5-8. Outside the window nothing changes, so
+//! one path stays one path, and looking at the window is enough.
 
 use std::fmt;
 use std::str::FromStr;
@@ -237,17 +241,25 @@ impl Placed {
 }
 
 impl Path {
-    /// Whether a variant applies here: its window lies in the plane, has exactly the needed links, and the result is
-    /// still a path of as many pieces. O(1).
+    /// Whether a variant applies here: its window lies in the plane and has exactly the needed links. The result is then a
+    /// path of as many pieces. O(1).
     #[inline]
     pub fn allows_variant(&self, placed: Placed) -> bool {
-        let [first, second] = placed.switches(self.width());
-        self.matches(placed) && self.allows_pair(first, second)
+        let (x, y) = (usize::from(placed.x), usize::from(placed.y));
+        let (width, height) = (self.width() as usize, self.height() as usize);
+        if x >= width || y >= height {
+            return false;
+        }
+        // Links beyond the plane's end are those of no cell.
+        let link = |dx: usize, dy: usize| self.links.get((y + dy) * width + x + dx).copied().unwrap_or(0);
+        let upper = |dy: usize| pack(link(0, dy), link(1, dy), link(2, dy));
+        let links = window(upper(0), upper(1), pack_lowest(link(0, 2), link(1, 2)));
+        (MATCHES[links] & fitting(width - x, height - y)) >> placed.variant.class() & 1 != 0
     }
 
     /// Applies a variant; where it does not apply it changes nothing and gives false.
     pub fn apply_variant(&mut self, placed: Placed) -> bool {
-        self.matches(placed) && self.apply(&placed.switches(self.width()))
+        self.allows_variant(placed) && self.apply(&placed.switches(self.width()))
     }
 
     /// Visits all variants of these kinds that apply, by their windows row by row; the result of each is a path of as many
@@ -278,28 +290,10 @@ impl Path {
                     let class = classes.trailing_zeros() as u8;
                     classes &= classes - 1;
                     let variant = Variant::from_class(class).expect("the table holds classes");
-                    let placed = Placed { variant, x: x as u16, y: y as u16 };
-                    let [first, second] = placed.switches(self.width);
-                    if self.allows_pair(first, second) {
-                        visit(placed);
-                    }
+                    visit(Placed { variant, x: x as u16, y: y as u16 });
                 }
             }
         }
-    }
-
-    /// Whether the variant's window lies in the plane and has exactly the needed links.
-    pub(crate) fn matches(&self, placed: Placed) -> bool {
-        let (x, y) = (usize::from(placed.x), usize::from(placed.y));
-        let (width, height) = (self.width() as usize, self.height() as usize);
-        if x >= width || y >= height {
-            return false;
-        }
-        // Links beyond the plane's end are those of no cell.
-        let link = |dx: usize, dy: usize| self.links.get((y + dy) * width + x + dx).copied().unwrap_or(0);
-        let upper = |dy: usize| pack(link(0, dy), link(1, dy), link(2, dy));
-        let links = window(upper(0), upper(1), pack_lowest(link(0, 2), link(1, 2)));
-        (MATCHES[links] & fitting(width - x, height - y)) >> placed.variant.class() & 1 != 0
     }
 }
 
