@@ -259,3 +259,13 @@ fn wrong_configurations_are_refused() {
         assert_eq!(beadwork().args(arguments).output().unwrap().status.code(), Some(2), "{arguments:?}");
     }
 }
+
+#[test]
+fn the_bench_of_the_factory_cleans_up() {
+    let folder = tempdir().unwrap();
+    let printed = run(&["bench", "dataset", "--count", "20", "--scratch", text(folder.path()), "--json"]);
+    let facts: serde_json::Value = serde_json::from_str(&printed).unwrap();
+    assert_eq!(facts["trajectories"], 20);
+    assert!(facts["speed_up"].as_f64().unwrap() > 0.0 && facts["bytes_per_move"].as_f64().unwrap() > 0.0);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}

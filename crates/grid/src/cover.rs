@@ -181,7 +181,7 @@ impl Ends {
     fn wander(&mut self, region: &Region, pieces: u32) {
         // Ends drift together like random walks, so small regions get quadratic work; large ones must stay within seconds.
         let cells = u64::from(region.cell_count());
-        let mut work_left = (2_000 * cells).min(20_000_000 + 64 * cells);
+        let mut work_left = (6_000 * cells).min(60_000_000 + 64 * cells);
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         let mut neighbours = Vec::with_capacity(4);
         while self.pieces.len() as u32 > pieces && work_left > 0 {
