@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 use beadwork_dataset::{StartChoice, write_whole};
-use beadwork_grid::{Crossings, Path, Start, piece_bound};
+use beadwork_grid::{Crossings, Path, cover, piece_bound};
 use beadwork_part::{Panel, svg};
 use beadwork_search::{Preset, Settings, Stop, anneal, bound};
 use serde::Serialize;
@@ -87,13 +87,7 @@ pub(crate) struct Row {
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let instance = args.instance.load(args.seed)?;
     let Instance { region, zones, .. } = &instance;
-    let (start_name, start) = match args.start {
-        StartChoice::Given(start) => (start, start.path(region)?),
-        StartChoice::Auto => match Start::RowZigzag.path(region) {
-            Ok(path) => (Start::RowZigzag, path),
-            Err(_) => (Start::Cover, Start::Cover.path(region)?),
-        },
-    };
+    let (start_name, start) = args.start.path(region, || cover(region))?;
     let begin = Instant::now();
     let crossings = Crossings::new(region, zones);
     let lower = bound::components(region, zones, start.pieces());

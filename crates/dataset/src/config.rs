@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use beadwork_grid::{Layout, LayoutSpec, Region, Start};
+use beadwork_grid::{Layout, LayoutSpec, Path, Region, Start, StartError};
 use beadwork_search::Preset;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -128,6 +128,21 @@ pub enum StartChoice {
     Auto,
     /// This one, or an error where it does not exist.
     Given(Start),
+}
+
+impl StartChoice {
+    /// The start that it comes to on a region, and its path. `cover` gives the region's cover where that is needed, for it
+    /// is worth keeping.
+    pub fn path(self, region: &Region, cover: impl FnOnce() -> Path) -> Result<(Start, Path), StartError> {
+        match self {
+            Self::Given(Start::Cover) => Ok((Start::Cover, cover())),
+            Self::Given(start) => Ok((start, start.path(region)?)),
+            Self::Auto => Ok(match Start::RowZigzag.path(region) {
+                Ok(path) => (Start::RowZigzag, path),
+                Err(_) => (Start::Cover, cover()),
+            }),
+        }
+    }
 }
 
 impl fmt::Display for StartChoice {

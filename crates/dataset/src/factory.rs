@@ -260,17 +260,8 @@ impl Stratum {
             Source::Picture(picture) => picture.cover.clone(),
             Source::Layout(..) => beadwork_grid::cover(region),
         };
-        match self.start {
-            StartChoice::Given(Start::Cover) => Ok((Start::Cover, cover())),
-            StartChoice::Given(start) => match start.path(region) {
-                Ok(path) => Ok((start, path)),
-                Err(cause) => Err(FactoryError::Start { stratum: self.name.clone(), cause }),
-            },
-            StartChoice::Auto => Ok(match Start::RowZigzag.path(region) {
-                Ok(path) => (Start::RowZigzag, path),
-                Err(_) => (Start::Cover, cover()),
-            }),
-        }
+        let start = self.start.path(region, cover);
+        start.map_err(|cause| FactoryError::Start { stratum: self.name.clone(), cause })
     }
 }
 
