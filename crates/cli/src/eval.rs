@@ -1,18 +1,17 @@
 //! `eval`: tables beside the papers' figures.
 
 use std::fmt::Write;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::sync::atomic::Ordering;
 
 use anyhow::bail;
-use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start, Zones};
-use beadwork_search::{Preset, Settings, anneal, bound};
+use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
+use beadwork_search::Preset;
 use clap::Subcommand;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::paper::{self, Cell};
-use crate::zones::{MethodName, Row};
+use crate::zones::{MethodName, Row, Search};
 use crate::{cancel, machine, output, progress};
 
 /// Print tables beside the papers' figures.
@@ -109,17 +108,20 @@ fn zones(args: &ZonesArgs) -> anyhow::Result<()> {
     }
 
     let pool = rayon::ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
-    let cancel = cancel::token()?;
     let bar = progress::bar(jobs.len() as u64, "eval zones");
+    let cancel = cancel::token()?;
     let run = |job: Job| {
-        let run = if cancel.load(Ordering::Relaxed) { None } else { Some(search(job, cancel)?) };
+        if cancel.load(Ordering::Relaxed) {
+            bail!("stopped");
+        }
+        let run = search(job);
         bar.inc(1);
-        anyhow::Ok(run)
+        run
     };
-    let runs: anyhow::Result<Option<Vec<Run>>> =
+    let runs: anyhow::Result<Vec<Run>> =
         pool.install(|| jobs.into_par_iter().with_max_len(1).map(run).collect());
     bar.finish_and_clear();
-    let Some(runs) = runs?.filter(|_| !cancel.load(Ordering::Relaxed)) else { bail!("stopped") };
+    let runs = runs?;
     if args.json {
         return output::json(&json!({
             "machine": machine::facts(),
@@ -153,46 +155,13 @@ fn matching_seeds(cell: &Cell, most: u64) -> anyhow::Result<Vec<u64>> {
     Ok(found)
 }
 
-fn search(job: Job, cancel: &AtomicBool) -> anyhow::Result<Run> {
+fn search(job: Job) -> anyhow::Result<Run> {
     let Cell { layout, size, .. } = job.cell;
-    let region = Region::rectangle(size.width, size.height)?;
-    let zones: Zones = LayoutSpec::new(layout).zones(&region, job.instance_seed)?;
-    let start = Start::RowZigzag.path(&region)?;
-    let begin = Instant::now();
-    let crossings = Crossings::new(&region, &zones);
-    let lower = bound::components(&region, &zones, 1);
-    let initial = crossings.count(&start);
-    let (best, moves) = match job.preset {
-        None => (initial, 0),
-        Some(preset) => {
-            let settings = Settings {
-                bound: Some(i64::from(lower)),
-                cancel: Some(cancel),
-                ..Settings::preset(preset, job.seed)
-            };
-            let outcome = anneal(start, &crossings, &settings);
-            (outcome.cost as u32, outcome.moves.len() as u64)
-        }
-    };
-    let seconds = begin.elapsed().as_secs_f64();
-    let row = Row {
-        layout: layout.name().to_owned(),
-        width: size.width,
-        height: size.height,
-        zones: zones.count(),
-        seed: job.seed,
-        method: job.preset.map_or(MethodName::Zigzag, |_| MethodName::Anneal).name().to_owned(),
-        preset: job.preset.map(|preset| preset.name().to_owned()),
-        start: Start::RowZigzag.name().to_owned(),
-        initial,
-        crossings: best,
-        bound: Some(lower),
-        pieces: 1,
-        // It has a path of one piece.
-        piece_bound: 1,
-        moves,
-        seconds,
-    };
+    let region = &Region::rectangle(size.width, size.height)?;
+    let zones = &LayoutSpec::new(layout).zones(region, job.instance_seed)?;
+    let start = Start::RowZigzag;
+    let search = Search { region, zones, preset: job.preset, seed: job.seed, start };
+    let (_, row) = search.run(layout.name(), &start.path(region)?)?;
     Ok(Run { job, row })
 }
 

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 use beadwork_dataset::{StartChoice, write_whole};
-use beadwork_grid::{Crossings, Path, cover, piece_bound};
+use beadwork_grid::{Crossings, Path, Region, Start, Zones, cover, piece_bound};
 use beadwork_part::{Panel, svg};
 use beadwork_search::{Preset, Settings, Stop, anneal, bound};
 use serde::Serialize;
@@ -84,46 +84,67 @@ pub(crate) struct Row {
     pub(crate) seconds: f64,
 }
 
+/// What a search is asked to do with a layer.
+pub(crate) struct Search<'a> {
+    pub(crate) region: &'a Region,
+    pub(crate) zones: &'a Zones,
+    /// The annealing preset; `None` for the start itself.
+    pub(crate) preset: Option<Preset>,
+    pub(crate) seed: u64,
+    pub(crate) start: Start,
+}
+
+impl Search<'_> {
+    /// Runs it from the path of its start; gives the best path and the row that tells of it.
+    pub(crate) fn run(&self, layout: &str, start: &Path) -> anyhow::Result<(Path, Row)> {
+        let &Self { region, zones, preset, seed, .. } = self;
+        let cancel = cancel::token()?;
+        let begin = Instant::now();
+        let crossings = Crossings::new(region, zones);
+        let lower = bound::components(region, zones, start.pieces());
+        let (best, moves) = match preset {
+            None => (start.clone(), 0),
+            Some(preset) => {
+                let bound = Some(i64::from(lower));
+                let settings = Settings { bound, cancel: Some(cancel), ..Settings::preset(preset, seed) };
+                let outcome = anneal(start.clone(), &crossings, &settings);
+                if outcome.stop == Stop::Cancelled {
+                    bail!("stopped");
+                }
+                (outcome.path, outcome.moves.len() as u64)
+            }
+        };
+        let seconds = begin.elapsed().as_secs_f64();
+        let pieces = best.pieces();
+        let row = Row {
+            layout: layout.to_owned(),
+            width: region.width(),
+            height: region.height(),
+            zones: zones.count(),
+            seed,
+            method: preset.map_or(MethodName::Zigzag, |_| MethodName::Anneal).name().to_owned(),
+            preset: preset.map(|preset| preset.name().to_owned()),
+            start: self.start.name().to_owned(),
+            initial: crossings.count(start),
+            crossings: crossings.count(&best),
+            bound: Some(lower),
+            pieces,
+            // Fewer than one is impossible, and need not be proven by a matching.
+            piece_bound: if pieces == 1 { 1 } else { piece_bound(region) },
+            moves,
+            seconds,
+        };
+        Ok((best, row))
+    }
+}
+
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let instance = args.instance.load(args.seed)?;
     let Instance { region, zones, .. } = &instance;
-    let (start_name, start) = args.start.path(region, || cover(region))?;
-    let begin = Instant::now();
-    let crossings = Crossings::new(region, zones);
-    let lower = bound::components(region, zones, start.pieces());
-    let (best, moves) = match args.method {
-        MethodName::Zigzag => (start.clone(), 0),
-        MethodName::Anneal => {
-            let settings = Settings {
-                bound: Some(i64::from(lower)),
-                cancel: Some(cancel::token()?),
-                ..Settings::preset(args.preset, args.seed)
-            };
-            let outcome = anneal(start.clone(), &crossings, &settings);
-            if outcome.stop == Stop::Cancelled {
-                bail!("stopped");
-            }
-            (outcome.path, outcome.moves.len() as u64)
-        }
-    };
-    let seconds = begin.elapsed().as_secs_f64();
-    let row = Row {
-        layout: instance.name.clone(),
-        width: region.width(),
-        height: region.height(),
-        zones: zones.count(),
-        seed: args.seed,
-        method: args.method.name().to_owned(),
-        preset: (args.method == MethodName::Anneal).then(|| args.preset.name().to_owned()),
-        start: start_name.name().to_owned(),
-        initial: crossings.count(&start),
-        crossings: crossings.count(&best),
-        bound: Some(lower),
-        pieces: best.pieces(),
-        piece_bound: piece_bound(region),
-        moves,
-        seconds,
-    };
+    let (chosen, start) = args.start.path(region, || cover(region))?;
+    let preset = (args.method == MethodName::Anneal).then_some(args.preset);
+    let search = Search { region, zones, preset, seed: args.seed, start: chosen };
+    let (best, row) = search.run(&instance.name, &start)?;
     if let Some(file) = &args.svg {
         let drawing = draw(&instance, &row, &start, &best);
         write_drawing(file, &drawing)?;
@@ -136,8 +157,16 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         pieces => format!(" in {pieces} pieces (at least {})", row.piece_bound),
     };
     output::text(&format!(
-        "{} {}x{}, {} zones: {} -> {} crossings{pieces}, at least {lower}; {} moves in {:.3} s\n",
-        row.layout, row.width, row.height, row.zones, row.initial, row.crossings, row.moves, row.seconds
+        "{} {}x{}, {} zones: {} -> {} crossings{pieces}, at least {}; {} moves in {:.3} s\n",
+        row.layout,
+        row.width,
+        row.height,
+        row.zones,
+        row.initial,
+        row.crossings,
+        row.bound.unwrap_or_default(),
+        row.moves,
+        row.seconds
     ))
 }
 

@@ -216,25 +216,18 @@ pub fn generate(
                 .map(|made| Ok((made.number, layout.write(&made)?)))
                 .collect::<Result<Vec<_>, FileError>>()
         });
-        let mut searched = Ok(false);
-        for &number in &todo {
-            match pool.install(|| layout.make(number, settings.cancel, &|| report(1))) {
-                // The writer hangs up only when it has failed; its own error says why.
-                Ok(Some(shard)) => {
-                    if sender.send(shard).is_err() {
-                        break;
-                    }
-                }
-                Ok(None) => {
-                    searched = Ok(true);
-                    break;
-                }
-                Err(error) => {
-                    searched = Err(error);
+        let search = || {
+            for &number in &todo {
+                let made = pool.install(|| layout.make(number, settings.cancel, &|| report(1)))?;
+                let Some(made) = made else { return Ok(true) };
+                if sender.send(made).is_err() {
+                    // The writer hangs up only when it has failed; its own error says why.
                     break;
                 }
             }
-        }
+            Ok(false)
+        };
+        let searched = search();
         drop(sender);
         let written = writer.join().expect("the writer does not panic")?;
         for (number, shard) in written {

@@ -9,7 +9,7 @@ use beadwork_grid::{Cell, Path, Sides, Switch};
 use rand::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::{Outcome, Run, Settings, Stop, below};
+use super::{Outcome, Run, Settings, Stop, below, scale};
 use crate::{Cost, Move};
 
 /// Parameters of the free annealer.
@@ -60,7 +60,7 @@ pub(super) fn run<C: Cost>(free: &Free, start: Path, cost: &C, settings: &Settin
         let block = BLOCK.min(free.proposals - proposals);
         for _ in 0..block {
             let random = run.rng.next_u64();
-            let corner = corners[(((random >> 32) * corners.len() as u64) >> 32) as usize];
+            let corner = corners[scale(random, corners.len())];
             let Some(from) = run.path.sides(corner) else { continue };
             let first = Switch::new(corner, from);
             let second = if random & 0xFFFF < nearby {
@@ -77,8 +77,7 @@ pub(super) fn run<C: Cost>(free: &Free, start: Path, cost: &C, settings: &Settin
         }
         proposals += block;
     }
-    let stop = run.stop().filter(|&stop| stop == Stop::Optimal).unwrap_or(Stop::Done);
-    run.finish(stop, proposals)
+    run.complete(proposals)
 }
 
 /// The eight unit cells that touch another one.

@@ -240,6 +240,12 @@ impl<'a> Run<'a> {
         }
     }
 
+    /// Ends a run that made all of its proposals.
+    fn complete(self, proposals: u64) -> Outcome {
+        let stop = self.stop().filter(|&stop| stop == Stop::Optimal).unwrap_or(Stop::Done);
+        self.finish(stop, proposals)
+    }
+
     fn finish(mut self, stop: Stop, proposals: u64) -> Outcome {
         let accepted = self.moves.len() as u64;
         self.moves.truncate(self.moves_to_best);
@@ -256,10 +262,17 @@ impl<'a> Run<'a> {
     }
 }
 
-/// A number below `count`, which must be positive; its bias, below 2^-32 times `count`, does not matter to a search.
+/// A number below `count`, which must be positive.
 #[inline]
 fn below(rng: &mut Xoshiro256PlusPlus, count: usize) -> usize {
-    (((rng.next_u64() >> 32) * count as u64) >> 32) as usize
+    scale(rng.next_u64(), count)
+}
+
+/// A number below `count` from the upper half of 64 random bits; its bias, below 2^-32 times `count`, does not matter to a
+/// search.
+#[inline]
+fn scale(random: u64, count: usize) -> usize {
+    (((random >> 32) * count as u64) >> 32) as usize
 }
 
 /// A number in 0..1 of 53 random bits.

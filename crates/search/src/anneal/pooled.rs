@@ -2,7 +2,7 @@
 
 use beadwork_grid::{Kind, Path, Placed};
 
-use super::{Outcome, Run, Settings, Stop, below, unit};
+use super::{Outcome, Run, Settings, below, unit};
 use crate::{Cost, Move};
 
 /// Parameters of the paper's annealer; the default is its standard run.
@@ -95,8 +95,7 @@ pub(super) fn run<C: Cost>(pooled: &Pooled, start: Path, cost: &C, settings: &Se
             last_gain = iteration;
         }
     }
-    let stop = run.stop().filter(|&stop| stop == Stop::Optimal).unwrap_or(Stop::Done);
-    run.finish(stop, u64::from(pooled.iterations))
+    run.complete(u64::from(pooled.iterations))
 }
 
 /// The moves to draw from.
