@@ -23,8 +23,14 @@
 mod anneal;
 pub mod bound;
 mod cost;
+mod costs;
+pub mod exact;
+mod matching;
 mod moves;
+mod stop;
 
-pub use anneal::{Free, Method, Outcome, Pooled, Preset, Progress, Settings, Stop, UnknownPreset, anneal};
+pub use anneal::{Free, Method, Outcome, Pooled, Preset, Progress, Settings, UnknownPreset, anneal};
 pub use cost::Cost;
+pub use costs::{ZoneCosts, ZoneCostsError};
 pub use moves::Move;
+pub use stop::Stop;

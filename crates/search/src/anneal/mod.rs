@@ -17,7 +17,7 @@ use thiserror::Error;
 pub use free::Free;
 pub use pooled::Pooled;
 
-use crate::{Cost, Move};
+use crate::{Cost, Move, Stop};
 
 /// How to anneal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,18 +134,6 @@ pub struct Progress {
     pub cost: i64,
     /// Lowest cost so far.
     pub best: i64,
-}
-
-/// Why a search stopped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Stop {
-    /// It proposed as many moves as asked.
-    Done,
-    /// It reached the bound.
-    Optimal,
-    /// The cancel token was set.
-    Cancelled,
 }
 
 /// What an annealing run found.

@@ -1,0 +1,177 @@
+//! Drawn regions that are no rectangles: outlines like those of parts.
+
+use std::fmt;
+use std::str::FromStr;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use thiserror::Error;
+
+use crate::{Region, RegionError};
+
+/// A family of outlines. The seed of a drawing varies sizes, angles and the place, by a few per cent of the plane's sides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Shape {
+    /// All cells within a circle.
+    Disc,
+    /// A disc with a round hole in the middle.
+    Ring,
+    /// A smooth closed curve around the middle, of random waves.
+    Blob,
+    /// A rectangle of sides about 2 : 1, turned by any angle.
+    RotatedRectangle,
+    /// A star of five to seven points.
+    Star,
+    /// A square without one of its quarters, of random size.
+    L,
+}
+
+/// A name that is no [`Shape`].
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("'{0}' is no shape: choose disc, ring, blob, rotated_rectangle, star or l")]
+pub struct UnknownShape(pub String);
+
+impl Shape {
+    /// All of them.
+    pub const ALL: [Self; 6] =
+        [Self::Disc, Self::Ring, Self::Blob, Self::RotatedRectangle, Self::Star, Self::L];
+
+    /// Its name in configurations and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Disc => "disc",
+            Self::Ring => "ring",
+            Self::Blob => "blob",
+            Self::RotatedRectangle => "rotated_rectangle",
+            Self::Star => "star",
+            Self::L => "l",
+        }
+    }
+
+    /// The cells of a plane `width` x `height` whose middles lie inside the outline.
+    ///
+    /// The same seed gives the same region on every machine. Linear in the plane's cells. On planes of a few cells there may be
+    /// none inside: [`RegionError::NoCells`].
+    pub fn region(self, width: u32, height: u32, seed: u64) -> Result<Region, RegionError> {
+        let outline = self.outline(&mut ChaCha8Rng::seed_from_u64(seed));
+        // From the middle, in halves of the shorter side.
+        let unit = 2.0 / f64::from(width.min(height).max(1));
+        let (middle_x, middle_y) = (f64::from(width) / 2.0, f64::from(height) / 2.0);
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let inside = places.map(|(x, y)| {
+            outline((f64::from(x) + 0.5 - middle_x) * unit, (f64::from(y) + 0.5 - middle_y) * unit)
+        });
+        Region::from_mask(width, height, inside.collect())
+    }
+
+    /// Whether a place belongs to it; both coordinates are within -1..1 on a square plane.
+    fn outline(self, rng: &mut ChaCha8Rng) -> Box<dyn Fn(f64, f64) -> bool> {
+        let mut draw = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
+        let (dx, dy) = (draw(-0.05, 0.05), draw(-0.05, 0.05));
+        let turn = draw(0.0, std::f64::consts::TAU);
+        match self {
+            Self::Disc => {
+                let radius = draw(0.75, 0.94);
+                Box::new(move |x, y| libm::hypot(x - dx, y - dy) < radius)
+            }
+            Self::Ring => {
+                let (outer, inner) = (draw(0.75, 0.94), draw(0.25, 0.55));
+                Box::new(move |x, y| (inner..outer).contains(&libm::hypot(x - dx, y - dy)))
+            }
+            Self::Blob => {
+                let waves =
+                    [2.0, 3.0, 4.0, 5.0].map(|count| (count, draw(0.0, 0.18) / count * 2.0, draw(0.0, 6.3)));
+                Box::new(move |x, y| {
+                    let angle = libm::atan2(y, x);
+                    let wave =
+                        |(count, size, phase): (f64, f64, f64)| size * libm::cos(count * angle + phase);
+                    libm::hypot(x, y) < 0.68 + waves.into_iter().map(wave).sum::<f64>()
+                })
+            }
+            Self::RotatedRectangle => {
+                let (long, short) = (draw(0.7, 0.85), draw(0.3, 0.45));
+                let (sin, cos) = (libm::sin(turn), libm::cos(turn));
+                Box::new(move |x, y| {
+                    let (along, beside) = (x * cos + y * sin, y * cos - x * sin);
+                    along.abs() < long && beside.abs() < short
+                })
+            }
+            Self::Star => {
+                let points = libm::floor(draw(5.0, 8.0));
+                let (outer, inner) = (draw(0.8, 0.95), draw(0.35, 0.5));
+                Box::new(move |x, y| {
+                    // Within one of its 2 x points sectors the edge is straight between an outer and an inner corner.
+                    let half = std::f64::consts::PI / points;
+                    let angle = libm::fmod(libm::atan2(y, x) + turn + std::f64::consts::TAU, 2.0 * half);
+                    let angle = (angle - half).abs();
+                    let (tip, dent) = ((outer * libm::cos(half), outer * libm::sin(half)), (inner, 0.0));
+                    let radius = libm::hypot(x, y);
+                    let place = (radius * libm::cos(angle), radius * libm::sin(angle));
+                    let side = (tip.0 - dent.0) * (place.1 - dent.1) - (tip.1 - dent.1) * (place.0 - dent.0);
+                    side > 0.0
+                })
+            }
+            Self::L => {
+                let (arm_x, arm_y, corner) =
+                    (draw(-0.3, 0.3), draw(-0.3, 0.3), libm::floor(draw(0.0, 4.0)) as u32);
+                Box::new(move |x, y| {
+                    let x = if corner & 1 == 0 { x } else { -x };
+                    let y = if corner & 2 == 0 { y } else { -y };
+                    x.abs().max(y.abs()) < 0.92 && (x < arm_x || y < arm_y)
+                })
+            }
+        }
+    }
+}
+
+impl fmt::Display for Shape {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Shape {
+    type Err = UnknownShape;
+
+    fn from_str(name: &str) -> Result<Self, UnknownShape> {
+        Self::ALL.into_iter().find(|shape| shape.name() == name).ok_or_else(|| UnknownShape(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The share of the plane that it takes, and a digest of its cells.
+    fn draw(shape: Shape, seed: u64) -> (f64, u32) {
+        let region = shape.region(60, 60, seed).unwrap();
+        let digest = region.cells().fold(0_u32, |sum, cell| sum.wrapping_mul(31).wrapping_add(cell));
+        (f64::from(region.cell_count()) / 3600.0, digest)
+    }
+
+    #[test]
+    fn shapes_fill_their_part_of_the_plane() {
+        for shape in Shape::ALL {
+            for seed in 0..50 {
+                let (share, digest) = draw(shape, seed);
+                assert!((0.1..0.9).contains(&share), "{shape} of seed {seed} takes {share}");
+                assert_eq!(draw(shape, seed).1, digest);
+            }
+            assert_ne!(draw(shape, 0).1, draw(shape, 1).1, "{shape}");
+        }
+    }
+
+    #[test]
+    fn names_round_trip() {
+        for shape in Shape::ALL {
+            assert_eq!(shape.name().parse(), Ok(shape));
+        }
+        assert_eq!("hexagon".parse::<Shape>(), Err(UnknownShape("hexagon".to_owned())));
+    }
+
+    #[test]
+    fn planes_without_a_cell_inside_are_refused() {
+        assert_eq!(Shape::Ring.region(1, 1, 0), Err(RegionError::NoCells));
+        assert!(Shape::Disc.region(0, 4, 0).is_err());
+    }
+}

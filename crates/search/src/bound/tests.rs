@@ -1,0 +1,102 @@
+//! Bounds on layers whose answer is known, and under changes that keep it.
+
+use beadwork_grid::{Cell, Layout, LayoutSpec, Region, Shape, Zones};
+
+use super::*;
+
+fn plane(side: u32) -> Region {
+    Region::rectangle(side, side).unwrap()
+}
+
+#[test]
+fn layouts_of_the_paper() {
+    let region = plane(30);
+    let zones = |layout| LayoutSpec::new(layout).zones(&region, 1).unwrap();
+    assert_eq!(components(&region, &zones(Layout::LeftRight), 1), 1);
+    assert_eq!(components(&region, &zones(Layout::Stripes), 1), 2);
+    assert_eq!(components(&region, &zones(Layout::Stripes), 5), 0);
+    let islands = Bounds::new(&region, &zones(Layout::Islands));
+    // Three islands that touch only the background: in and out of the one in the middle, in or out of the others.
+    assert_eq!((islands.pieces, islands.walk, islands.scattering, islands.cover), (1, Some(4), 4, 3));
+    assert_eq!(islands.crossings(), 4);
+}
+
+#[test]
+fn odd_blocks_are_told_by_their_colours() {
+    let region = plane(20);
+    let zones = LayoutSpec::new(Layout::Checkerboard).zones(&region, 0).unwrap();
+    let bounds = Bounds::new(&region, &zones);
+    assert_eq!((bounds.flow, bounds.cover, bounds.walk), (15, 15, None));
+}
+
+/// The layer turned by a quarter, mirrored or renamed.
+fn changed(region: &Region, zones: &Zones, change: u32) -> (Region, Zones) {
+    let (width, height) = (region.width(), region.height());
+    let (new_width, new_height) = if change == 0 { (height, width) } else { (width, height) };
+    let from = |cell: Cell| -> Cell {
+        let (x, y) = (cell % new_width, cell / new_width);
+        match change {
+            0 => (height - 1 - x) * width + y,
+            1 => y * width + (width - 1 - x),
+            _ => cell,
+        }
+    };
+    let cells = || (0..new_width * new_height).map(from);
+    let mask = cells().map(|cell| region.contains(cell)).collect();
+    let count = zones.count() as u8;
+    let rename = |id: u8| if change == 2 && id != Zones::OUTSIDE { (id + 1) % count } else { id };
+    let ids = cells().map(|cell| rename(zones.id(cell))).collect();
+    let region = Region::from_mask(new_width, new_height, mask).unwrap();
+    let zones = Zones::new(&region, ids).unwrap();
+    (region, zones)
+}
+
+fn layers() -> impl Iterator<Item = (Region, Zones)> {
+    (0..60_u64).map(|seed| {
+        let side = 10 + (seed % 13) as u32;
+        let region = match Shape::ALL.get(seed as usize % 9) {
+            Some(shape) => shape.region(side, side + 3, seed).unwrap(),
+            None => Region::rectangle(side, side + 3).unwrap(),
+        };
+        let layout =
+            [Layout::Voronoi, Layout::Islands, Layout::Stripes, Layout::Checkerboard][seed as usize % 4];
+        let zones = LayoutSpec { layout, zones: 4, side: 3 }.zones(&region, seed).unwrap();
+        (region, zones)
+    })
+}
+
+#[test]
+fn turning_mirroring_and_renaming_change_no_bound() {
+    for (number, (region, zones)) in layers().enumerate() {
+        let bounds = Bounds::new(&region, &zones);
+        for change in 0..3 {
+            let (region, zones) = changed(&region, &zones, change);
+            let other = Bounds::new(&region, &zones);
+            // How far the weights on closed sets get depends on which of many optima they begin with.
+            let same = Bounds { cuts: bounds.cuts, ..other };
+            assert_eq!(same, bounds, "layer {number}, change {change}");
+        }
+    }
+}
+
+#[test]
+fn merging_two_zones_raises_no_flow() {
+    for (number, (region, zones)) in layers().enumerate() {
+        let merged = zones.ids().iter().map(|&id| if id == 1 { 0 } else { id }).collect();
+        let merged = Zones::new(&region, merged).unwrap();
+        let (all, fewer) = (Bounds::new(&region, &zones), Bounds::new(&region, &merged));
+        assert_eq!(fewer.pieces, all.pieces, "layer {number}");
+        assert!(fewer.flow <= all.flow, "layer {number}: {fewer:?} after {all:?}");
+    }
+}
+
+#[test]
+fn pieces_are_those_of_the_other_matching() {
+    for (number, (region, zones)) in layers().enumerate() {
+        assert_eq!(
+            Bounds::new(&region, &zones).pieces,
+            beadwork_grid::piece_bound(&region),
+            "layer {number}"
+        );
+    }
+}

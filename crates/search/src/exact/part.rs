@@ -1,0 +1,416 @@
+//! Attempts at one connected part of a region.
+
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use super::ends::Ends;
+use super::link::{below, force_cheapest, link};
+use super::merge::{merge, merge_at_any_cost};
+use super::strands::Strands;
+use super::untangle::untangle;
+use super::{Progress, Settings};
+use crate::bound::{connectivity, cuts, segments, walk};
+use crate::matching::{Board, Dir, Grain, Matching, Node, Paths, ZoneGraph};
+use crate::stop::Interrupt;
+use crate::{Stop, ZoneCosts};
+
+/// The best cover of one part.
+pub(super) struct Part {
+    /// Its cells, piece after piece.
+    pub(super) order: Vec<Node>,
+    /// Where in the order the last piece begins.
+    pub(super) last_piece: usize,
+    pub(super) pieces: u32,
+    pub(super) piece_bound: u32,
+    pub(super) cost: u64,
+    pub(super) bound: u64,
+    pub(super) attempts: u32,
+    pub(super) stop: Stop,
+}
+
+/// Attempts in vain after which a number of pieces is given up.
+const ATTEMPTS_AT_PIECES: u32 = 12;
+
+/// Exchanges that one attempt may make to join its last cycles, and how often it may pay for one more link between.
+const EXCHANGES: u64 = 100;
+const LINKS_PAID: u32 = 5;
+
+/// Covers a part: attempts until one is proven optimal, or until something stops it.
+pub(super) fn solve(
+    board: &Board,
+    ends: &Ends,
+    costs: &ZoneCosts,
+    settings: &Settings<'_>,
+    interrupt: Interrupt<'_>,
+    rng: Xoshiro256PlusPlus,
+) -> Part {
+    if let [only] = board.cells[..] {
+        let (order, stop) = (vec![only], Stop::Optimal);
+        return Part {
+            order,
+            last_piece: 0,
+            pieces: 1,
+            piece_bound: 1,
+            cost: 0,
+            bound: 0,
+            attempts: 0,
+            stop,
+        };
+    }
+    let target = 1 + u32::from(ends.apart);
+    let mut search = Search {
+        board,
+        ends,
+        costs,
+        interrupt,
+        rng,
+        graph: ZoneGraph::new(board),
+        paths: Paths::new(board),
+        target,
+        piece_bound: target,
+        bound: 0,
+        bounds: Bounds::Due,
+        best: None,
+    };
+    let mut attempts = 0;
+    let mut at_target = 0;
+    let stop = loop {
+        let best = search.attempt(attempts);
+        let progress = Progress {
+            cells: board.cells.len() as u32,
+            attempts: attempts + 1,
+            pieces: best.pieces,
+            cost: best.cost,
+        };
+        attempts += 1;
+        at_target += 1;
+        if let Some(observer) = settings.observer {
+            observer(progress);
+        }
+        if search.is_met() {
+            let optimal = search.target == search.piece_bound;
+            break if optimal { Stop::Optimal } else { Stop::Done };
+        }
+        if attempts >= settings.attempts {
+            break Stop::Done;
+        }
+        if let Some(stop) = interrupt.check() {
+            break stop;
+        }
+        if search.reconsider_pieces(at_target) {
+            at_target = 0;
+        }
+    };
+    search.finish(attempts, stop)
+}
+
+/// A cover that was found.
+struct Cover {
+    order: Vec<Node>,
+    last_piece: usize,
+    pieces: u32,
+    cost: u64,
+}
+
+/// Which bounds of the present number of pieces are known.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Bounds {
+    /// None.
+    Due,
+    /// The flow's.
+    Flow,
+    /// Those of the graph of zone components too.
+    Zones,
+    /// All.
+    All,
+}
+
+struct Search<'a> {
+    board: &'a Board,
+    ends: &'a Ends,
+    costs: &'a ZoneCosts,
+    interrupt: Interrupt<'a>,
+    rng: Xoshiro256PlusPlus,
+    /// What has to hang together: the zone components, or finer once it is known what the cheapest 2-matchings leave apart.
+    graph: ZoneGraph,
+    paths: Paths,
+    /// The number of pieces tried for.
+    target: u32,
+    /// Pieces needed at least.
+    piece_bound: u32,
+    /// Lower bound of the cost of a cover in `target` pieces.
+    bound: u64,
+    bounds: Bounds,
+    best: Option<Cover>,
+}
+
+impl Search<'_> {
+    /// Makes a cover, keeps it if it is the best so far, and gives the best.
+    fn attempt(&mut self, number: u32) -> &Cover {
+        let grain = Grain { along: (number % 2) as Dir, odd: (number / 2) % 2 == 1 };
+        // Where directions differ, what a crossing costs at least gives a bound, but is a poor guide to a path.
+        let guide = (number > 1 && !self.costs.is_symmetric())
+            .then(|| self.board.with_costs(self.costs.drawn(&mut self.rng)));
+        let (relaxed, matching) = self.cheapest(guide.as_ref().unwrap_or(self.board), grain);
+        if self.bounds == Bounds::Zones && guide.is_none() {
+            self.raise_bound(&relaxed.unwrap_or_else(|| matching.clone()));
+        }
+        if let Some(cover) = self.complete(matching)
+            && self.best.as_ref().is_none_or(|best| (cover.pieces, cover.cost) < (best.pieces, best.cost))
+        {
+            self.best = Some(cover);
+        }
+        if self.bounds == Bounds::Flow && !self.is_met() {
+            self.bound_by_zones();
+        }
+        self.best.as_ref().expect("the first attempt gives a cover")
+    }
+
+    /// Whether the best cover has as many pieces as are tried for, and no other such cover costs less.
+    fn is_met(&self) -> bool {
+        self.best.as_ref().is_some_and(|best| best.pieces == self.target && best.cost <= self.bound)
+    }
+
+    /// The cheapest 2-matching for so many pieces that has room at the cells where the path must begin and end; and, if these
+    /// could be chosen, one without that.
+    ///
+    /// Raises the number of pieces, and their bound, as far as the cells' colours and the ends demand.
+    fn cheapest<'b>(&mut self, board: &'b Board, grain: Grain) -> (Option<Matching<'b>>, Matching<'b>) {
+        let mut sides: Vec<&[Node]> = vec![&self.ends.first, &self.ends.last];
+        sides.retain(|cells| !cells.is_empty());
+        // A given cell leaves no choice, so it goes first: what follows is then as cheap as can be.
+        sides.sort_by_key(|cells| cells.len());
+        let given = sides.iter().take_while(|cells| cells.len() == 1).count();
+        'pieces: loop {
+            let mut matching = self.grown(board, grain);
+            for cells in &sides[..given] {
+                if self.paths.reserve(&mut matching, cells, &mut self.rng).is_none() {
+                    self.target += 1;
+                    continue 'pieces;
+                }
+            }
+            let relaxed = (given < sides.len()).then(|| matching.clone());
+            let mut flow = matching.cost();
+            for (index, cells) in sides[given..].iter().enumerate() {
+                if index > 0 {
+                    // Chosen alone, the second end may be cheaper than after the first one; only that is a bound.
+                    let mut alone = relaxed.clone().expect("there are ends to choose");
+                    if self.paths.reserve(&mut alone, cells, &mut self.rng).is_some() {
+                        flow = flow.max(alone.cost());
+                    }
+                }
+                if self.paths.reserve(&mut matching, cells, &mut self.rng).is_none() {
+                    self.target += 1;
+                    continue 'pieces;
+                }
+                if index == 0 {
+                    flow = flow.max(matching.cost());
+                }
+            }
+            if self.bounds == Bounds::Due && std::ptr::eq(board, self.board) {
+                self.bounds = Bounds::Flow;
+                self.bound = flow as u64;
+                if self.best.is_none() {
+                    self.piece_bound = self.target;
+                }
+            }
+            return (relaxed, matching);
+        }
+    }
+
+    /// The cheapest 2-matching for so many pieces, wherever they begin and end.
+    fn grown<'b>(&mut self, board: &'b Board, grain: Grain) -> Matching<'b> {
+        let mut matching = Matching::inside_zones(board, grain);
+        let spare = 2 * self.target;
+        matching.drop_links_inside(spare, |count| below(&mut self.rng, count));
+        matching.grow(spare);
+        self.target = self.target.max(matching.spare.div_ceil(2));
+        matching
+    }
+
+    /// Bounds from the graph of zone components, in units of the cheapest crossing.
+    fn bound_by_zones(&mut self) {
+        let need = vec![1; self.graph.count() as usize];
+        let crossings = segments::cover(&need, self.target)
+            .max(segments::scattering(&self.graph, &need, self.target))
+            .max(walk::walk(&self.graph, self.target).unwrap_or(0));
+        self.bound = self.bound.max(u64::from(crossings) * u64::from(self.board.least_cost()));
+        self.bounds = Bounds::Zones;
+    }
+
+    /// Bounds from what the cheapest 2-matchings leave apart, which attempts from now on link first.
+    fn raise_bound(&mut self, relaxed: &Matching<'_>) {
+        self.bounds = Bounds::All;
+        let flow = relaxed.cost();
+        let Some(apart) = connectivity::connectivity(relaxed, self.target, &mut self.paths) else { return };
+        self.graph = apart.graph;
+        let enough =
+            self.best.as_ref().filter(|best| best.pieces == self.target).map_or(u64::MAX, |best| best.cost);
+        let cuts = cuts::cuts(relaxed, self.target, &mut self.paths, enough, self.interrupt);
+        self.bound = self.bound.max((flow + i64::from(apart.extra)) as u64).max(cuts);
+    }
+
+    /// Makes a cover of a 2-matching; `None` if it would not be the best.
+    fn complete(&mut self, mut matching: Matching<'_>) -> Option<Cover> {
+        let known = self
+            .best
+            .as_ref()
+            .filter(|best| best.pieces <= self.target && std::ptr::eq(matching.board, self.board));
+        let limit = known.map_or(u64::MAX, |best| best.cost);
+        link(&mut matching, &self.graph, &mut self.paths, &mut self.rng, self.interrupt);
+        if matching.cost() as u64 >= limit {
+            return None;
+        }
+        let apart = self.ends_apart(&matching);
+        merge(&mut matching);
+        let mut strands = Strands::new(&matching, apart);
+        untangle(&mut matching, &mut strands, &mut self.rng, EXCHANGES, self.interrupt);
+        for _ in 0..LINKS_PAID {
+            if strands.is_settled() || self.interrupt.check().is_some() {
+                break;
+            }
+            let links = strands.links_to_settle(&matching);
+            if !force_cheapest(&mut matching, &links, &mut self.paths, &mut self.rng) {
+                break;
+            }
+            if matching.cost() as u64 >= limit {
+                return None;
+            }
+            merge(&mut matching);
+            strands = Strands::new(&matching, apart);
+            untangle(&mut matching, &mut strands, &mut self.rng, EXCHANGES, self.interrupt);
+        }
+        if strands.cycles > 0 {
+            merge_at_any_cost(&mut matching);
+            strands = Strands::new(&matching, apart);
+        }
+        Some(self.cover(&matching, &strands))
+    }
+
+    /// The cells where the path begins and ends, if other pieces lie between.
+    fn ends_apart(&self, matching: &Matching<'_>) -> Option<[Node; 2]> {
+        let [first, last] = self.reserved(matching);
+        (self.target > 1).then_some(())?;
+        Some([first?, last?])
+    }
+
+    /// The cells that were reserved for the ends.
+    fn reserved(&self, matching: &Matching<'_>) -> [Option<Node>; 2] {
+        let reserved =
+            |cells: &[Node]| cells.iter().copied().find(|&node| matching.capacity[node as usize] < 2);
+        let first = reserved(&self.ends.first);
+        // Both may be chosen from the same cells.
+        let others: Vec<Node> = self.ends.last.iter().copied().filter(|&node| Some(node) != first).collect();
+        [first, reserved(&others)]
+    }
+
+    /// The pieces in order: the one that holds the start first, the one that holds the end last.
+    fn cover(&self, matching: &Matching<'_>, strands: &Strands) -> Cover {
+        let mut pieces = strands.pieces(matching);
+        let [first, last] = self.reserved(matching);
+        order_pieces(&mut pieces, first, last, self.ends.apart);
+        let cost = |piece: &[Node]| -> u64 {
+            piece
+                .windows(2)
+                .map(|step| u64::from(self.costs.cost(self.board.zone(step[0]), self.board.zone(step[1]))))
+                .sum()
+        };
+        let mut total = 0;
+        for piece in &mut pieces {
+            let forward = cost(piece);
+            let is_fixed = first == Some(piece[0]) || last == Some(piece[piece.len() - 1]);
+            piece.reverse();
+            let backward = cost(piece);
+            if is_fixed || forward <= backward {
+                piece.reverse();
+            }
+            total += if is_fixed { forward } else { forward.min(backward) };
+        }
+        let cells = pieces.iter().map(Vec::len).sum::<usize>();
+        let last_piece = cells - pieces.last().map_or(0, Vec::len);
+        Cover { pieces: pieces.len() as u32, cost: total, last_piece, order: pieces.concat() }
+    }
+
+    /// After attempts in vain: shows that the pieces are too few, or gives them up. True if others are tried for from now on.
+    fn reconsider_pieces(&mut self, attempts: u32) -> bool {
+        let Some(found) = self.best.as_ref().map(|best| best.pieces) else { return false };
+        if found <= self.target {
+            return false;
+        }
+        if attempts == 2 && self.is_refuted() {
+            self.target += 1;
+            self.piece_bound = self.piece_bound.max(self.target);
+        } else if attempts >= ATTEMPTS_AT_PIECES {
+            self.target += 1;
+        } else {
+            return false;
+        }
+        self.forget_bounds();
+        true
+    }
+
+    fn forget_bounds(&mut self) {
+        self.bounds = Bounds::Due;
+        self.bound = 0;
+        self.graph = ZoneGraph::new(self.board);
+    }
+
+    /// Whether no cover has as few pieces as are tried for: if crossings cost nothing a cover would cost nothing, but closed
+    /// sets of cells cost something even then.
+    fn is_refuted(&mut self) -> bool {
+        let free = self.board.without_zones();
+        let mut matching = Matching::inside_zones(&free, Grain::default());
+        matching.grow(2 * self.target);
+        for cells in [&self.ends.first, &self.ends.last] {
+            if let [_] = cells[..] {
+                self.paths.reserve(&mut matching, cells, &mut self.rng);
+            }
+        }
+        cuts::cuts(&matching, self.target, &mut self.paths, 1, self.interrupt) > 0
+    }
+
+    fn finish(mut self, attempts: u32, stop: Stop) -> Part {
+        let pieces = self.best.as_ref().expect("an attempt was made").pieces;
+        if pieces != self.target {
+            // The bound must be one of the cover that is given.
+            self.target = pieces;
+            self.forget_bounds();
+            self.cheapest(self.board, Grain::default());
+            self.bound_by_zones();
+        }
+        let Cover { order, last_piece, pieces, cost } = self.best.expect("an attempt was made");
+        let (piece_bound, bound) = (self.piece_bound, self.bound);
+        Part { order, last_piece, pieces, piece_bound, cost, bound, attempts, stop }
+    }
+}
+
+/// Brings pieces into the order and the directions that the ends ask for; cuts one in two if it holds both and must not.
+fn order_pieces(pieces: &mut Vec<Vec<Node>>, first: Option<Node>, last: Option<Node>, apart: bool) {
+    // The topmost, leftmost piece first, so that the lifts between them stay short.
+    pieces.sort_unstable_by_key(|piece| piece.iter().min().copied());
+    let holds = |piece: &Vec<Node>, node: Node| piece[0] == node || piece[piece.len() - 1] == node;
+    if let Some(first) = first {
+        let index = pieces.iter().position(|piece| holds(piece, first)).expect("it is an end of a piece");
+        let mut piece = pieces.remove(index);
+        if piece[0] != first {
+            piece.reverse();
+        }
+        pieces.insert(0, piece);
+    }
+    if let Some(last) = last {
+        let index = pieces.iter().position(|piece| holds(piece, last)).expect("it is an end of a piece");
+        let mut piece = pieces.remove(index);
+        let both = first.is_some_and(|first| holds(&piece, first));
+        if both && (apart || !pieces.is_empty()) {
+            if piece[0] == last {
+                piece.reverse();
+            }
+            let rest = piece.split_off(piece.len() / 2);
+            pieces.insert(0, piece);
+            piece = rest;
+        }
+        if piece[piece.len() - 1] != last {
+            piece.reverse();
+        }
+        pieces.push(piece);
+    }
+}

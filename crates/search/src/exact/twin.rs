@@ -1,0 +1,137 @@
+//! The slow, obvious twin of the exact search: it tries every set of links.
+
+use crate::ZoneCosts;
+use beadwork_grid::{Cell, Region, Zones};
+
+/// What a cover is asked for.
+pub(super) struct Problem<'a> {
+    pub(super) region: &'a Region,
+    pub(super) zones: &'a Zones,
+    pub(super) costs: &'a ZoneCosts,
+    pub(super) start: Option<Cell>,
+    pub(super) end: Option<Cell>,
+}
+
+/// The fewest pieces of any cover, and the least cost of one in so many.
+pub(super) fn fewest_and_cheapest(problem: &Problem<'_>) -> (u32, u64) {
+    (1..)
+        .find_map(|pieces| cheapest(problem, pieces).map(|cost| (pieces, cost)))
+        .expect("single cells are a cover")
+}
+
+/// The least cost of a cover in so many pieces, if there is one.
+pub(super) fn cheapest(problem: &Problem<'_>, pieces: u32) -> Option<u64> {
+    let cells: Vec<Cell> = problem.region.cells().collect();
+    let links = cells.len().checked_sub(pieces as usize)?;
+    let mut search =
+        Search { problem, cells, links, linked: vec![Vec::new(); problem.region.plane_len()], best: None };
+    search.decide(0, 0, 0);
+    search.best
+}
+
+struct Search<'a> {
+    problem: &'a Problem<'a>,
+    cells: Vec<Cell>,
+    /// Links that the cover must have.
+    links: usize,
+    linked: Vec<Vec<Cell>>,
+    best: Option<u64>,
+}
+
+impl Search<'_> {
+    /// Decides on the links of one cell to the right and below, then on those of the next one.
+    fn decide(&mut self, index: usize, links: usize, lacking: usize) {
+        // Each missing link leaves two cells that lack one.
+        if lacking > 2 * (self.cells.len() - self.links) {
+            return;
+        }
+        let Some(&cell) = self.cells.get(index) else {
+            if links == self.links {
+                self.judge();
+            }
+            return;
+        };
+        let later: Vec<Cell> = self.problem.region.neighbours(cell).filter(|&other| other > cell).collect();
+        for choice in 0..1_u32 << later.len() {
+            let chosen: Vec<Cell> =
+                (0..later.len()).filter(|bit| choice >> bit & 1 == 1).map(|bit| later[bit]).collect();
+            if self.linked[cell as usize].len() + chosen.len() > 2
+                || chosen.iter().any(|&other| self.linked[other as usize].len() > 1)
+            {
+                continue;
+            }
+            let mut put_in = 0;
+            for &other in &chosen {
+                if self.reaches(cell, other) {
+                    break;
+                }
+                self.linked[cell as usize].push(other);
+                self.linked[other as usize].push(cell);
+                put_in += 1;
+            }
+            if put_in == chosen.len() {
+                let lacking = lacking + 2 - self.linked[cell as usize].len();
+                self.decide(index + 1, links + put_in, lacking);
+            }
+            for &other in chosen[..put_in].iter().rev() {
+                self.linked[cell as usize].pop();
+                self.linked[other as usize].pop();
+            }
+        }
+    }
+
+    /// Whether a link between the two would close a cycle.
+    fn reaches(&self, from: Cell, to: Cell) -> bool {
+        let mut seen = vec![from];
+        let mut index = 0;
+        while let Some(&cell) = seen.get(index) {
+            for &other in &self.linked[cell as usize] {
+                if !seen.contains(&other) {
+                    seen.push(other);
+                }
+            }
+            index += 1;
+        }
+        seen.contains(&to)
+    }
+
+    fn judge(&mut self) {
+        let Problem { zones, costs, start, end, .. } = *self.problem;
+        let mut total = 0;
+        let mut seen: Vec<Cell> = Vec::new();
+        let mut pieces: Vec<Vec<Cell>> = Vec::new();
+        for &cell in self.cells.iter().filter(|&&cell| self.linked[cell as usize].len() < 2) {
+            if seen.contains(&cell) {
+                continue;
+            }
+            let mut piece = vec![cell];
+            while let Some(&next) =
+                self.linked[piece[piece.len() - 1] as usize].iter().find(|&other| !piece.contains(other))
+            {
+                piece.push(next);
+            }
+            seen.extend(&piece);
+            pieces.push(piece);
+        }
+        let cost_of = |piece: &[Cell]| -> u64 {
+            piece.windows(2).map(|step| u64::from(costs.cost(zones.id(step[0]), zones.id(step[1])))).sum()
+        };
+        for piece in &pieces {
+            let forward = cost_of(piece);
+            let backward = cost_of(&piece.iter().rev().copied().collect::<Vec<_>>());
+            let (first, last) = (piece[0], piece[piece.len() - 1]);
+            // The first piece begins at the start, the last one ends at the end; they are one only if there is one.
+            let ways =
+                [(forward, first, last), (backward, last, first)].into_iter().filter(|&(_, first, last)| {
+                    let [has_start, has_end] =
+                        [start, end].map(|end| end.is_some_and(|cell| piece.contains(&cell)));
+                    (!has_start || start == Some(first))
+                        && (!has_end || end == Some(last))
+                        && !(has_start && has_end && pieces.len() > 1)
+                });
+            let Some(cost) = ways.map(|(cost, ..)| cost).min() else { return };
+            total += cost;
+        }
+        self.best = Some(self.best.map_or(total, |best| best.min(total)));
+    }
+}
