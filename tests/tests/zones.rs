@@ -50,6 +50,44 @@ fn annealing_beats_the_zigzag() {
 }
 
 #[test]
+fn the_fewest_crossings_are_proven() {
+    let row = json(&["zones", "--layout", "stripes", "--size", "30x30", "--json"]);
+    let expected: [(&str, Value); 4] =
+        [("method", "exact".into()), ("crossings", 2.into()), ("bound", 2.into()), ("optimal", true.into())];
+    for (key, value) in expected {
+        assert_eq!(row[key], value, "{row}");
+    }
+    let told = run(&["zones", "--layout", "islands", "--size", "40x40", "--shape", "disc", "--seed", "2"]);
+    assert!(told.contains("proven to be the fewest"), "{told}");
+    let hasty = json(&["zones", "--size", "60x60", "--zones", "40", "--time", "0", "--json"]);
+    assert_eq!((&hasty["attempts"], &hasty["pieces"]), (&1.into(), &1.into()), "{hasty}");
+}
+
+#[test]
+fn ends_and_costs_are_kept_to() {
+    let folder = tempdir().unwrap();
+    let costs = folder.path().join("purge.csv");
+    fs::write(&costs, "0, 5, 2\n3, 0, 2\n\n1 1 0\n").unwrap();
+    let layer = ["zones", "--size", "20x20", "--json", "--costs", text(&costs)];
+    let row = json(&[&layer[..], &["--start-at", "0,0", "--end-at", "right"]].concat());
+    assert!(
+        row["cost"].as_u64() >= row["bound"].as_u64() && row["cost"].as_u64() >= row["crossings"].as_u64()
+    );
+    assert!(fail(&["zones", "--size", "9x9", "--start-at", "9,0"]).contains("9,0"));
+    assert!(
+        fail(&["zones", "--size", "9x9", "--start-at", "3,3", "--end-at", "3,3"]).contains("begin and end")
+    );
+    assert!(fail(&["zones", "--method", "anneal", "--end-at", "left"]).contains("--method exact"));
+    for (content, complaint) in
+        [("0 1", "row 1 has 2"), ("0 x\n1 0", "'x' in row 1"), ("0 1\n1 0", "3"), ("1", "inside")]
+    {
+        fs::write(&costs, content).unwrap();
+        let error = fail(&layer);
+        assert!(error.contains(complaint), "{error}");
+    }
+}
+
+#[test]
 fn a_picture_is_planned_and_drawn() {
     let folder = tempdir().unwrap();
     let (picture, drawing) = (folder.path().join("disc.png"), folder.path().join("disc.svg"));
@@ -150,6 +188,27 @@ fn a_reader_that_leaves_early_is_no_error() {
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn the_proofs_have_a_table() {
+    let folder = tempdir().unwrap();
+    let plot = folder.path().join("growth.svg");
+    let json = json(&[
+        "eval",
+        "zones",
+        "--method",
+        "exact",
+        "--seeds",
+        "1",
+        "--smoke",
+        "--plot",
+        text(&plot),
+        "--json",
+    ]);
+    let cases = json["cases"].as_array().unwrap();
+    assert!(cases.len() >= 40 && cases.iter().all(|case| case["pieces_met"].is_u64()), "{json}");
+    assert!(fs::read_to_string(&plot).unwrap().starts_with("<svg"));
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use beadwork_dataset::Size;
-use beadwork_grid::{Layout, LayoutSpec, Region, Zones};
+use beadwork_grid::{Layout, LayoutSpec, Region, Shape, Zones};
 use beadwork_part::Picture;
 
 /// Flags that name one instance.
@@ -17,6 +17,9 @@ pub(crate) struct InstanceArgs {
     /// Size in cells.
     #[arg(long, value_name = "WxH", default_value = "30x30", conflicts_with = "image")]
     size: Size,
+    /// Outline of the region: disc, ring, blob, rotated_rectangle, star or l; the whole plane if not given.
+    #[arg(long, value_name = "NAME", conflicts_with = "image")]
+    shape: Option<Shape>,
     /// Number of zones; the layout's own if not given.
     #[arg(long, value_name = "K", conflicts_with = "image")]
     zones: Option<u8>,
@@ -52,7 +55,11 @@ impl InstanceArgs {
             side: self.side.unwrap_or(usual.side),
             ..usual
         };
-        let region = Region::rectangle(self.size.width, self.size.height)?;
+        let Size { width, height } = self.size;
+        let region = match self.shape {
+            Some(shape) => shape.region(width, height, seed).with_context(|| format!("no {shape} fits"))?,
+            None => Region::rectangle(width, height)?,
+        };
         let zones = spec.zones(&region, seed)?;
         Ok(Instance { name: self.layout.name().to_owned(), region, zones, colours: None })
     }

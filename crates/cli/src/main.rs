@@ -8,6 +8,7 @@
 
 mod bench;
 mod cancel;
+mod ends;
 mod eval;
 mod gen_data;
 mod inspect;

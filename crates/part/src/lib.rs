@@ -17,7 +17,7 @@
 //! assert_eq!(back, picture);
 //!
 //! let path = Start::RowZigzag.path(&back.region)?;
-//! let panel = Panel { title: "row zigzag", region: &back.region, zones: &back.zones, path: Some(&path) };
+//! let panel = Panel { title: "row zigzag", region: &back.region, zones: &back.zones, path: Some(&path), links: &[] };
 //! assert!(svg(&[panel], Some(&back.colours)).starts_with("<svg"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -15,6 +15,8 @@ pub struct Panel<'a> {
     pub zones: &'a Zones,
     /// Its path, if it has one.
     pub path: Option<&'a Path>,
+    /// Links to draw beside it, each between two neighbours: what is not yet a path.
+    pub links: &'a [[Cell; 2]],
 }
 
 /// Colours that people with any colour vision tell apart, after Okabe and Ito, lightened for the dark path to stand out.
@@ -87,6 +89,7 @@ fn write_svg(out: &mut String, panels: &[Panel<'_>], colours: Option<&[[u8; 3]]>
         // One unit is a cell: the panel's own coordinates stay whole and short.
         writeln!(out, r#"<g transform="translate({left} {TITLE_HEIGHT}) scale({cell})">"#)?;
         write_zones(out, panel, colours)?;
+        write_links(out, panel, cell)?;
         if let Some(path) = panel.path {
             write_path(out, panel, path, cell)?;
         }
@@ -123,13 +126,39 @@ fn write_zones(out: &mut String, panel: &Panel<'_>, colours: Option<&[[u8; 3]]>)
     Ok(())
 }
 
+/// Of all lines.
+const STROKE: &str = r#"fill="none" stroke-linecap="round" stroke-linejoin="round""#;
+
+/// A width in cells, of which one is `cell` pixels.
+fn wide((cells, pixels): (f64, f64), cell: f64) -> f64 {
+    let hundredths = (100.0 * cells.max(pixels / cell)).round();
+    hundredths / 100.0
+}
+
+/// Links one by one, those between zones on top.
+fn write_links(out: &mut String, panel: &Panel<'_>, cell: f64) -> fmt::Result {
+    type Links<'a> = Vec<&'a [Cell; 2]>;
+    let is_crossing = |link: &&[Cell; 2]| panel.zones.id(link[0]) != panel.zones.id(link[1]);
+    let (across, inside): (Links<'_>, Links<'_>) = panel.links.iter().partition(is_crossing);
+    for (links, colour, width) in
+        [(inside, PATH_COLOUR, PATH_WIDTH), (across, CROSSING_COLOUR, CROSSING_WIDTH)]
+    {
+        let mut line = String::new();
+        for link in &links {
+            write_line(&mut line, panel.region, &link[..])?;
+        }
+        if !line.is_empty() {
+            let width = wide(width, cell);
+            writeln!(out, r#"<path {STROKE} stroke="{colour}" stroke-width="{width}" d="{line}"/>"#)?;
+        }
+    }
+    Ok(())
+}
+
 /// The path with its crossings and ends, where one cell is `cell` pixels.
 fn write_path(out: &mut String, panel: &Panel<'_>, path: &Path, cell: f64) -> fmt::Result {
     let (region, zones) = (panel.region, panel.zones);
-    let wide = |(cells, pixels): (f64, f64)| {
-        let hundredths = (100.0 * cells.max(pixels / cell)).round();
-        hundredths / 100.0
-    };
+    let wide = |width: (f64, f64)| wide(width, cell);
     let mut line = String::new();
     let mut crossings = String::new();
     let mut starts = String::new();
@@ -146,19 +175,18 @@ fn write_path(out: &mut String, panel: &Panel<'_>, path: &Path, cell: f64) -> fm
             write!(marks, "M{x} {y}h0")?;
         }
     }
-    let stroke = r#"fill="none" stroke-linecap="round" stroke-linejoin="round""#;
     let width = wide(PATH_WIDTH);
-    writeln!(out, r#"<path {stroke} stroke="{PATH_COLOUR}" stroke-width="{width}" d="{line}"/>"#)?;
+    writeln!(out, r#"<path {STROKE} stroke="{PATH_COLOUR}" stroke-width="{width}" d="{line}"/>"#)?;
     if !crossings.is_empty() {
         let width = wide(CROSSING_WIDTH);
         writeln!(
             out,
-            r#"<path {stroke} stroke="{CROSSING_COLOUR}" stroke-width="{width}" d="{crossings}"/>"#
+            r#"<path {STROKE} stroke="{CROSSING_COLOUR}" stroke-width="{width}" d="{crossings}"/>"#
         )?;
     }
     let (mark, hole) = (wide(MARK_WIDTH), wide((MARK_WIDTH.0 * 0.6, MARK_WIDTH.1 * 0.6)));
-    writeln!(out, r#"<path {stroke} stroke="{PATH_COLOUR}" stroke-width="{mark}" d="{ends}{starts}"/>"#)?;
-    writeln!(out, r#"<path {stroke} stroke="white" stroke-width="{hole}" d="{starts}"/>"#)
+    writeln!(out, r#"<path {STROKE} stroke="{PATH_COLOUR}" stroke-width="{mark}" d="{ends}{starts}"/>"#)?;
+    writeln!(out, r#"<path {STROKE} stroke="white" stroke-width="{hole}" d="{starts}"/>"#)
 }
 
 /// Moves to the first cell and on along the others, straight stretches as one stroke.
@@ -227,7 +255,7 @@ mod tests {
         let region = Region::rectangle(2, 2).unwrap();
         let zones = Zones::new(&region, vec![0, 1, 0, 1]).unwrap();
         let path = Start::RowZigzag.path(&region).unwrap();
-        let panel = Panel { title: "a < b", region: &region, zones: &zones, path: Some(&path) };
+        let panel = Panel { title: "a < b", region: &region, zones: &zones, path: Some(&path), links: &[] };
         let expected = r##"<svg xmlns="http://www.w3.org/2000/svg" width="128" height="140" viewBox="0 0 128 140">
 <rect width="100%" height="100%" fill="white"/>
 <text x="16" y="18" font-family="Helvetica, Arial, sans-serif" font-size="15" fill="black">a &lt; b</text>
@@ -251,7 +279,7 @@ mod tests {
             let zones =
                 LayoutSpec { zones: 20, ..LayoutSpec::new(Layout::Voronoi) }.zones(&region, seed).unwrap();
             let path = Start::Spiral.path(&region).unwrap();
-            let panel = Panel { title: "", region: &region, zones: &zones, path: Some(&path) };
+            let panel = Panel { title: "", region: &region, zones: &zones, path: Some(&path), links: &[] };
             let drawing = svg(&[panel, Panel { path: None, ..panel }], None);
             let red = drawing.lines().find(|line| line.contains(CROSSING_COLOUR)).unwrap();
             let strokes = red.split(" d=\"").nth(1).unwrap().matches('M').count();
@@ -264,13 +292,16 @@ mod tests {
         let column = Region::rectangle(1, 5).unwrap();
         let zones = LayoutSpec::new(Layout::TopBottom).zones(&column, 0).unwrap();
         let path = Start::RowZigzag.path(&column).unwrap();
-        let drawing = svg(&[Panel { title: "", region: &column, zones: &zones, path: Some(&path) }], None);
+        let drawing =
+            svg(&[Panel { title: "", region: &column, zones: &zones, path: Some(&path), links: &[] }], None);
         assert!(drawing.contains(r#"d="M0.5 0.5v4""#), "{drawing}");
         let apart = Region::from_mask(2, 2, vec![true, false, false, true]).unwrap();
         let zones = Zones::new(&apart, vec![0; 4]).unwrap();
         let path = Start::Cover.path(&apart).unwrap();
-        let drawing =
-            svg(&[Panel { title: "", region: &apart, zones: &zones, path: Some(&path) }], Some(&[[0; 3]]));
+        let drawing = svg(
+            &[Panel { title: "", region: &apart, zones: &zones, path: Some(&path), links: &[] }],
+            Some(&[[0; 3]]),
+        );
         assert!(drawing.contains(r#"d="M0.5 0.5M1.5 1.5""#) && drawing.contains("#999999"), "{drawing}");
     }
 
@@ -299,7 +330,7 @@ mod tests {
         let zones = LayoutSpec::new(Layout::Stripes).zones(&region, 0).unwrap();
         let path = Start::Spiral.path(&region).unwrap();
         for title in ["", "</text><g>", "a > b & c", "\"quoted\" 'twice'", "bell\u{7}, \0 and \u{ffff}"] {
-            let panel = Panel { title, region: &region, zones: &zones, path: Some(&path) };
+            let panel = Panel { title, region: &region, zones: &zones, path: Some(&path), links: &[] };
             let drawing = svg(&[panel, panel], None);
             assert!(is_balanced(&drawing), "{drawing}");
             assert!(!drawing.contains(|c: char| (c.is_control() && c != '\n') || c == '\u{ffff}'));
@@ -313,7 +344,7 @@ mod tests {
         let size = |width: u32, height: u32, title: &str| {
             let region = Region::rectangle(width, height).unwrap();
             let zones = Zones::new(&region, vec![0; region.plane_len()]).unwrap();
-            let panel = Panel { title, region: &region, zones: &zones, path: None };
+            let panel = Panel { title, region: &region, zones: &zones, path: None, links: &[] };
             let drawing = svg(&[panel, panel], None);
             let view = drawing.split("viewBox=\"0 0 ").nth(1).unwrap().split('"').next().unwrap();
             let (width, height) = view.split_once(' ').unwrap();

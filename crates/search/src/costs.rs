@@ -98,6 +98,33 @@ impl ZoneCosts {
         self.of_pairs(u32::min)
     }
 
+    /// What a crossing costs at least after a change of costs that each path's total follows, and by how much a path's total may
+    /// fall behind.
+    ///
+    /// Give each zone a height, and let a step from a to b cost the height of b less that of a more. Along a path these sum to the
+    /// difference of the heights of its ends, so its cost falls by no more than the greatest difference. With heights that
+    /// make the two directions of pairs more alike, the cheaper one is nearer to what a path pays in turn. The heights are those of
+    /// least squares over all pairs, halved until no step costs less than nothing.
+    pub(crate) fn levelled(&self) -> (Vec<i32>, i32) {
+        let zones = self.zones;
+        let cost = |a: usize, b: usize| i64::from(self.costs[a * zones + b]);
+        let dearer_from = |a: usize| (0..zones).map(|b| cost(a, b) - cost(b, a)).sum::<i64>();
+        let mut heights: Vec<i64> = (0..zones).map(|a| dearer_from(a) / (2 * zones as i64)).collect();
+        let is_below = |heights: &[i64]| {
+            (0..zones).any(|a| (0..zones).any(|b| cost(a, b) + heights[b] - heights[a] < 0))
+        };
+        while is_below(&heights) {
+            heights.iter_mut().for_each(|height| *height /= 2);
+        }
+        let levelled = |a: usize, b: usize| cost(a, b) + heights[b] - heights[a];
+        let least = |pair: usize| {
+            let (a, b) = (pair / zones, pair % zones);
+            levelled(a, b).min(levelled(b, a)) as i32
+        };
+        let spread = heights.iter().max().unwrap_or(&0) - heights.iter().min().unwrap_or(&0);
+        ((0..zones * zones).map(least).collect(), spread as i32)
+    }
+
     /// For each pair a cost between that of its cheaper and that of its dearer direction, drawn at random.
     ///
     /// A path pays both directions in turn where it goes to and fro, or mostly one of them; which one can't be known before.

@@ -1,38 +1,43 @@
 //! What it costs that no set of cells may stay closed.
 
-use crate::matching::{Board, Classes, Matching, Node, Paths, ZoneGraph};
+use crate::matching::{Board, Classes, Dir, Matching, Node, Paths, ZoneGraph};
 
 /// Searches for the cheapest link out of a component, at most; beyond it the extra cost counts as the least possible.
 const MOST_SEARCHES: u32 = 200;
 
-/// What the cheapest 2-matchings of one size never link.
+/// What the cheapest 2-matchings of one size never link, though a cover must.
 pub(crate) struct Apart {
-    /// By how much every connected solution costs more, at least.
-    pub(crate) extra: u32,
+    /// The components that all links of all cheapest 2-matchings make.
+    components: ZoneGraph,
     /// The zone components, finer: without the links that no cheapest 2-matching has.
     pub(crate) graph: ZoneGraph,
 }
 
-/// By how much a path, or a cover in `pieces` pieces, costs more than the cheapest 2-matching; `None` if this can't tell.
-///
-/// Take all links that some cheapest 2-matching has: those in this one, and those whose residual step is free of reduced cost
-/// and lies on a closed walk of such steps. If they fall into components, a path costs more, for it leaves each component; by
-/// complementary slackness the cheapest way to leave one is a shortest residual walk through a link that leads out of it, and
-/// the dearest component counts. Of several pieces one may stay inside a component, so there only components count in
-/// which no cheapest 2-matching has room for an end, and costs being whole numbers they cost at least 1 more.
-pub(crate) fn connectivity(matching: &Matching<'_>, pieces: u32, paths: &mut Paths) -> Option<Apart> {
-    let board = matching.board;
-    let classes = Classes::new(matching);
-    let allowed = Allowed { matching, classes: &classes };
-    let graph = ZoneGraph::of(board, |node, dir| allowed.link(node, dir));
-    if closed_sets(&graph, &allowed, pieces).is_empty() {
-        return None;
+impl Apart {
+    /// Takes all links that some cheapest 2-matching has: those in this one, and those whose residual step is free of reduced
+    /// cost and lies on a closed walk of such steps, by complementary slackness. `None` if a cover need not cost more.
+    pub(crate) fn new(matching: &Matching<'_>, pieces: u32) -> Option<Self> {
+        let board = matching.board;
+        let classes = Classes::new(matching);
+        let allowed = Allowed { matching, classes: &classes };
+        let components = ZoneGraph::of(board, |node, dir| allowed.link(node, dir));
+        if closed_sets(&components, &allowed, pieces).is_empty() {
+            return None;
+        }
+        let inside = |node: Node, dir: Dir| board.across[node as usize] & (1 << dir) == 0;
+        let graph = ZoneGraph::of(board, |node, dir| allowed.link(node, dir) && inside(node, dir));
+        Some(Self { components, graph })
     }
-    let extra = if pieces == 1 { dearest(&graph, matching, paths) } else { 1 };
-    let graph = ZoneGraph::of(board, |node, dir| {
-        allowed.link(node, dir) && board.across[node as usize] & (1 << dir) == 0
-    });
-    Some(Apart { extra, graph })
+}
+
+/// By how much a path, or a cover in `pieces` pieces, costs more than the cheapest 2-matching, at least.
+///
+/// A path leaves each of the components, by a link that no cheapest 2-matching has. The cheapest way to have such a link is a
+/// shortest residual walk through it, and the component where that is dearest counts. Of several pieces one may stay inside a
+/// component, so there only components count in which no cheapest 2-matching has room for an end; that costs at least 1, for
+/// costs are whole numbers.
+pub(crate) fn connectivity(apart: &Apart, matching: &Matching<'_>, pieces: u32, paths: &mut Paths) -> u32 {
+    if pieces == 1 { dearest(&apart.components, matching, paths) } else { 1 }
 }
 
 /// What some cheapest 2-matching of the same size has.
@@ -43,7 +48,7 @@ pub(super) struct Allowed<'m, 'a> {
 
 impl Allowed<'_, '_> {
     /// Whether one has this link.
-    pub(super) fn link(&self, node: Node, dir: usize) -> bool {
+    pub(super) fn link(&self, node: Node, dir: Dir) -> bool {
         let Self { matching, classes } = self;
         let other = matching.board.step(node, dir);
         matching.is_linked(node, dir)

@@ -13,6 +13,7 @@ use beadwork_grid::{Region, Zones, zone_components};
 use crate::ZoneCosts;
 use crate::matching::{Board, Paths, ZoneGraph};
 use crate::stop::Interrupt;
+use connectivity::Apart;
 
 /// Crossings that a cover in so many pieces can't do without: zone components minus pieces.
 ///
@@ -59,14 +60,16 @@ impl Bounds {
             let need = flow::need(board, &graph);
             let mut paths = Paths::new(board);
             let flow = matching.cost() as u32;
-            let apart = connectivity::connectivity(&matching, pieces, &mut paths);
+            let apart = Apart::new(&matching, pieces);
+            let extra =
+                apart.map_or(0, |apart| connectivity::connectivity(&apart, &matching, pieces, &mut paths));
             let cuts = cuts::cuts(&matching, pieces, &mut paths, u64::MAX, Interrupt::default());
             sum.pieces += pieces;
             sum.flow += flow;
             sum.cover += segments::cover(&need, pieces);
             sum.scattering += segments::scattering(&graph, &need, pieces);
             sum.walk = sum.walk.zip(walk::walk(&graph, pieces)).map(|(sum, walk)| sum + walk);
-            sum.connectivity += flow + apart.map_or(0, |apart| apart.extra);
+            sum.connectivity += flow + extra;
             sum.cuts += cuts as u32;
         }
         sum

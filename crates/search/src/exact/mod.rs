@@ -71,6 +71,26 @@ pub struct Settings<'a> {
     pub time_is_up: Option<&'a (dyn Fn() -> bool + Sync)>,
     /// Told after each attempt how far the search has come.
     pub observer: Option<&'a (dyn Fn(Progress) + Sync)>,
+    /// Told of each stage of the first attempt at each part: for pictures.
+    pub stages: Option<&'a StageObserver<'a>>,
+}
+
+/// Takes a stage and its links, each of two neighbours.
+pub type StageObserver<'a> = dyn Fn(Stage, &[[Cell; 2]]) + Sync + 'a;
+
+/// What an attempt has when one of its steps is done; in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// Ladders inside the zones, and what fits beside them.
+    Ladders,
+    /// The cheapest 2-matching: the bound.
+    Cheapest,
+    /// The same with links from what would be left apart.
+    Linked,
+    /// Cycles joined by switches.
+    Merged,
+    /// The paths that are left when the last cycles are joined too.
+    Settled,
 }
 
 impl Default for Settings<'_> {
@@ -85,6 +105,7 @@ impl Default for Settings<'_> {
             cancel: None,
             time_is_up: None,
             observer: None,
+            stages: None,
         }
     }
 }
@@ -306,9 +327,8 @@ impl Solver<'_> {
         for number in numbers {
             let board = &self.boards[number];
             let part = self.part(number, start, end);
-            let cells = |nodes: &[Node]| -> Vec<Cell> {
-                nodes.iter().map(|&node| board.cell(region, node)).collect()
-            };
+            let cells =
+                |nodes: &[Node]| -> Vec<Cell> { nodes.iter().map(|&node| board.cell(node)).collect() };
             let (begin, rest) = part.order.split_at(if end == Some(number) { part.last_piece } else { 0 });
             if end == Some(number) {
                 order.extend(cells(begin));

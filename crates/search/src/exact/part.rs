@@ -7,8 +7,9 @@ use super::link::{below, force_cheapest, link};
 use super::merge::{merge, merge_at_any_cost};
 use super::strands::Strands;
 use super::untangle::untangle;
-use super::{Progress, Settings};
-use crate::bound::{connectivity, cuts, segments, walk};
+use super::{Progress, Settings, Stage, StageObserver};
+use crate::bound::connectivity::{self, Apart};
+use crate::bound::{cuts, segments, walk};
 use crate::matching::{Board, Dir, Grain, Matching, Node, Paths, ZoneGraph};
 use crate::stop::Interrupt;
 use crate::{Stop, ZoneCosts};
@@ -62,6 +63,7 @@ pub(super) fn solve(
         ends,
         costs,
         interrupt,
+        stages: settings.stages,
         rng,
         graph: ZoneGraph::new(board),
         paths: Paths::new(board),
@@ -129,6 +131,8 @@ struct Search<'a> {
     ends: &'a Ends,
     costs: &'a ZoneCosts,
     interrupt: Interrupt<'a>,
+    /// To be told of the stages; `None` after the first attempt.
+    stages: Option<&'a StageObserver<'a>>,
     rng: Xoshiro256PlusPlus,
     /// What has to hang together: the zone components, or finer once it is known what the cheapest 2-matchings leave apart.
     graph: ZoneGraph,
@@ -151,9 +155,8 @@ impl Search<'_> {
         let guide = (number > 1 && !self.costs.is_symmetric())
             .then(|| self.board.with_costs(self.costs.drawn(&mut self.rng)));
         let (relaxed, matching) = self.cheapest(guide.as_ref().unwrap_or(self.board), grain);
-        if self.bounds == Bounds::Zones && guide.is_none() {
-            self.raise_bound(&relaxed.unwrap_or_else(|| matching.clone()));
-        }
+        // What the bounds may need: not each cover meets the first of them.
+        let relaxed = relaxed.unwrap_or_else(|| matching.clone());
         if let Some(cover) = self.complete(matching)
             && self.best.as_ref().is_none_or(|best| (cover.pieces, cover.cost) < (best.pieces, best.cost))
         {
@@ -161,6 +164,9 @@ impl Search<'_> {
         }
         if self.bounds == Bounds::Flow && !self.is_met() {
             self.bound_by_zones();
+        }
+        if self.bounds == Bounds::Zones && guide.is_none() && !self.is_met() {
+            self.raise_bound(&relaxed);
         }
         self.best.as_ref().expect("the first attempt gives a cover")
     }
@@ -183,7 +189,7 @@ impl Search<'_> {
         'pieces: loop {
             let mut matching = self.grown(board, grain);
             for cells in &sides[..given] {
-                if self.paths.reserve(&mut matching, cells, &mut self.rng).is_none() {
+                if self.paths.reserve(&mut matching, cells).is_none() {
                     self.target += 1;
                     continue 'pieces;
                 }
@@ -194,11 +200,11 @@ impl Search<'_> {
                 if index > 0 {
                     // Chosen alone, the second end may be cheaper than after the first one; only that is a bound.
                     let mut alone = relaxed.clone().expect("there are ends to choose");
-                    if self.paths.reserve(&mut alone, cells, &mut self.rng).is_some() {
+                    if self.paths.reserve(&mut alone, cells).is_some() {
                         flow = flow.max(alone.cost());
                     }
                 }
-                if self.paths.reserve(&mut matching, cells, &mut self.rng).is_none() {
+                if self.paths.reserve(&mut matching, cells).is_none() {
                     self.target += 1;
                     continue 'pieces;
                 }
@@ -222,12 +228,14 @@ impl Search<'_> {
         let mut matching = Matching::inside_zones(board, grain);
         let spare = 2 * self.target;
         matching.drop_links_inside(spare, |count| below(&mut self.rng, count));
+        self.tell(Stage::Ladders, &matching);
         matching.grow(spare);
         self.target = self.target.max(matching.spare.div_ceil(2));
         matching
     }
 
-    /// Bounds from the graph of zone components, in units of the cheapest crossing.
+    /// Bounds from the graph of zone components, in units of the cheapest crossing; and the flow's with costs whose directions are
+    /// more alike.
     fn bound_by_zones(&mut self) {
         let need = vec![1; self.graph.count() as usize];
         let crossings = segments::cover(&need, self.target)
@@ -235,18 +243,28 @@ impl Search<'_> {
             .max(walk::walk(&self.graph, self.target).unwrap_or(0));
         self.bound = self.bound.max(u64::from(crossings) * u64::from(self.board.least_cost()));
         self.bounds = Bounds::Zones;
+        if !self.costs.is_symmetric() {
+            let (levelled, spread) = self.costs.levelled();
+            let board = self.board.with_costs(levelled);
+            let cost =
+                self.grown(&board, Grain::default()).cost() - i64::from(spread) * i64::from(self.target);
+            self.bound = self.bound.max(cost.max(0) as u64);
+        }
     }
 
     /// Bounds from what the cheapest 2-matchings leave apart, which attempts from now on link first.
     fn raise_bound(&mut self, relaxed: &Matching<'_>) {
         self.bounds = Bounds::All;
-        let flow = relaxed.cost();
-        let Some(apart) = connectivity::connectivity(relaxed, self.target, &mut self.paths) else { return };
-        self.graph = apart.graph;
-        let enough =
-            self.best.as_ref().filter(|best| best.pieces == self.target).map_or(u64::MAX, |best| best.cost);
+        let Some(apart) = Apart::new(relaxed, self.target) else { return };
+        let best = self.best.as_ref().filter(|best| best.pieces == self.target);
+        let enough = best.map_or(u64::MAX, |best| best.cost);
         let cuts = cuts::cuts(relaxed, self.target, &mut self.paths, enough, self.interrupt);
-        self.bound = self.bound.max((flow + i64::from(apart.extra)) as u64).max(cuts);
+        self.bound = self.bound.max(cuts);
+        if self.bound < enough {
+            let extra = connectivity::connectivity(&apart, relaxed, self.target, &mut self.paths);
+            self.bound = self.bound.max(relaxed.cost() as u64 + u64::from(extra));
+        }
+        self.graph = apart.graph;
     }
 
     /// Makes a cover of a 2-matching; `None` if it would not be the best.
@@ -256,12 +274,15 @@ impl Search<'_> {
             .as_ref()
             .filter(|best| best.pieces <= self.target && std::ptr::eq(matching.board, self.board));
         let limit = known.map_or(u64::MAX, |best| best.cost);
+        self.tell(Stage::Cheapest, &matching);
         link(&mut matching, &self.graph, &mut self.paths, &mut self.rng, self.interrupt);
         if matching.cost() as u64 >= limit {
             return None;
         }
         let apart = self.ends_apart(&matching);
+        self.tell(Stage::Linked, &matching);
         merge(&mut matching);
+        self.tell(Stage::Merged, &matching);
         let mut strands = Strands::new(&matching, apart);
         untangle(&mut matching, &mut strands, &mut self.rng, EXCHANGES, self.interrupt);
         for _ in 0..LINKS_PAID {
@@ -283,7 +304,19 @@ impl Search<'_> {
             merge_at_any_cost(&mut matching);
             strands = Strands::new(&matching, apart);
         }
+        self.tell(Stage::Settled, &matching);
+        self.stages = None;
         Some(self.cover(&matching, &strands))
+    }
+
+    fn tell(&self, stage: Stage, matching: &Matching<'_>) {
+        let Some(stages) = self.stages else { return };
+        let board = matching.board;
+        let from = |&node: &Node| {
+            let linked = (0..2).filter(move |&dir| matching.is_linked(node, dir));
+            linked.map(move |dir| [node, board.step(node, dir)].map(|node| board.cell(node)))
+        };
+        stages(stage, &board.cells.iter().flat_map(from).collect::<Vec<_>>());
     }
 
     /// The cells where the path begins and ends, if other pieces lie between.
@@ -362,7 +395,7 @@ impl Search<'_> {
         matching.grow(2 * self.target);
         for cells in [&self.ends.first, &self.ends.last] {
             if let [_] = cells[..] {
-                self.paths.reserve(&mut matching, cells, &mut self.rng);
+                self.paths.reserve(&mut matching, cells);
             }
         }
         cuts::cuts(&matching, self.target, &mut self.paths, 1, self.interrupt) > 0

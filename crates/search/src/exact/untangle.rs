@@ -28,8 +28,12 @@ pub(crate) fn untangle(
     while !strands.is_settled() && made < exchanges && interrupt.check().is_none() {
         let number = pick_cycle(strands, rng).or(strands.joined_ends()).expect("something is left to settle");
         let cells = strands.cells(matching, number);
-        // Short exchanges are found at once and mostly suffice.
-        let steps = if in_vain < 6 { 8 } else { 10 + 2 * (in_vain % 2) };
+        // Short exchanges are found at once and mostly suffice; there are far more of the long ones.
+        let steps = match in_vain {
+            0 => 6,
+            1..6 => 8,
+            _ => 10 + 2 * (in_vain % 2),
+        };
         let mut search = Search {
             matching,
             strands,

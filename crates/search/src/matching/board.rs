@@ -24,6 +24,8 @@ pub(crate) struct Board {
     stride: usize,
     /// Column and row, in the region's plane, of the node at column 1 and row 1; the column may be -1.
     origin: (i64, i64),
+    /// Width of the region's plane.
+    width: u32,
     /// The cells in rising order.
     pub(crate) cells: Vec<Node>,
     /// For each node a bit for each direction in which there is a neighbour.
@@ -53,6 +55,7 @@ impl Board {
         let mut board = Self {
             stride,
             origin,
+            width: region.width(),
             cells: Vec::with_capacity(members.len()),
             neighbours: vec![0; nodes],
             across: vec![0; nodes],
@@ -141,9 +144,10 @@ impl Board {
     }
 
     /// The cell of a node.
-    pub(crate) fn cell(&self, region: &Region, node: Node) -> Cell {
-        let (x, y) = self.xy(node);
-        region.cell((i64::from(x) - 1 + self.origin.0) as u32, (i64::from(y) - 1 + self.origin.1) as u32)
+    pub(crate) fn cell(&self, node: Node) -> Cell {
+        let (column, row) = self.xy(node);
+        let (x, y) = (i64::from(column) - 1 + self.origin.0, i64::from(row) - 1 + self.origin.1);
+        (y * i64::from(self.width) + x) as Cell
     }
 
     /// Column and row on the board, the frame included.

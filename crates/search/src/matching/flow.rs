@@ -182,6 +182,44 @@ struct Trace {
     back: u8,
 }
 
+/// Nodes to go on from, with the steps that lead to them: those whose steps and distance to a goal sum to the least come first,
+/// of these the last one.
+#[derive(Default)]
+struct Open {
+    /// By the sum.
+    buckets: Vec<Vec<(u32, Node)>>,
+    /// No bucket below it holds a node.
+    least: usize,
+}
+
+impl Open {
+    fn clear(&mut self) {
+        self.buckets.iter_mut().skip(self.least).for_each(Vec::clear);
+        self.least = self.buckets.len();
+    }
+
+    #[inline]
+    fn push(&mut self, sum: u32, node: (u32, Node)) {
+        let sum = sum as usize;
+        if sum >= self.buckets.len() {
+            self.buckets.resize_with(sum + 1, Vec::new);
+        }
+        self.buckets[sum].push(node);
+        self.least = self.least.min(sum);
+    }
+
+    #[inline]
+    fn pop(&mut self) -> Option<(u32, Node)> {
+        while let Some(bucket) = self.buckets.get_mut(self.least) {
+            if let Some(node) = bucket.pop() {
+                return Some(node);
+            }
+            self.least += 1;
+        }
+        None
+    }
+}
+
 struct Rounds {
     round: u32,
     labels: Vec<Label>,
@@ -197,8 +235,7 @@ struct Rounds {
     dead: u32,
     traces: Vec<Trace>,
     seen: Vec<Node>,
-    /// Nodes to go on from: those whose steps and distance to a goal sum to the least come first, the farthest of them first.
-    open: BinaryHeap<(Reverse<u32>, u32, Node)>,
+    open: Open,
     goals: Vec<(u32, u32)>,
 }
 
@@ -219,7 +256,7 @@ impl Rounds {
             dead: 0,
             traces: vec![Trace::default(); matching.board.nodes()],
             seen: Vec::new(),
-            open: BinaryHeap::new(),
+            open: Open::default(),
             goals: Vec::new(),
         }
     }
@@ -336,7 +373,7 @@ impl Rounds {
         self.seen.clear();
         self.open.clear();
         self.see(matching, source, 0, 0);
-        while let Some((_, steps_taken, node)) = self.open.pop() {
+        while let Some((steps_taken, node)) = self.open.pop() {
             if !Board::is_black(node) && matching.room[node as usize] > 0 {
                 self.flip(matching, source, node);
                 return true;
@@ -394,7 +431,7 @@ impl Rounds {
         let ahead = self.goals.iter().map(|&goal| distance(place, goal)).min().unwrap_or(0);
         self.traces[node as usize] = Trace { search: self.search, back };
         self.seen.push(node);
-        self.open.push((Reverse(steps_taken + STEPS_A_CELL * ahead), steps_taken, node));
+        self.open.push(steps_taken + STEPS_A_CELL * ahead, (steps_taken, node));
     }
 
     fn flip(&self, matching: &mut Matching<'_>, source: Node, sink: Node) {

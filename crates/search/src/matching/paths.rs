@@ -3,8 +3,6 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use rand::Rng;
-
 use super::board::{Board, Dir, Node, dirs};
 use super::flow::{Matching, step_cost, steps};
 
@@ -14,7 +12,7 @@ use super::flow::{Matching, step_cost, steps};
 /// path through one of them moves room from one cell to another.
 pub(crate) struct Paths {
     round: u32,
-    /// Of each node and then of the source and the sink.
+    /// Of each node and then of the source, the sink and the end of the search.
     labels: Vec<Label>,
     reached: Vec<Node>,
     later: BinaryHeap<Reverse<(i32, Node)>>,
@@ -39,7 +37,7 @@ impl Paths {
         let source = board.nodes() as Node;
         Self {
             round: 0,
-            labels: vec![Label::default(); board.nodes() + 2],
+            labels: vec![Label::default(); board.nodes() + 3],
             reached: Vec::new(),
             later: BinaryHeap::new(),
             length: 0,
@@ -61,13 +59,13 @@ impl Paths {
     ) -> Option<i32> {
         let link = matching.reduced(black, dir);
         let white = matching.board.step(black, dir);
-        self.shortest(matching, white, |node| node == black, limit - link)?;
+        self.shortest(matching, &[(white, 0)], |node| (node == black).then_some(0), limit - link)?;
         Some(self.length + link)
     }
 
     /// Puts in the link whose cost was found last.
     pub(crate) fn put_in(&mut self, matching: &mut Matching<'_>, black: Node, dir: Dir) {
-        self.take(matching, black);
+        self.take(matching);
         matching.toggle(black, dir);
     }
 
@@ -78,54 +76,63 @@ impl Paths {
         matching.toggle(black, dir);
     }
 
-    /// Moves room to one of these cells, the cheapest, and keeps it there for good: its path ends there. Of equally cheap cells
-    /// it takes one at random. Gives what that adds to the cost; `None`, and nothing changes, if no cell can have room.
+    /// Moves room to one of these cells, the cheapest, and keeps it there for good: its path ends there. Gives what that adds to
+    /// the cost; `None`, and nothing changes, if no cell can have room.
     ///
     /// A cell that gives up a link gets room, and the link moves on along a shortest path to a cell of its colour that has
-    /// room.
-    pub(crate) fn reserve(
-        &mut self,
-        matching: &mut Matching<'_>,
-        cells: &[Node],
-        rng: &mut impl Rng,
-    ) -> Option<i32> {
-        let mut best: Option<(i32, Node)> = None;
-        let mut ties = 0;
-        for &cell in cells {
-            let limit = best.map_or(i32::MAX / 2, |(cost, _)| cost + 1);
-            let Some(cost) = self.cost_of_room(matching, cell, limit) else { continue };
-            ties = if best.is_some_and(|(least, _)| least == cost) { ties + 1 } else { 1 };
-            if rng.next_u64().is_multiple_of(ties) {
-                best = Some((cost, cell));
+    /// room. Two searches, one for each colour.
+    pub(crate) fn reserve(&mut self, matching: &mut Matching<'_>, cells: &[Node]) -> Option<i32> {
+        let free = |&&cell: &&Node| matching.capacity[cell as usize] == 2;
+        let with_room = cells.iter().filter(free).find(|&&cell| matching.room[cell as usize] > 0);
+        let (cost, cell) = if let Some(&cell) = with_room {
+            (0, cell)
+        } else {
+            let (blacks, whites): (Vec<Node>, Vec<Node>) =
+                cells.iter().filter(free).partition(|&&cell| Board::is_black(cell));
+            let black = self.cheapest_room(matching, &blacks, i32::MAX / 2);
+            let white = self.cheapest_room(matching, &whites, black.map_or(i32::MAX / 2, |(cost, _)| cost));
+            if white.is_none() {
+                self.cheapest_room(matching, &blacks, i32::MAX / 2);
             }
-        }
-        let (cost, cell) = best?;
-        if matching.room[cell as usize] == 0 {
-            self.cost_of_room(matching, cell, i32::MAX / 2);
-            self.take(matching, if Board::is_black(cell) { cell } else { self.sink });
+            let (cost, cell) = white.or(black)?;
+            self.take(matching);
             matching.room[cell as usize] += 1;
-        }
+            (cost, cell)
+        };
         matching.capacity[cell as usize] -= 1;
         matching.room[cell as usize] -= 1;
         matching.spare -= 1;
         Some(cost)
     }
 
-    /// What it adds to the cost at least that a cell has room, if that is below the limit.
-    fn cost_of_room(&mut self, matching: &Matching<'_>, cell: Node, limit: i32) -> Option<i32> {
-        if matching.room[cell as usize] > 0 {
-            return (limit > 0).then_some(0);
+    /// The one of these cells, all of one colour and without room, that gets room at the least cost, below the limit.
+    fn cheapest_room(&mut self, matching: &Matching<'_>, cells: &[Node], limit: i32) -> Option<(i32, Node)> {
+        let end = self.end();
+        let is_black = Board::is_black(*cells.first()?);
+        // A black cell draws one less, at the end of the path; a white one drains one less, at its beginning.
+        let less = |cell: Node| {
+            let potential = matching.potential[cell as usize];
+            if is_black { potential - matching.source } else { matching.sink - potential }
+        };
+        if is_black {
+            let closes = |node: Node| cells.contains(&node).then(|| less(node));
+            self.shortest(matching, &[(self.source, 0)], closes, limit)?;
+            Some((self.length, self.labels[end as usize].before))
+        } else {
+            let starts: Vec<(Node, i32)> = cells.iter().map(|&cell| (cell, less(cell))).collect();
+            let sink = self.sink;
+            self.shortest(matching, &starts, |node| (node == sink).then_some(0), limit)?;
+            let mut first = sink;
+            while self.labels[first as usize].before != first {
+                first = self.labels[first as usize].before;
+            }
+            Some((self.length, first))
         }
-        if matching.capacity[cell as usize] < 2 {
-            return None;
-        }
-        // The cell draws one less and another of its colour one more, or drains so.
-        let potential = matching.potential[cell as usize];
-        let less =
-            if Board::is_black(cell) { potential - matching.source } else { matching.sink - potential };
-        let [from, to] = if Board::is_black(cell) { [self.source, cell] } else { [cell, self.sink] };
-        self.shortest(matching, from, |node| node == to, limit - less)?;
-        Some(self.length + less)
+    }
+
+    /// The node at which every search ends.
+    fn end(&self) -> Node {
+        self.sink + 1
     }
 
     /// Makes a 2-matching the cheapest of its size again after costs have changed.
@@ -137,12 +144,13 @@ impl Paths {
         let nodes = matching.board.cells.iter().copied().chain([self.source, self.sink]);
         for node in nodes.collect::<Vec<_>>() {
             while excess[node as usize] > 0 {
-                let end = self
-                    .shortest(matching, node, |end| excess[end as usize] < 0, i32::MAX / 2)
+                let closes = |end: Node| (excess[end as usize] < 0).then_some(0);
+                self.shortest(matching, &[(node, 0)], closes, i32::MAX / 2)
                     .expect("what one cell has too many another one has too few");
+                let end = self.labels[self.end() as usize].before;
                 excess[node as usize] -= 1;
                 excess[end as usize] += 1;
-                self.take(matching, end);
+                self.take(matching);
             }
         }
         matching.spare = matching.room.iter().map(|&room| u32::from(room)).sum();
@@ -182,14 +190,16 @@ impl Paths {
         excess
     }
 
-    /// Dijkstra to the nearest of the nodes asked for, if that is nearer than the limit.
+    /// Dijkstra from some nodes, each at a length of its own, to the node at which all ends: reached from those that give what
+    /// that adds to the length. `None` if it is not nearer than the limit.
     fn shortest(
         &mut self,
         matching: &Matching<'_>,
-        from: Node,
-        is_end: impl Fn(Node) -> bool,
+        starts: &[(Node, i32)],
+        closes: impl Fn(Node) -> Option<i32>,
         limit: i32,
-    ) -> Option<Node> {
+    ) -> Option<()> {
+        let end = self.end();
         self.round += 1;
         self.reached.clear();
         self.later.clear();
@@ -197,13 +207,22 @@ impl Paths {
         if limit <= 0 {
             return None;
         }
-        self.see(from, from, 0);
+        for &(node, length) in starts {
+            self.see(node, node, length);
+        }
         let mut next = 0;
         loop {
             while let Some(&node) = self.reached.get(next) {
                 next += 1;
-                if is_end(node) {
-                    return Some(node);
+                if node == end {
+                    return Some(());
+                }
+                if let Some(more) = closes(node) {
+                    self.see(end, node, self.length + more);
+                    // Nothing is nearer than what is reached at no further cost.
+                    if more == 0 {
+                        return Some(());
+                    }
                 }
                 self.expand(matching, node);
             }
@@ -270,16 +289,18 @@ impl Paths {
     }
 
     /// Exchanges along the path found last, and makes its steps free of reduced cost.
-    fn take(&mut self, matching: &mut Matching<'_>, end: Node) {
+    fn take(&mut self, matching: &mut Matching<'_>) {
+        let end = self.end();
         self.taken.clear();
-        let mut node = end;
+        // What is beyond the last node is no step but the caller's.
+        let mut node = self.labels[end as usize].before;
         while self.labels[node as usize].before != node {
             let before = self.labels[node as usize].before;
             self.taken.push((before, node));
             node = before;
         }
         self.toggle_taken(matching);
-        for &node in &self.reached {
+        for &node in self.reached.iter().filter(|&&node| node != end) {
             let length = self.labels[node as usize].length;
             let potential = match node {
                 _ if node == self.source => &mut matching.source,

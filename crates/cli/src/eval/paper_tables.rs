@@ -1,4 +1,4 @@
-//! `eval`: tables beside the papers' figures.
+//! The tables of Aali et al. by the zigzag and by annealing, with ours beside them.
 
 use std::fmt::Write;
 use std::sync::atomic::Ordering;
@@ -6,58 +6,13 @@ use std::sync::atomic::Ordering;
 use anyhow::bail;
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
 use beadwork_search::Preset;
-use clap::Subcommand;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use super::ZonesArgs;
 use crate::paper::{self, Cell};
-use crate::zones::{MethodName, Row, Search};
+use crate::zones::{Choice, MethodName, Row, Search};
 use crate::{cancel, machine, output, progress};
-
-/// Print tables beside the papers' figures.
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
-#[derive(Subcommand)]
-enum What {
-    Zones(ZonesArgs),
-}
-
-/// Crossings over the 24 cells of Aali et al.: their Tables 3 and 5.
-#[derive(clap::Args)]
-#[command(after_help = "\
-The tables of means run the preset 'paper', then 'medium' to 'extra_long', on the instances of seeds 0, 1, 2, ...; the table of
-bests runs all presets on instances whose zigzag crosses within 10 % as often as the paper's.
-
-Examples:
-  beadwork eval zones --method anneal
-  beadwork eval zones --method anneal --seeds 100 --json > zones.json")]
-struct ZonesArgs {
-    /// How to choose the paths.
-    #[arg(long, value_name = "METHOD", default_value = "anneal")]
-    method: MethodName,
-    /// Seeds per cell and preset.
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..))]
-    seeds: u64,
-    /// Presets, with commas; all if not given.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    presets: Vec<Preset>,
-    /// Threads; 0 for one a core.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    threads: usize,
-    /// Print one JSON document, with a row for each run.
-    #[arg(long)]
-    json: bool,
-}
-
-pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
-    match &args.what {
-        What::Zones(args) => zones(args),
-    }
-}
 
 /// The presets that the second table of means averages: all but the shortest of the paper's.
 const AVERAGED: [Preset; 4] = [Preset::Medium, Preset::Paper, Preset::Long, Preset::ExtraLong];
@@ -86,11 +41,11 @@ impl Run {
     }
 }
 
-fn zones(args: &ZonesArgs) -> anyhow::Result<()> {
+pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
     let presets = if args.presets.is_empty() { Preset::ALL.to_vec() } else { args.presets.clone() };
     let methods: Vec<Option<Preset>> = match args.method {
-        MethodName::Zigzag => vec![None],
         MethodName::Anneal => presets.into_iter().map(Some).collect(),
+        _ => vec![None],
     };
     let mut jobs = Vec::new();
     for cell in paper::cells() {
@@ -160,7 +115,8 @@ fn search(job: Job) -> anyhow::Result<Run> {
     let region = &Region::rectangle(size.width, size.height)?;
     let zones = &LayoutSpec::new(layout).zones(region, job.instance_seed)?;
     let start = Start::RowZigzag;
-    let search = Search { region, zones, preset: job.preset, seed: job.seed, start };
+    let choice = job.preset.map_or(Choice::Zigzag, Choice::Anneal);
+    let search = Search { region, zones, choice, seed: job.seed, start, bounds: None };
     let (_, row) = search.run(layout.name(), &start.path(region)?)?;
     Ok(Run { job, row })
 }

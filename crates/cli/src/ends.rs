@@ -1,0 +1,82 @@
+//! Flags that say where a path begins and ends, and what its crossings cost.
+
+use std::fs;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use anyhow::{Context, bail};
+use beadwork_grid::Region;
+use beadwork_search::ZoneCosts;
+use beadwork_search::exact::{Side, Terminal};
+
+/// Where a path begins or ends, as typed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Place {
+    Any,
+    Cell { x: u32, y: u32 },
+    Side(Side),
+}
+
+impl FromStr for Place {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let side = match text {
+            "any" => return Ok(Self::Any),
+            "left" => Side::Left,
+            "top" => Side::Top,
+            "right" => Side::Right,
+            "bottom" => Side::Bottom,
+            _ => {
+                let place = text.split_once(',').and_then(|(x, y)| Some((x.parse().ok()?, y.parse().ok()?)));
+                return place
+                    .map(|(x, y)| Self::Cell { x, y })
+                    .ok_or_else(|| "give a cell as X,Y, or left, top, right, bottom or any".to_owned());
+            }
+        };
+        Ok(Self::Side(side))
+    }
+}
+
+impl Place {
+    /// The terminal it stands for in a region.
+    pub(crate) fn terminal(self, region: &Region) -> anyhow::Result<Terminal> {
+        Ok(match self {
+            Self::Any => Terminal::Any,
+            Self::Side(side) => Terminal::Side(side),
+            Self::Cell { x, y } => {
+                if x >= region.width() || y >= region.height() || !region.contains(region.cell(x, y)) {
+                    bail!("the cell {x},{y} lies outside the region");
+                }
+                Terminal::Cell(region.cell(x, y))
+            }
+        })
+    }
+}
+
+/// Reads costs of crossings: a line for each zone with a whole number for each zone, what a step from the one to the other costs.
+pub(crate) fn read_costs(path: &PathBuf) -> anyhow::Result<ZoneCosts> {
+    let in_file = || format!("cannot read costs from '{}'", path.display());
+    let text = fs::read_to_string(path).with_context(in_file)?;
+    let rows: Vec<&str> = text.lines().filter(|line| !line.trim().is_empty()).collect();
+    let mut costs = Vec::new();
+    for (number, row) in rows.iter().enumerate() {
+        let words = row.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty());
+        for word in words {
+            let cost = word.parse::<u32>();
+            costs
+                .push(cost.with_context(|| format!("'{word}' in row {}", number + 1)).with_context(in_file)?);
+        }
+        let expected = (number + 1) * rows.len();
+        if costs.len() != expected {
+            let got = costs.len() + rows.len() - expected;
+            return Err(anyhow::anyhow!(
+                "row {} has {got} numbers, there are {} rows",
+                number + 1,
+                rows.len()
+            ))
+            .with_context(in_file);
+        }
+    }
+    ZoneCosts::new(rows.len() as u32, costs).with_context(in_file)
+}
