@@ -39,6 +39,8 @@ const CROSSING_COLOUR: &str = "#e0001b";
 /// Longer side of a panel that cells are scaled to; whole pixels a cell keep the edges of zones sharp.
 const PANEL_SIDE: f64 = 480.0;
 const SMALLEST_CELL: f64 = 4.0;
+/// More of them would be small on any screen.
+const PANELS_A_ROW: usize = 3;
 /// A layer of a few cells is no poster.
 const LARGEST_CELL: f64 = 48.0;
 const MARGIN: f64 = 16.0;
@@ -51,7 +53,7 @@ const PATH_WIDTH: (f64, f64) = (0.14, 1.3);
 const CROSSING_WIDTH: (f64, f64) = (0.3, 2.4);
 const MARK_WIDTH: (f64, f64) = (0.6, 6.0);
 
-/// Draws layers side by side, all to one scale.
+/// Draws layers side by side, three in a row, all to one scale.
 ///
 /// Zones are filled with their `colours`, lightened, or with a palette where there are none. Pieces of a path begin with
 /// a ring and end with a dot; steps between zones are red. The text is the same on every machine; its length grows with
@@ -74,27 +76,33 @@ fn write_svg(out: &mut String, panels: &[Panel<'_>], colours: Option<&[[u8; 3]]>
         let title = LETTER * panel.title.chars().count() as f64;
         title.max(cell * f64::from(panel.region.width())) + MARGIN
     };
-    let width = MARGIN + panels.iter().map(room).sum::<f64>();
-    let height = TITLE_HEIGHT + cell * f64::from(tallest) + MARGIN;
+    let rows = panels.chunks(PANELS_A_ROW);
+    let row_width = |row: &[Panel<'_>]| MARGIN + row.iter().map(room).sum::<f64>();
+    let width = rows.clone().map(row_width).fold(MARGIN, f64::max);
+    let row_height = TITLE_HEIGHT + cell * f64::from(tallest) + MARGIN;
+    let height = row_height * rows.len().max(1) as f64;
     writeln!(
         out,
         r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}">"#
     )?;
     writeln!(out, r#"<rect width="100%" height="100%" fill="white"/>"#)?;
-    let mut left = MARGIN;
-    for panel in panels {
-        let title = escape(panel.title);
-        let font = r#"font-family="Helvetica, Arial, sans-serif" font-size="15" fill="black""#;
-        writeln!(out, r#"<text x="{left}" y="{}" {font}>{title}</text>"#, TITLE_HEIGHT - 10.0)?;
-        // One unit is a cell: the panel's own coordinates stay whole and short.
-        writeln!(out, r#"<g transform="translate({left} {TITLE_HEIGHT}) scale({cell})">"#)?;
-        write_zones(out, panel, colours)?;
-        write_links(out, panel, cell)?;
-        if let Some(path) = panel.path {
-            write_path(out, panel, path, cell)?;
+    for (row, panels) in rows.enumerate() {
+        let top = row as f64 * row_height + TITLE_HEIGHT;
+        let mut left = MARGIN;
+        for panel in panels {
+            let title = escape(panel.title);
+            let font = r#"font-family="Helvetica, Arial, sans-serif" font-size="15" fill="black""#;
+            writeln!(out, r#"<text x="{left}" y="{}" {font}>{title}</text>"#, top - 10.0)?;
+            // One unit is a cell: the panel's own coordinates stay whole and short.
+            writeln!(out, r#"<g transform="translate({left} {top}) scale({cell})">"#)?;
+            write_zones(out, panel, colours)?;
+            write_links(out, panel, cell)?;
+            if let Some(path) = panel.path {
+                write_path(out, panel, path, cell)?;
+            }
+            writeln!(out, "</g>")?;
+            left += room(panel);
         }
-        writeln!(out, "</g>")?;
-        left += room(panel);
     }
     writeln!(out, "</svg>")
 }

@@ -297,3 +297,77 @@ fn root(towards_root: &[usize], mut segment: usize) -> usize {
     }
     segment
 }
+
+#[cfg(test)]
+mod tests {
+    use beadwork_grid::{Layout, LayoutSpec, Region};
+    use rand::{Rng, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    use super::*;
+    use crate::ZoneCosts;
+    use crate::matching::Grain;
+
+    /// Strands counted by walking them all.
+    fn count(matching: &Matching<'_>) -> i32 {
+        Strands::new(matching, None).list.len() as i32
+    }
+
+    /// A random alternating walk of links put in and taken out, that ends where it began or begins at a cell with room.
+    fn exchange(matching: &Matching<'_>, rng: &mut impl Rng) -> Option<Vec<(Node, Dir)>> {
+        let board = matching.board;
+        let mut pick = |bits: u8| {
+            let all: Vec<Dir> = dirs(bits).collect();
+            (!all.is_empty()).then(|| all[(rng.next_u64() % all.len() as u64) as usize])
+        };
+        let first = board.cells[pick(0b1111)? * board.cells.len() / 4];
+        let has_room = matching.room[first as usize] > 0;
+        let mut steps: Vec<(Node, Dir)> = Vec::new();
+        let mut node = first;
+        while steps.len() < 12 {
+            for out in [false, true] {
+                let links = matching.links[node as usize];
+                let dir = pick(if out { links } else { board.neighbours[node as usize] & !links })?;
+                let other = board.step(node, dir);
+                if steps.contains(&(node, dir)) || steps.contains(&(other, dir ^ 2)) {
+                    return None;
+                }
+                steps.push((node, dir));
+                node = other;
+            }
+            if node == first || has_room {
+                return Some(steps);
+            }
+        }
+        None
+    }
+
+    #[test]
+    fn exchanges_are_judged_as_by_walking() {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
+        let mut judged = 0;
+        for seed in 0..60 {
+            let region = Region::rectangle(4 + (seed % 5) as u32, 5 + (seed % 4) as u32).unwrap();
+            let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, seed).unwrap();
+            let board = Board::of_parts(&region, &zones, &ZoneCosts::uniform(3)).remove(0);
+            let mut matching = Matching::inside_zones(&board, Grain::default());
+            matching.drop_links_inside(4, |count| count / 2);
+            matching.grow(4);
+            let mut strands = Strands::new(&matching, None);
+            for _ in 0..4000 {
+                let Some(steps) = exchange(&matching, &mut rng) else { continue };
+                let before = count(&matching);
+                let change = strands.change(&matching, &steps);
+                strands.apply(&mut matching, &steps);
+                assert_eq!(change, count(&matching) - before, "{steps:?}");
+                let fresh = Strands::new(&matching, None);
+                assert_eq!(strands.cycles, fresh.cycles);
+                let mut cells: Vec<Node> = strands.pieces(&matching).concat();
+                cells.sort_unstable();
+                assert_eq!(cells, board.cells, "each cell once");
+                judged += 1;
+            }
+        }
+        assert!(judged > 5000, "{judged}");
+    }
+}

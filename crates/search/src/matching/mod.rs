@@ -8,6 +8,8 @@ mod board;
 mod flow;
 mod ladder;
 mod paths;
+#[cfg(test)]
+mod tests;
 mod tight;
 mod zone_graph;
 
