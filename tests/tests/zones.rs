@@ -59,6 +59,11 @@ fn the_fewest_crossings_are_proven() {
     }
     let told = run(&["zones", "--layout", "islands", "--size", "40x40", "--shape", "disc", "--seed", "2"]);
     assert!(told.contains("proven to be the fewest"), "{told}");
+    let folder = tempdir().unwrap();
+    let stages = folder.path().join("stages.svg");
+    run(&["zones", "--size", "16x12", "--stages", text(&stages)]);
+    let drawing = fs::read_to_string(&stages).unwrap();
+    assert!(["ladders", "cheapest 2-matching", "the path"].iter().all(|step| drawing.contains(step)));
     let hasty = json(&["zones", "--size", "60x60", "--zones", "40", "--time", "0", "--json"]);
     assert_eq!((&hasty["attempts"], &hasty["pieces"]), (&1.into(), &1.into()), "{hasty}");
 }

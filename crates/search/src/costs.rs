@@ -46,7 +46,7 @@ pub enum ZoneCostsError {
 
 impl ZoneCosts {
     /// The largest cost of one crossing.
-    pub const MAX: u32 = 1_000_000;
+    pub const MAX: u32 = 100_000;
 
     /// Each crossing costs 1.
     pub fn uniform(zones: u32) -> Self {

@@ -4,6 +4,7 @@
 //! cost, a proven lower bound where the caller had one, and why it stopped. It does no I/O, reads no clock and starts no
 //! thread; with the same seed it gives the same answer on every machine.
 //!
+//! - [`exact`]: the fewest pieces, then the fewest crossings, and a proof where the bound is met.
 //! - [`anneal`](anneal()): simulated annealing, by the method of Aali et al. ([`Pooled`]) or a faster one ([`Free`]).
 //! - [`bound`]: what no path can beat.
 //!

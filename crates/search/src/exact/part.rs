@@ -186,6 +186,7 @@ impl Search<'_> {
         // A given cell leaves no choice, so it goes first: what follows is then as cheap as can be.
         sides.sort_by_key(|cells| cells.len());
         let given = sides.iter().take_while(|cells| cells.len() == 1).count();
+        let mut unproven = 0;
         'pieces: loop {
             let mut matching = self.grown(board, grain);
             for cells in &sides[..given] {
@@ -197,26 +198,27 @@ impl Search<'_> {
             let relaxed = (given < sides.len()).then(|| matching.clone());
             let mut flow = matching.cost();
             for (index, cells) in sides[given..].iter().enumerate() {
-                if index > 0 {
-                    // Chosen alone, the second end may be cheaper than after the first one; only that is a bound.
-                    let mut alone = relaxed.clone().expect("there are ends to choose");
-                    if self.paths.reserve(&mut alone, cells).is_some() {
-                        flow = flow.max(alone.cost());
-                    }
-                }
-                if self.paths.reserve(&mut matching, cells).is_none() {
+                // Chosen alone, the second end may be cheaper than after the first one; only that is a bound.
+                let mut alone = relaxed.clone().expect("there are ends to choose");
+                let is_possible = self.paths.reserve(&mut alone, cells).is_some();
+                flow = flow.max(alone.cost());
+                if index == 0 {
+                    matching = alone;
+                } else if is_possible && self.paths.reserve(&mut matching, cells).is_none() {
+                    unproven += 1;
                     self.target += 1;
                     continue 'pieces;
                 }
-                if index == 0 {
-                    flow = flow.max(matching.cost());
+                if !is_possible {
+                    self.target += 1;
+                    continue 'pieces;
                 }
             }
             if self.bounds == Bounds::Due && std::ptr::eq(board, self.board) {
                 self.bounds = Bounds::Flow;
                 self.bound = flow as u64;
                 if self.best.is_none() {
-                    self.piece_bound = self.target;
+                    self.piece_bound = self.target - unproven;
                 }
             }
             return (relaxed, matching);
@@ -255,11 +257,11 @@ impl Search<'_> {
     /// Bounds from what the cheapest 2-matchings leave apart, which attempts from now on link first.
     fn raise_bound(&mut self, relaxed: &Matching<'_>) {
         self.bounds = Bounds::All;
-        let Some(apart) = Apart::new(relaxed, self.target) else { return };
         let best = self.best.as_ref().filter(|best| best.pieces == self.target);
         let enough = best.map_or(u64::MAX, |best| best.cost);
         let cuts = cuts::cuts(relaxed, self.target, &mut self.paths, enough, self.interrupt);
         self.bound = self.bound.max(cuts);
+        let Some(apart) = Apart::new(relaxed, self.target) else { return };
         if self.bound < enough {
             let extra = connectivity::connectivity(&apart, relaxed, self.target, &mut self.paths);
             self.bound = self.bound.max(relaxed.cost() as u64 + u64::from(extra));

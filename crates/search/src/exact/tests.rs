@@ -110,7 +110,7 @@ fn compare(
 
 #[test]
 fn crossings_of_small_regions() {
-    assert_eq!(compare(2500, 1, 5, |_, _, _| Change::NONE), (2500, 2498));
+    assert_eq!(compare(2500, 1, 5, |_, _, _| Change::NONE), (2500, 2499));
 }
 
 #[test]
@@ -122,7 +122,7 @@ fn given_ends_in_small_regions() {
         let only_start = rng.random_bool(0.3) || (start == end && cells.len() > 1);
         Change { start, end: end.filter(|_| !only_start), ..Change::NONE }
     };
-    assert_eq!(compare(1500, 2, 4, ends), (1500, 1487));
+    assert_eq!(compare(1500, 2, 4, ends), (1500, 1493));
 }
 
 fn draw_costs(rng: &mut impl Rng, zones: u32, symmetric: bool) -> ZoneCosts {
@@ -145,7 +145,7 @@ fn costs_of_pairs_in_small_regions() {
         costs: Some(draw_costs(rng, zones.count(), true)),
         ..Change::NONE
     };
-    assert_eq!(compare(800, 3, 4, costs), (800, 796));
+    assert_eq!(compare(800, 3, 4, costs), (800, 799));
 }
 
 /// Where directions differ the search is not exact: 99 of 100 are the best, four of five proven.
@@ -155,7 +155,7 @@ fn costs_of_directions_in_small_regions() {
         costs: Some(draw_costs(rng, zones.count(), false)),
         ..Change::NONE
     };
-    assert_eq!(compare(800, 4, 4, costs), (790, 651));
+    assert_eq!(compare(800, 4, 4, costs), (790, 652));
 }
 
 /// Every single bound against every cover.
@@ -187,7 +187,7 @@ fn no_bound_exceeds_the_optimum() {
         }
     }
     // How often each one is met; the last alone nearly always.
-    assert_eq!((tight, problems), ([1310, 1455, 1419, 1364, 1489, 1494], 1497));
+    assert_eq!((tight, problems), ([1310, 1455, 1419, 1364, 1489, 1495], 1497));
 }
 
 #[test]

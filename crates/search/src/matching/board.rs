@@ -98,6 +98,11 @@ impl Board {
         Self { costs, ..self.clone() }
     }
 
+    /// The same cells with each cost so many times as high.
+    pub(crate) fn with_costs_in_parts(&self, parts: i32) -> Self {
+        self.with_costs(self.costs.iter().map(|cost| cost * parts).collect())
+    }
+
     /// The same cells as one zone: its links cost nothing.
     pub(crate) fn without_zones(&self) -> Self {
         Self { across: vec![0; self.nodes()], ..self.clone() }

@@ -107,6 +107,22 @@ impl<'a> Matching<'a> {
         self.extra[node as usize][dir]
     }
 
+    /// The same links on a board whose costs are so many times as high.
+    pub(crate) fn in_parts<'b>(&self, board: &'b Board, parts: i32) -> Matching<'b> {
+        Matching {
+            board,
+            links: self.links.clone(),
+            capacity: self.capacity.clone(),
+            room: self.room.clone(),
+            spare: self.spare,
+            potential: self.potential.iter().map(|potential| potential * parts).collect(),
+            source: self.source * parts,
+            sink: self.sink * parts,
+            locked: self.locked.clone(),
+            extra: Vec::new(),
+        }
+    }
+
     /// Adds to the cost of every link inside a set of cells, and to the potentials so that few reduced costs change. The
     /// caller has to [`repair`](super::Paths::repair) the optimum.
     pub(crate) fn raise_inside(&mut self, members: &[Node], by: i32) {
