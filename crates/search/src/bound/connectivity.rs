@@ -5,6 +5,9 @@ use crate::matching::{Board, Classes, Dir, Matching, Node, Paths, ZoneGraph};
 /// Searches for the cheapest link out of a component, at most; beyond it the extra cost counts as the least possible.
 const MOST_SEARCHES: u32 = 200;
 
+/// What a cover costs more at least where anything is apart, for costs are whole numbers.
+pub(crate) const LEAST: u32 = 1;
+
 /// What the cheapest 2-matchings of one size never link, though a cover must.
 pub(crate) struct Apart {
     /// The components that all links of all cheapest 2-matchings make.
@@ -37,7 +40,7 @@ impl Apart {
 /// component, so there only components count in which no cheapest 2-matching has room for an end; that costs at least 1, for
 /// costs are whole numbers.
 pub(crate) fn connectivity(apart: &Apart, matching: &Matching<'_>, pieces: u32, paths: &mut Paths) -> u32 {
-    if pieces == 1 { dearest(&apart.components, matching, paths) } else { 1 }
+    if pieces == 1 { dearest(&apart.components, matching, paths) } else { LEAST }
 }
 
 /// What some cheapest 2-matching of the same size has.
@@ -78,19 +81,17 @@ pub(super) fn closed_sets(graph: &ZoneGraph, allowed: &Allowed<'_, '_>, pieces: 
 
 /// The cost of the cheapest link out of a component, for the component where it is dearest.
 fn dearest(graph: &ZoneGraph, matching: &Matching<'_>, paths: &mut Paths) -> u32 {
-    const LEAST: i32 = 1;
-
     let mut cheapest = vec![i32::MAX / 4; graph.count() as usize];
     let mut searches_left = MOST_SEARCHES;
     for &(node, dir) in &graph.links {
         let other = matching.board.step(node, dir);
         let (a, b) = (graph.component(node) as usize, graph.component(other) as usize);
         let limit = cheapest[a].max(cheapest[b]);
-        if a == b || limit <= LEAST {
+        if a == b || limit <= LEAST as i32 {
             continue;
         }
         if searches_left == 0 {
-            return LEAST as u32;
+            return LEAST;
         }
         searches_left -= 1;
         if let Some(cost) = paths.cost_of_link(matching, node, dir, limit) {
@@ -98,5 +99,5 @@ fn dearest(graph: &ZoneGraph, matching: &Matching<'_>, paths: &mut Paths) -> u32
             cheapest[b] = cheapest[b].min(cost);
         }
     }
-    cheapest.into_iter().max().unwrap_or(LEAST).max(LEAST) as u32
+    cheapest.into_iter().max().map_or(LEAST, |dearest| dearest as u32).max(LEAST)
 }

@@ -18,47 +18,60 @@ const PARTS: i32 = 4;
 /// of every link inside S and giving m (|S| - 1) back does not raise the cost of a cover; hence the cheapest 2-matching under
 /// the raised costs, less what is given back, is a bound, for any number of sets and weights; costs being whole numbers, it may
 /// be rounded up.
-///
-/// The sets are those that no cheapest 2-matching leaves, each raised by 1: that raises the bound with each round, as long as no
-/// exchange becomes free. Where there are none, different ones are closed in different 2-matchings; then the groups of zones
-/// that are closed in the present one are raised by a part of 1, a subgradient step. Ends when the bound reaches `enough`. Each round
-/// repairs the optimum along the borders of the sets: linear in the cells for each link that changes, at most.
-pub(crate) fn cuts(
-    cheapest: &Matching<'_>,
-    pieces: u32,
-    paths: &mut Paths,
-    enough: u64,
-    interrupt: Interrupt<'_>,
-) -> u64 {
-    let board = cheapest.board.with_costs_in_parts(PARTS);
-    let zones = ZoneGraph::new(&board);
-    let mut matching = cheapest.in_parts(&board, PARTS);
-    let mut best = matching.cost();
-    let mut given_back = 0;
-    let mut rounds_left = [ROUNDS, ROUNDS_IN_PARTS];
-    let whole = |bound: i64| (bound.max(0) as u64).div_ceil(PARTS as u64);
-    while whole(best) < enough && interrupt.check().is_none() {
-        let classes = Classes::new(&matching);
-        let allowed = Allowed { matching: &matching, classes: &classes };
-        let graph = ZoneGraph::of(&board, |node, dir| allowed.link(node, dir));
-        let never_left = closed_sets(&graph, &allowed, pieces);
-        let (sets, by, kind) = if never_left.is_empty() {
-            (closed_groups(&zones, &matching), 1, 1)
-        } else {
-            (never_left, PARTS, 0)
-        };
-        if sets.is_empty() || rounds_left[kind] == 0 {
-            break;
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Cuts {
+    /// On sets that no cheapest 2-matching leaves, each raised by 1: that raises the bound with each round, as long as no
+    /// exchange becomes free.
+    NeverLeft,
+    /// Where there are no such sets, different ones are closed in different 2-matchings; then also on the groups of zones that
+    /// are closed in the present one, raised by a part of 1, a subgradient step.
+    Stepwise,
+}
+
+impl Cuts {
+    /// The bound; the search for it ends when it reaches `enough`. Each round repairs the optimum along the borders of the sets:
+    /// linear in the cells for each link that changes, at most.
+    pub(crate) fn bound(
+        self,
+        cheapest: &Matching<'_>,
+        pieces: u32,
+        paths: &mut Paths,
+        enough: u64,
+        interrupt: Interrupt<'_>,
+    ) -> u64 {
+        let board = cheapest.board.with_costs_in_parts(PARTS);
+        let zones = ZoneGraph::new(&board);
+        let mut matching = cheapest.in_parts(&board, PARTS);
+        let mut best = matching.cost();
+        let mut given_back = 0;
+        let mut rounds_left = [ROUNDS, ROUNDS_IN_PARTS];
+        let whole = |bound: i64| (bound.max(0) as u64).div_ceil(PARTS as u64);
+        while whole(best) < enough && interrupt.check().is_none() {
+            let classes = Classes::new(&matching);
+            let allowed = Allowed { matching: &matching, classes: &classes };
+            let graph = ZoneGraph::of(&board, |node, dir| allowed.link(node, dir));
+            let never_left = closed_sets(&graph, &allowed, pieces);
+            let (sets, by, kind) = match self {
+                Self::Stepwise if never_left.is_empty() => (closed_groups(&zones, &matching), 1, 1),
+                _ => (never_left, PARTS, 0),
+            };
+            if sets.is_empty() || rounds_left[kind] == 0 {
+                break;
+            }
+            rounds_left[kind] -= 1;
+            for set in sets {
+                matching.raise_inside(&set, by);
+                given_back += i64::from(by) * (set.len() as i64 - 1);
+            }
+            paths.repair(&mut matching);
+            let bound = matching.raised_cost() - given_back;
+            if self == Self::NeverLeft && bound <= best {
+                break;
+            }
+            best = best.max(bound);
         }
-        rounds_left[kind] -= 1;
-        for set in sets {
-            matching.raise_inside(&set, by);
-            given_back += i64::from(by) * (set.len() as i64 - 1);
-        }
-        paths.repair(&mut matching);
-        best = best.max(matching.raised_cost() - given_back);
+        whole(best)
     }
-    whole(best)
 }
 
 /// The groups of zone components that no link of this 2-matching leaves and that have no room.

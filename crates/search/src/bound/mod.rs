@@ -14,6 +14,7 @@ use crate::ZoneCosts;
 use crate::matching::{Board, Paths, ZoneGraph};
 use crate::stop::Interrupt;
 use connectivity::Apart;
+use cuts::Cuts;
 
 /// Crossings that a cover in so many pieces can't do without: zone components minus pieces.
 ///
@@ -63,7 +64,7 @@ impl Bounds {
             let apart = Apart::new(&matching, pieces);
             let extra =
                 apart.map_or(0, |apart| connectivity::connectivity(&apart, &matching, pieces, &mut paths));
-            let cuts = cuts::cuts(&matching, pieces, &mut paths, u64::MAX, Interrupt::default());
+            let cuts = Cuts::Stepwise.bound(&matching, pieces, &mut paths, u64::MAX, Interrupt::default());
             sum.pieces += pieces;
             sum.flow += flow;
             sum.cover += segments::cover(&need, pieces);

@@ -9,7 +9,8 @@ use super::strands::Strands;
 use super::untangle::untangle;
 use super::{Progress, Settings, Stage, StageObserver};
 use crate::bound::connectivity::{self, Apart};
-use crate::bound::{cuts, segments, walk};
+use crate::bound::cuts::Cuts;
+use crate::bound::{segments, walk};
 use crate::matching::{Board, Dir, Grain, Matching, Node, Paths, ZoneGraph};
 use crate::stop::Interrupt;
 use crate::{Stop, ZoneCosts};
@@ -30,6 +31,9 @@ pub(super) struct Part {
 
 /// Attempts in vain after which a number of pieces is given up.
 const ATTEMPTS_AT_PIECES: u32 = 12;
+
+/// Attempts before the bound is raised in small steps: most layers need no more attempts, and an attempt takes less time.
+const ATTEMPTS_BEFORE_STEPS: u32 = 3;
 
 /// Exchanges that one attempt may make to join its last cycles, and how often it may pay for one more link between.
 const EXCHANGES: u64 = 100;
@@ -122,6 +126,8 @@ enum Bounds {
     Flow,
     /// Those of the graph of zone components too.
     Zones,
+    /// And those from what no cheapest 2-matching links.
+    Apart,
     /// All.
     All,
 }
@@ -165,8 +171,19 @@ impl Search<'_> {
         if self.bounds == Bounds::Flow && !self.is_met() {
             self.bound_by_zones();
         }
-        if self.bounds == Bounds::Zones && guide.is_none() && !self.is_met() {
-            self.raise_bound(&relaxed);
+        // Where the zones say more than the flow, another attempt takes less time than what could raise the flow above them.
+        let is_flow_best = self.bound <= relaxed.cost() as u64;
+        let is_due = self.bounds == Bounds::Zones && (number > 0 || is_flow_best);
+        if is_due && guide.is_none() && !self.is_met() {
+            self.bound_by_what_is_apart(&relaxed);
+        }
+        if self.bounds == Bounds::Apart
+            && number >= ATTEMPTS_BEFORE_STEPS
+            && guide.is_none()
+            && !self.is_met()
+        {
+            self.raise_bound(Cuts::Stepwise, &relaxed);
+            self.bounds = Bounds::All;
         }
         self.best.as_ref().expect("the first attempt gives a cover")
     }
@@ -255,18 +272,30 @@ impl Search<'_> {
     }
 
     /// Bounds from what the cheapest 2-matchings leave apart, which attempts from now on link first.
-    fn raise_bound(&mut self, relaxed: &Matching<'_>) {
-        self.bounds = Bounds::All;
-        let best = self.best.as_ref().filter(|best| best.pieces == self.target);
-        let enough = best.map_or(u64::MAX, |best| best.cost);
-        let cuts = cuts::cuts(relaxed, self.target, &mut self.paths, enough, self.interrupt);
-        self.bound = self.bound.max(cuts);
+    fn bound_by_what_is_apart(&mut self, relaxed: &Matching<'_>) {
+        self.bounds = Bounds::Apart;
         let Some(apart) = Apart::new(relaxed, self.target) else { return };
+        let enough = self.raise_bound(Cuts::NeverLeft, relaxed);
         if self.bound < enough {
-            let extra = connectivity::connectivity(&apart, relaxed, self.target, &mut self.paths);
-            self.bound = self.bound.max(relaxed.cost() as u64 + u64::from(extra));
+            // To know what it costs to leave a component takes a search for each link along its border; it is seldom more than 2.
+            let flow = relaxed.cost() as u64;
+            let extra = if enough <= flow + 2 {
+                connectivity::connectivity(&apart, relaxed, self.target, &mut self.paths)
+            } else {
+                connectivity::LEAST
+            };
+            self.bound = self.bound.max(flow + u64::from(extra));
         }
         self.graph = apart.graph;
+    }
+
+    /// Raises the bound by cuts, towards the cost of the best cover, which it gives.
+    fn raise_bound(&mut self, cuts: Cuts, relaxed: &Matching<'_>) -> u64 {
+        let best = self.best.as_ref().filter(|best| best.pieces == self.target);
+        let enough = best.map_or(u64::MAX, |best| best.cost);
+        let bound = cuts.bound(relaxed, self.target, &mut self.paths, enough, self.interrupt);
+        self.bound = self.bound.max(bound);
+        enough
     }
 
     /// Makes a cover of a 2-matching; `None` if it would not be the best.
@@ -400,7 +429,7 @@ impl Search<'_> {
                 self.paths.reserve(&mut matching, cells);
             }
         }
-        cuts::cuts(&matching, self.target, &mut self.paths, 1, self.interrupt) > 0
+        Cuts::Stepwise.bound(&matching, self.target, &mut self.paths, 1, self.interrupt) > 0
     }
 
     fn finish(mut self, attempts: u32, stop: Stop) -> Part {

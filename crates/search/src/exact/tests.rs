@@ -155,7 +155,7 @@ fn costs_of_directions_in_small_regions() {
         costs: Some(draw_costs(rng, zones.count(), false)),
         ..Change::NONE
     };
-    assert_eq!(compare(800, 4, 4, costs), (790, 652));
+    assert_eq!(compare(800, 4, 4, costs), (790, 650));
 }
 
 /// Every single bound against every cover.

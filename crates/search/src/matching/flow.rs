@@ -475,12 +475,18 @@ fn steps_to(matching: &Matching<'_>, node: Node) -> impl Iterator<Item = Dir> + 
     dirs(free & if Board::is_black(node) { links } else { matching.board.neighbours[node as usize] & !links })
 }
 
-/// The residual steps from a node: to put a link in from black, to take one out from white.
+/// The directions of the residual steps from a node, as bits: to put a link in from black, to take one out from white.
 #[inline]
-pub(super) fn steps(matching: &Matching<'_>, node: Node) -> impl Iterator<Item = Dir> + use<> {
+pub(super) fn directions(matching: &Matching<'_>, node: Node) -> u8 {
     let links = matching.links[node as usize];
     let free = !matching.locked[node as usize];
-    dirs(free & if Board::is_black(node) { matching.board.neighbours[node as usize] & !links } else { links })
+    free & if Board::is_black(node) { matching.board.neighbours[node as usize] & !links } else { links }
+}
+
+/// The same, one by one.
+#[inline]
+pub(super) fn steps(matching: &Matching<'_>, node: Node) -> impl Iterator<Item = Dir> + use<> {
+    dirs(directions(matching, node))
 }
 
 #[inline]

@@ -1,7 +1,7 @@
 //! What the cheapest 2-matchings have in common.
 
 use super::board::{Board, Node};
-use super::flow::{Matching, step_cost, steps};
+use super::flow::{Matching, directions, step_cost};
 
 /// The strongly connected classes of the residual steps of reduced cost 0, the source and the sink included.
 ///
@@ -80,13 +80,14 @@ impl<'m, 'a> Tarjan<'m, 'a> {
 
     /// Depth-first, with the nodes on the way on a stack of its own: boards are larger than the call stack.
     fn search(&mut self, first: Node) {
-        let mut way: Vec<(Node, Vec<Node>)> = vec![(first, self.enter(first))];
-        while let Some((node, ahead)) = way.last_mut() {
+        self.enter(first);
+        let mut way = vec![(first, 0)];
+        while let Some((node, cursor)) = way.last_mut() {
             let node = *node;
-            if let Some(next) = ahead.pop() {
+            if let Some(next) = self.ahead(node, cursor) {
                 if self.seen[next as usize] == 0 {
-                    let ahead = self.enter(next);
-                    way.push((next, ahead));
+                    self.enter(next);
+                    way.push((next, 0));
                 } else if self.class[next as usize] == Self::NONE {
                     self.low[node as usize] = self.low[node as usize].min(self.seen[next as usize]);
                 }
@@ -108,39 +109,51 @@ impl<'m, 'a> Tarjan<'m, 'a> {
         }
     }
 
-    fn enter(&mut self, node: Node) -> Vec<Node> {
+    fn enter(&mut self, node: Node) {
         self.next += 1;
         self.seen[node as usize] = self.next;
         self.low[node as usize] = self.next;
         self.open.push(node);
-        self.ahead(node)
     }
 
-    fn ahead(&self, node: Node) -> Vec<Node> {
+    /// The next node that a step of reduced cost 0 leads to; the cursor counts what was looked at: directions and then the source
+    /// or sink from a cell, cells from these two.
+    fn ahead(&self, node: Node, cursor: &mut usize) -> Option<Node> {
         let m = self.matching;
-        if node == self.source {
-            let takes = |&&cell: &&Node| {
-                Board::is_black(cell) && m.room[cell as usize] > 0 && m.potential[cell as usize] == m.source
+        if node >= self.source {
+            let leads = |cell: Node| {
+                if node == self.source {
+                    Board::is_black(cell)
+                        && m.room[cell as usize] > 0
+                        && m.potential[cell as usize] == m.source
+                } else {
+                    !Board::is_black(cell)
+                        && m.capacity[cell as usize] > m.room[cell as usize]
+                        && m.potential[cell as usize] == m.sink
+                }
             };
-            return m.board.cells.iter().filter(takes).copied().collect();
+            let skipped = m.board.cells[*cursor..].iter().position(|&cell| leads(cell))?;
+            *cursor += skipped + 1;
+            return Some(m.board.cells[*cursor - 1]);
         }
-        if node == self.sink {
-            let gives = |&&cell: &&Node| {
-                !Board::is_black(cell) && m.links[cell as usize] != 0 && m.potential[cell as usize] == m.sink
-            };
-            return m.board.cells.iter().filter(gives).copied().collect();
-        }
-        let mut ahead: Vec<Node> = steps(m, node)
-            .filter(|&dir| step_cost(m, node, dir) == 0)
-            .map(|dir| m.board.step(node, dir))
-            .collect();
-        if Board::is_black(node) {
-            if m.links[node as usize] != 0 && m.potential[node as usize] == m.source {
-                ahead.push(self.source);
+        let forward = directions(m, node);
+        while *cursor < 4 {
+            let dir = *cursor;
+            *cursor += 1;
+            if forward & (1 << dir) != 0 && step_cost(m, node, dir) == 0 {
+                return Some(m.board.step(node, dir));
             }
-        } else if m.room[node as usize] > 0 && m.potential[node as usize] == m.sink {
-            ahead.push(self.sink);
         }
-        ahead
+        if *cursor > 4 {
+            return None;
+        }
+        *cursor += 1;
+        let potential = m.potential[node as usize];
+        if Board::is_black(node) {
+            let gives = m.capacity[node as usize] > m.room[node as usize] && potential == m.source;
+            gives.then_some(self.source)
+        } else {
+            (m.room[node as usize] > 0 && potential == m.sink).then_some(self.sink)
+        }
     }
 }
