@@ -14,8 +14,8 @@ const LONGEST: usize = 12;
 /// none of which raises the cost.
 ///
 /// While no exchange around a cycle takes a strand away, one that takes none away is made at random: the cycle changes its
-/// shape and place, until it can be joined. Ends without cycles, or after so many
-/// exchanges.
+/// shape and place, until it can be joined. A path that has both of the ends that should be apart is treated like a cycle. Ends
+/// when nothing is left to settle, or after so many exchanges.
 pub(crate) fn untangle(
     matching: &mut Matching<'_>,
     strands: &mut Strands,

@@ -22,6 +22,8 @@ pub(crate) fn back(dir: Dir) -> Dir {
 #[derive(Clone)]
 pub(crate) struct Board {
     stride: usize,
+    /// 2^[`Board::SHIFT`] divided by the stride, rounded up: division by multiplication, for places are asked for all the time.
+    inverse: u64,
     /// Column and row, in the region's plane, of the node at column 1 and row 1; the column may be -1.
     origin: (i64, i64),
     /// Width of the region's plane.
@@ -39,6 +41,8 @@ pub(crate) struct Board {
 }
 
 impl Board {
+    const SHIFT: u32 = 38;
+
     /// The board of some cells of a region, which must not be empty.
     pub(crate) fn new(region: &Region, zones: &Zones, costs: &ZoneCosts, members: &[Cell]) -> Self {
         let places = || members.iter().map(|&cell| region.xy(cell));
@@ -54,6 +58,7 @@ impl Board {
         let nodes = stride * (bottom - top + 3) as usize;
         let mut board = Self {
             stride,
+            inverse: (1_u64 << Self::SHIFT).div_ceil(stride as u64),
             origin,
             width: region.width(),
             cells: Vec::with_capacity(members.len()),
@@ -156,8 +161,11 @@ impl Board {
     }
 
     /// Column and row on the board, the frame included.
+    #[inline]
     pub(crate) fn xy(&self, node: Node) -> (u32, u32) {
-        (node % self.stride as u32, node / self.stride as u32)
+        // Exact as long as node times stride is below 2^SHIFT: there are at most 2^25 nodes, 2^13 apart.
+        let y = ((u64::from(node) * self.inverse) >> Self::SHIFT) as u32;
+        (node - y * self.stride as u32, y)
     }
 
     #[inline]

@@ -183,10 +183,16 @@ struct Label {
     round: u32,
     /// Reduced length of the shortest path from it to a white cell with room.
     length: i32,
-    /// Whether the length can fall no more.
-    is_final: bool,
-    /// The white cell, as an index of the sinks, that the path leads to.
+    /// The white cell, as an index of the sinks, that the path leads to; with [`Label::OPEN`] while the length can still fall.
     sink: u32,
+}
+
+impl Label {
+    const OPEN: u32 = 1 << 31;
+
+    fn is_open(self) -> bool {
+        self.sink & Self::OPEN != 0
+    }
 }
 
 /// What a search for one path knows of a node.
@@ -287,7 +293,7 @@ impl Rounds {
         self.sinks.retain(|&node| matching.room[node as usize] > 0);
         self.towards_root.clear();
         for (sink, &node) in (0..).zip(&self.sinks) {
-            self.labels[node as usize] = Label { round: self.round, length: 0, is_final: true, sink };
+            self.labels[node as usize] = Label { round: self.round, length: 0, sink };
             self.towards_root.push(sink);
             self.reached.push(node);
         }
@@ -312,8 +318,8 @@ impl Rounds {
             {
                 self.later.pop();
                 let label = &mut self.labels[node as usize];
-                if !label.is_final && label.length == length {
-                    label.is_final = true;
+                if label.is_open() && label.length == length {
+                    label.sink &= !Label::OPEN;
                     self.reached.push(node);
                 }
             }
@@ -333,14 +339,16 @@ impl Rounds {
             let reduced = step_cost(matching, other, back(dir));
             debug_assert!(reduced >= 0, "a residual step has a negative reduced cost");
             let label = &mut self.labels[other as usize];
-            if label.round == self.round && (label.is_final || label.length <= length + reduced) {
-                if label.sink != sink && label.length == length + reduced {
-                    let (a, b) = (label.sink, sink);
+            if label.round == self.round && (!label.is_open() || label.length <= length + reduced) {
+                let other_sink = label.sink & !Label::OPEN;
+                if other_sink != sink && label.length == length + reduced {
+                    let (a, b) = (other_sink, sink);
                     self.unite(a, b);
                 }
                 continue;
             }
-            *label = Label { round: self.round, length: length + reduced, is_final: reduced == 0, sink };
+            let open = if reduced == 0 { 0 } else { Label::OPEN };
+            *label = Label { round: self.round, length: length + reduced, sink: sink | open };
             if reduced == 0 {
                 self.reached.push(other);
             } else {
@@ -419,7 +427,7 @@ impl Rounds {
 
         let label = self.labels[source as usize];
         self.goals.clear();
-        if label.round != self.round || !label.is_final {
+        if label.round != self.round || label.is_open() {
             return false;
         }
         let from = matching.board.xy(source);

@@ -37,7 +37,7 @@ impl Paths {
         let source = board.nodes() as Node;
         Self {
             round: 0,
-            labels: vec![Label::default(); board.nodes() + 3],
+            labels: Vec::new(),
             reached: Vec::new(),
             later: BinaryHeap::new(),
             length: 0,
@@ -200,6 +200,8 @@ impl Paths {
         limit: i32,
     ) -> Option<()> {
         let end = self.end();
+        // Only now, for most layers need no search at all.
+        self.labels.resize(end as usize + 1, Label::default());
         self.round += 1;
         self.reached.clear();
         self.later.clear();
