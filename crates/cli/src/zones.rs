@@ -1,6 +1,6 @@
 //! `zones`: a path of few crossings for one layer.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::Write;
 use std::path::{Path as FilePath, PathBuf};
@@ -248,7 +248,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let observer = |progress: Progress| {
         bar.set_position(u64::from(progress.attempts));
     };
-    let drawn: Mutex<BTreeMap<Stage, Vec<[Cell; 2]>>> = Mutex::default();
+    let drawn: Mutex<BTreeMap<Stage, BTreeSet<[Cell; 2]>>> = Mutex::default();
     let stages = |stage: Stage, links: &[[Cell; 2]]| {
         drawn.lock().expect("no drawing panics").entry(stage).or_default().extend(links);
     };
@@ -318,7 +318,7 @@ fn write_drawing(file: &FilePath, drawing: &str) -> anyhow::Result<()> {
 /// The steps of an attempt, side by side, and the path.
 fn draw_stages(
     instance: &Instance,
-    stages: &BTreeMap<Stage, Vec<[Cell; 2]>>,
+    stages: &BTreeMap<Stage, BTreeSet<[Cell; 2]>>,
     row: &Row,
     best: &Path,
 ) -> String {
@@ -334,6 +334,9 @@ fn draw_stages(
         };
         format!("{what}: {} crossings", crossings(links))
     };
+    // A step made anew, for a part that takes more pieces than thought, is drawn once.
+    let stages: BTreeMap<Stage, Vec<[Cell; 2]>> =
+        stages.iter().map(|(&stage, links)| (stage, links.iter().copied().collect())).collect();
     let titles: Vec<String> = stages.iter().map(|(&stage, links)| title(stage, links)).collect();
     let last = format!("the path: {} crossings, at least {}", row.crossings, row.bound.unwrap_or_default());
     let panel = |title, path, links| Panel { title, region, zones, path, links };

@@ -45,8 +45,8 @@ pub enum ZoneCostsError {
 }
 
 impl ZoneCosts {
-    /// The largest cost of one crossing.
-    pub const MAX: u32 = 100_000;
+    /// The largest cost of one crossing: sums over tens of thousands of crossings, in parts, must fit.
+    pub const MAX: u32 = 10_000;
 
     /// Each crossing costs 1.
     pub fn uniform(zones: u32) -> Self {

@@ -1,12 +1,16 @@
 //! How the time of the exact search grows with cells and with zones.
 
 use std::fmt::Write;
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
+use anyhow::bail;
 use beadwork_grid::{Layout, LayoutSpec, Region};
 use beadwork_search::exact;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
+
+use crate::cancel;
 
 /// One point of a curve.
 struct Point {
@@ -55,7 +59,15 @@ fn point(side: u32, zones: u8) -> anyhow::Result<Point> {
     for seed in 0..SEEDS {
         let layer = spec.zones(&region, seed)?;
         let begin = Instant::now();
-        exact::solve(&region, &layer, &exact::Settings::default())?;
+        let cancel = cancel::token()?;
+        exact::solve(
+            &region,
+            &layer,
+            &exact::Settings { cancel: Some(cancel), ..exact::Settings::default() },
+        )?;
+        if cancel.load(Ordering::Relaxed) {
+            bail!("stopped");
+        }
         ms.push(1e3 * begin.elapsed().as_secs_f64());
     }
     ms.sort_by(f64::total_cmp);
@@ -103,15 +115,15 @@ impl Growth {
             self.cells.iter().map(|point| (f64::from(point.side * point.side), point.ms)).collect();
         let over_zones: Vec<(f64, f64)> =
             self.zones.iter().map(|point| (f64::from(point.zones), point.ms)).collect();
-        panel(&mut svg, 0.0, "cells (3 zones)", &over_cells, Some("linear"));
-        panel(&mut svg, WIDTH, "zones (100 x 100 cells)", &over_zones, None);
+        panel(&mut svg, 0.0, "cells (3 zones)", &over_cells, true);
+        panel(&mut svg, WIDTH, "zones (100 x 100 cells)", &over_zones, false);
         svg.push_str("</svg>\n");
         svg
     }
 }
 
 /// One curve in a frame with a line for each power of ten; a dashed line shows linear growth from its middle.
-fn panel(svg: &mut String, left: f64, title: &str, points: &[(f64, f64)], linear: Option<&str>) {
+fn panel(svg: &mut String, left: f64, title: &str, points: &[(f64, f64)], with_linear: bool) {
     const FRAME: (f64, f64, f64, f64) = (64.0, 40.0, 440.0, 290.0);
 
     let decades = |values: &mut dyn Iterator<Item = f64>| {
@@ -149,7 +161,7 @@ fn panel(svg: &mut String, left: f64, title: &str, points: &[(f64, f64)], linear
         "<text x=\"{:.1}\" y=\"24\" text-anchor=\"middle\" font-weight=\"bold\">ms over {title}</text>",
         f64::midpoint(x0, x1)
     ));
-    if linear.is_some() {
+    if with_linear {
         let (middle_x, middle_y) = points[points.len() / 2];
         let along = |value: f64| middle_y * value / middle_x;
         let (first, last) = (points[0].0, points[points.len() - 1].0);

@@ -81,7 +81,9 @@ pub(super) fn closed_sets(graph: &ZoneGraph, allowed: &Allowed<'_, '_>, pieces: 
 
 /// The cost of the cheapest link out of a component, for the component where it is dearest.
 fn dearest(graph: &ZoneGraph, matching: &Matching<'_>, paths: &mut Paths) -> u32 {
-    let mut cheapest = vec![i32::MAX / 4; graph.count() as usize];
+    const NONE: i32 = i32::MAX / 4;
+
+    let mut cheapest = vec![NONE; graph.count() as usize];
     let mut searches_left = MOST_SEARCHES;
     for &(node, dir) in &graph.links {
         let other = matching.board.step(node, dir);
@@ -99,5 +101,7 @@ fn dearest(graph: &ZoneGraph, matching: &Matching<'_>, paths: &mut Paths) -> u32
             cheapest[b] = cheapest[b].min(cost);
         }
     }
-    cheapest.into_iter().max().map_or(LEAST, |dearest| dearest as u32).max(LEAST)
+    // A component without a way out at any cost is no matter of costs: then there is no cover in so few pieces.
+    let known = cheapest.into_iter().filter(|&cost| cost < NONE);
+    known.max().map_or(LEAST, |dearest| dearest as u32).max(LEAST)
 }

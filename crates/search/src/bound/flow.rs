@@ -16,7 +16,15 @@ pub(crate) fn flow(board: &Board) -> (Matching<'_>, u32) {
     (matching, pieces)
 }
 
-/// Segments that each zone component needs at least: what a maximum 2-matching inside it lacks, halved, and 1.
+/// The same for more pieces than needed, wherever they begin and end: what their crossings cost at least.
+pub(crate) fn cost_in(board: &Board, pieces: u32) -> u64 {
+    let mut matching = Matching::inside_zones(board, Grain::default());
+    matching.drop_links_inside(2 * pieces, |_| 0);
+    matching.grow(2 * pieces);
+    matching.cost() as u64
+}
+
+/// Segments that each zone component needs at least: half of what a maximum 2-matching inside it lacks, but at least 1.
 pub(crate) fn need(board: &Board, graph: &ZoneGraph) -> Vec<u32> {
     let mut inside = Matching::inside_zones(board, Grain::default());
     inside.grow_inside_zones();

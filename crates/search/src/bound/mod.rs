@@ -29,7 +29,7 @@ pub fn components(region: &Region, zones: &Zones, pieces: u32) -> u32 {
 /// Sums over the connected parts of the region. `None` means that a bound was not to be had in reasonable time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounds {
-    /// Pieces: half of what the cells of a maximum 2-matching lack, and 1, in each part.
+    /// Pieces: half of what the cells of a maximum 2-matching lack, but at least 1, in each part.
     pub pieces: u32,
     /// Crossings of the cheapest 2-matching with cells - pieces links.
     pub flow: u32,
@@ -46,10 +46,11 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// All bounds of a layer. Nearly linear in the cells but for the last two, which search for each link along a border.
+    /// All bounds of a layer. The flow is nearly linear in the cells; the walk is exponential in the zone components up to its limit,
+    /// the scattering quadratic in them, and the last two search for each link along a border.
     ///
     /// # Panics
-    /// If the zones were made for a plane of another size.
+    /// If the zones were made for a plane of another size, or a cell of the region has none.
     pub fn new(region: &Region, zones: &Zones) -> Self {
         let costs = ZoneCosts::uniform(zones.count());
         let boards = Board::of_parts(region, zones, &costs);

@@ -46,6 +46,7 @@ use thiserror::Error;
 
 pub use ends::{Side, Terminal};
 
+use crate::bound::flow;
 use crate::matching::{Board, Node};
 use crate::stop::Interrupt;
 use crate::{Stop, ZoneCosts};
@@ -220,7 +221,13 @@ pub fn solve(region: &Region, zones: &Zones, settings: &Settings<'_>) -> Result<
         parts: BTreeMap::new(),
     };
     let choice = solver.choose_ends()?;
-    Ok(solver.join(region, zones, &choice))
+    let mut plan = solver.join(region, zones, &choice);
+    if plan.is_optimal() {
+        plan.stop = Stop::Optimal;
+    } else if plan.stop == Stop::Optimal {
+        plan.stop = Stop::Done;
+    }
+    Ok(plan)
 }
 
 fn check(region: &Region, zones: &Zones, settings: &Settings<'_>) -> Result<(), SolveError> {
@@ -285,6 +292,14 @@ impl Solver<'_> {
             for number in 0..self.boards.len() {
                 choice.add(self.part(number, start, end));
             }
+            // With more pieces than needed, another part may have those too many.
+            let surplus = choice.pieces - choice.piece_bound;
+            if surplus > 0 && self.boards.len() > 1 {
+                let most = |number: usize| self.parts[&key(number, start, end)].piece_bound + surplus;
+                choice.bound = (0..self.boards.len())
+                    .map(|number| flow::cost_in(&self.boards[number], most(number)))
+                    .sum();
+            }
             // A cover can be cut into more pieces at no cost, so a bound for more pieces holds for fewer too.
             piece_bound = piece_bound.min(choice.piece_bound);
             bound = bound.min(choice.bound);
@@ -295,24 +310,27 @@ impl Solver<'_> {
         best.map(|best| Choice { piece_bound, bound, ..best }).ok_or(SolveError::NoTwoCells)
     }
 
-    /// A part of one cell can't hold both ends if there are other parts.
+    /// A part can't hold both ends if both must be at one cell, unless that is all there is.
     fn is_possible(&self, start: Option<usize>, end: Option<usize>) -> bool {
-        let shared = start.filter(|_| start == end);
-        shared.is_none_or(|part| self.boards.len() == 1 || self.boards[part].cells.len() > 1)
+        let Some(part) = start.filter(|_| start == end) else { return true };
+        match self.boards[part].cells.len() {
+            1 => self.boards.len() == 1,
+            _ => self.starts[part].len() > 1 || self.starts[part] != self.ends[part],
+        }
     }
 
     fn part(&mut self, number: usize, start: Option<usize>, end: Option<usize>) -> &Part {
-        let (begins, stops) = (start == Some(number), end == Some(number));
+        let key @ (_, begins, stops) = key(number, start, end);
         let Self { boards, starts, ends, costs, settings, interrupt, parts } = self;
-        parts.entry((number, begins, stops)).or_insert_with(|| {
+        parts.entry(key).or_insert_with(|| {
             let ends = Ends {
                 first: if begins { starts[number].clone() } else { Vec::new() },
                 last: if stops { ends[number].clone() } else { Vec::new() },
                 apart: begins && stops && boards.len() > 1,
             };
             // A stream of its own for each part, so that one part's attempts don't change another's.
-            let mut rng = Xoshiro256PlusPlus::seed_from_u64(settings.seed);
-            (0..number).for_each(|_| rng.jump());
+            let stream = (number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            let rng = Xoshiro256PlusPlus::seed_from_u64(settings.seed.wrapping_add(stream));
             part::solve(&boards[number], &ends, costs, settings, *interrupt, rng)
         })
     }
@@ -345,6 +363,11 @@ impl Solver<'_> {
         let cost = path.iter_pieces().flat_map(|piece| piece.windows(2)).map(cost).sum();
         Plan { pieces: path.pieces(), piece_bound, crossings, cost, bound, stop, attempts, path }
     }
+}
+
+/// A part, and whether the path begins and ends in it.
+fn key(number: usize, start: Option<usize>, end: Option<usize>) -> (usize, bool, bool) {
+    (number, start == Some(number), end == Some(number))
 }
 
 /// The parts that hold the ends, and what the plan comes to.

@@ -71,6 +71,7 @@ pub(super) fn solve(
         rng,
         graph: ZoneGraph::new(board),
         paths: Paths::new(board),
+        reserved: [None; 2],
         target,
         piece_bound: target,
         bound: 0,
@@ -143,6 +144,8 @@ struct Search<'a> {
     /// What has to hang together: the zone components, or finer once it is known what the cheapest 2-matchings leave apart.
     graph: ZoneGraph,
     paths: Paths,
+    /// The cells that the present attempt keeps for the beginning and the end.
+    reserved: [Option<Node>; 2],
     /// The number of pieces tried for.
     target: u32,
     /// Pieces needed at least.
@@ -158,7 +161,7 @@ impl Search<'_> {
     fn attempt(&mut self, number: u32) -> &Cover {
         let grain = Grain { along: (number % 2) as Dir, odd: (number / 2) % 2 == 1 };
         // Where directions differ, what a crossing costs at least gives a bound, but is a poor guide to a path.
-        let guide = (number > 1 && !self.costs.is_symmetric())
+        let guide = (number > 1 && self.bounds != Bounds::Due && !self.costs.is_symmetric())
             .then(|| self.board.with_costs(self.costs.drawn(&mut self.rng)));
         let (relaxed, matching) = self.cheapest(guide.as_ref().unwrap_or(self.board), grain);
         // What the bounds may need: not each cover meets the first of them.
@@ -198,39 +201,43 @@ impl Search<'_> {
     ///
     /// Raises the number of pieces, and their bound, as far as the cells' colours and the ends demand.
     fn cheapest<'b>(&mut self, board: &'b Board, grain: Grain) -> (Option<Matching<'b>>, Matching<'b>) {
-        let mut sides: Vec<&[Node]> = vec![&self.ends.first, &self.ends.last];
-        sides.retain(|cells| !cells.is_empty());
+        let mut sides: Vec<(usize, &[Node])> = vec![(0, &self.ends.first), (1, &self.ends.last)];
+        sides.retain(|(_, cells)| !cells.is_empty());
         // A given cell leaves no choice, so it goes first: what follows is then as cheap as can be.
-        sides.sort_by_key(|cells| cells.len());
-        let given = sides.iter().take_while(|cells| cells.len() == 1).count();
+        sides.sort_by_key(|(_, cells)| cells.len());
+        let given = sides.iter().take_while(|(_, cells)| cells.len() == 1).count();
         let mut unproven = 0;
         'pieces: loop {
             let mut matching = self.grown(board, grain);
-            for cells in &sides[..given] {
-                if self.paths.reserve(&mut matching, cells).is_none() {
-                    self.target += 1;
+            let mut reserved = [None; 2];
+            for &(end, cells) in &sides[..given] {
+                let Some((_, cell)) = self.paths.reserve(&mut matching, cells) else {
+                    self.try_for_one_more();
                     continue 'pieces;
-                }
+                };
+                reserved[end] = Some(cell);
             }
             let relaxed = (given < sides.len()).then(|| matching.clone());
             let mut flow = matching.cost();
-            for (index, cells) in sides[given..].iter().enumerate() {
+            for (index, &(end, cells)) in sides[given..].iter().enumerate() {
                 // Chosen alone, the second end may be cheaper than after the first one; only that is a bound.
                 let mut alone = relaxed.clone().expect("there are ends to choose");
-                let is_possible = self.paths.reserve(&mut alone, cells).is_some();
+                let chosen_alone = self.paths.reserve(&mut alone, cells);
                 flow = flow.max(alone.cost());
-                if index == 0 {
+                let chosen = if index == 0 {
                     matching = alone;
-                } else if is_possible && self.paths.reserve(&mut matching, cells).is_none() {
-                    unproven += 1;
-                    self.target += 1;
+                    chosen_alone
+                } else {
+                    chosen_alone.and_then(|_| self.paths.reserve(&mut matching, cells))
+                };
+                let Some((_, cell)) = chosen else {
+                    unproven += u32::from(chosen_alone.is_some());
+                    self.try_for_one_more();
                     continue 'pieces;
-                }
-                if !is_possible {
-                    self.target += 1;
-                    continue 'pieces;
-                }
+                };
+                reserved[end] = Some(cell);
             }
+            self.reserved = reserved;
             if self.bounds == Bounds::Due && std::ptr::eq(board, self.board) {
                 self.bounds = Bounds::Flow;
                 self.bound = flow as u64;
@@ -239,6 +246,14 @@ impl Search<'_> {
                 }
             }
             return (relaxed, matching);
+        }
+    }
+
+    /// Tries for one piece more from now on; bounds of fewer pieces are none of more.
+    fn try_for_one_more(&mut self) {
+        self.target += 1;
+        if self.bounds != Bounds::Due {
+            self.forget_bounds();
         }
     }
 
@@ -310,7 +325,7 @@ impl Search<'_> {
         if matching.cost() as u64 >= limit {
             return None;
         }
-        let apart = self.ends_apart(&matching);
+        let apart = self.ends_apart();
         self.tell(Stage::Linked, &matching);
         merge(&mut matching);
         self.tell(Stage::Merged, &matching);
@@ -351,26 +366,16 @@ impl Search<'_> {
     }
 
     /// The cells where the path begins and ends, if other pieces lie between.
-    fn ends_apart(&self, matching: &Matching<'_>) -> Option<[Node; 2]> {
-        let [first, last] = self.reserved(matching);
+    fn ends_apart(&self) -> Option<[Node; 2]> {
+        let [first, last] = self.reserved;
         (self.target > 1).then_some(())?;
         Some([first?, last?])
-    }
-
-    /// The cells that were reserved for the ends.
-    fn reserved(&self, matching: &Matching<'_>) -> [Option<Node>; 2] {
-        let reserved =
-            |cells: &[Node]| cells.iter().copied().find(|&node| matching.capacity[node as usize] < 2);
-        let first = reserved(&self.ends.first);
-        // Both may be chosen from the same cells.
-        let others: Vec<Node> = self.ends.last.iter().copied().filter(|&node| Some(node) != first).collect();
-        [first, reserved(&others)]
     }
 
     /// The pieces in order: the one that holds the start first, the one that holds the end last.
     fn cover(&self, matching: &Matching<'_>, strands: &Strands) -> Cover {
         let mut pieces = strands.pieces(matching);
-        let [first, last] = self.reserved(matching);
+        let [first, last] = self.reserved;
         order_pieces(&mut pieces, first, last, self.ends.apart);
         let cost = |piece: &[Node]| -> u64 {
             piece
@@ -423,6 +428,7 @@ impl Search<'_> {
     fn is_refuted(&mut self) -> bool {
         let free = self.board.without_zones();
         let mut matching = Matching::inside_zones(&free, Grain::default());
+        matching.drop_links_inside(2 * self.target, |_| 0);
         matching.grow(2 * self.target);
         for cells in [&self.ends.first, &self.ends.last] {
             if let [_] = cells[..] {

@@ -312,4 +312,39 @@ fn impossible_problems_are_refused() {
     let left = Terminal::Side(Side::Left);
     let settings = Settings { start: left, end: left, ..Settings::default() };
     assert_eq!(solve(&apart, &one, &settings).unwrap_err(), SolveError::NoTwoCells);
+    let plus = Region::from_mask(3, 3, (0..9).map(|cell| [1, 3, 4, 5, 7].contains(&cell)).collect()).unwrap();
+    let one = Zones::new(&plus, vec![0; 9]).unwrap();
+    assert_eq!(solve(&plus, &one, &settings).unwrap_err(), SolveError::NoTwoCells);
+    let same = Settings { start: at(1), end: Terminal::Side(Side::Top), ..Settings::default() };
+    assert_eq!(solve(&plus, &one, &same).unwrap_err(), SolveError::NoTwoCells);
+}
+
+/// A corner belongs to two sides, and may be taken by either end.
+#[test]
+fn ends_at_corners_are_kept_to() {
+    for (width, height) in [(4, 6), (6, 4), (5, 5), (3, 3)] {
+        let region = Region::rectangle(width, height).unwrap();
+        let zones = LayoutSpec::new(Layout::LeftRight).zones(&region, 0).unwrap();
+        let sides = [Side::Left, Side::Top, Side::Right, Side::Bottom].map(Terminal::Side);
+        let corners = [0, width - 1, (height - 1) * width, height * width - 1].map(Terminal::Cell);
+        let all = [&sides[..], &corners[..]].concat();
+        for &start in &all {
+            for &end in all.iter().filter(|&&end| end != start || sides.contains(&end)) {
+                let plan = solve(&region, &zones, &Settings { start, end, ..Settings::default() }).unwrap();
+                let order = plan.path.order();
+                assert!(start.cells(&region).contains(&order[0]), "{start:?} {end:?} {order:?}");
+                assert!(end.cells(&region).contains(&order[order.len() - 1]), "{start:?} {end:?} {order:?}");
+            }
+        }
+    }
+}
+
+/// Two blocks joined by one link: both are cycles of the only 2-factor, but a path leads through both.
+#[test]
+fn a_path_through_two_blocks_is_not_refuted() {
+    let mask = |cell: u32| cell % 5 != 2 || cell == 2;
+    let region = Region::from_mask(5, 2, (0..10).map(mask).collect()).unwrap();
+    let zones = Zones::new(&region, vec![0; 10]).unwrap();
+    let plan = solve(&region, &zones, &Settings::default()).unwrap();
+    assert_eq!((plan.pieces, plan.piece_bound), (1, 1));
 }

@@ -90,6 +90,8 @@ impl Board {
     /// # Panics
     /// If the zones or the costs are for another region.
     pub(crate) fn of_parts(region: &Region, zones: &Zones, costs: &ZoneCosts) -> Vec<Self> {
+        assert_eq!(zones.ids().len(), region.plane_len(), "the zones are those of another plane");
+        assert!(region.cells().all(|cell| zones.id(cell) != Zones::OUTSIDE), "each cell has a zone");
         let labels = region_components(region);
         let mut members = vec![Vec::new(); labels.count() as usize];
         for cell in region.cells() {

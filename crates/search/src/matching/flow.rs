@@ -424,6 +424,7 @@ impl Rounds {
     /// to look first.
     fn choose_goals(&mut self, matching: &Matching<'_>, source: Node) -> bool {
         const MOST: usize = 4;
+        const MOST_LOOKED_AT: usize = 1000;
 
         let label = self.labels[source as usize];
         self.goals.clear();
@@ -432,7 +433,11 @@ impl Rounds {
         }
         let from = matching.board.xy(source);
         let root = self.root(label.sink);
-        for index in 0..self.sinks.len() {
+        // Of very many, those that come about where the nearest one does; without a goal the search spreads evenly.
+        let near = label.sink as usize;
+        let window = near.saturating_sub(MOST_LOOKED_AT)..(near + MOST_LOOKED_AT).min(self.sinks.len());
+        let all = window.len() == self.sinks.len();
+        for index in window {
             let sink = self.sinks[index];
             if matching.room[sink as usize] == 0 || self.root(index as u32) != root {
                 continue;
@@ -444,7 +449,7 @@ impl Rounds {
                 self.goals.truncate(MOST);
             }
         }
-        !self.goals.is_empty()
+        !all || !self.goals.is_empty()
     }
 
     fn see(&mut self, matching: &Matching<'_>, node: Node, steps_taken: u32, back: u8) {

@@ -77,11 +77,11 @@ impl Paths {
     }
 
     /// Moves room to one of these cells, the cheapest, and keeps it there for good: its path ends there. Gives what that adds to
-    /// the cost; `None`, and nothing changes, if no cell can have room.
+    /// the cost, and the cell; `None`, and nothing changes, if no cell can have room.
     ///
     /// A cell that gives up a link gets room, and the link moves on along a shortest path to a cell of its colour that has
     /// room. Two searches, one for each colour.
-    pub(crate) fn reserve(&mut self, matching: &mut Matching<'_>, cells: &[Node]) -> Option<i32> {
+    pub(crate) fn reserve(&mut self, matching: &mut Matching<'_>, cells: &[Node]) -> Option<(i32, Node)> {
         let free = |&&cell: &&Node| matching.capacity[cell as usize] == 2;
         let with_room = cells.iter().filter(free).find(|&&cell| matching.room[cell as usize] > 0);
         let (cost, cell) = if let Some(&cell) = with_room {
@@ -102,7 +102,7 @@ impl Paths {
         matching.capacity[cell as usize] -= 1;
         matching.room[cell as usize] -= 1;
         matching.spare -= 1;
-        Some(cost)
+        Some((cost, cell))
     }
 
     /// The one of these cells, all of one colour and without room, that gets room at the least cost, below the limit.
@@ -280,7 +280,9 @@ impl Paths {
         if label.round == self.round && (label.is_final || label.length <= length) {
             return;
         }
-        debug_assert!(length >= self.length, "reduced costs are not negative");
+        // Reduced costs are negative only where a locked link was exchanged; then the path found may not be the shortest, which
+        // a search for a good cover can bear.
+        let length = length.max(self.length);
         let is_final = length == self.length;
         *label = Label { round: self.round, length, before, is_final };
         if is_final {
