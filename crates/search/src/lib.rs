@@ -29,6 +29,7 @@ pub mod exact;
 mod matching;
 mod moves;
 mod stop;
+mod union;
 
 pub use anneal::{Free, Method, Outcome, Pooled, Preset, Progress, Settings, UnknownPreset, anneal};
 pub use cost::Cost;

@@ -1,52 +1,42 @@
 //! Joining cycles by switches, nearly for nothing.
 
 use crate::matching::{Matching, Node};
+use crate::union::Union;
 
 /// Which strand, path or cycle, each cell belongs to, while strands only ever unite.
-struct Union {
-    towards_root: Vec<Node>,
+struct Joined {
+    union: Union,
     /// For each root, whether its strand is a cycle.
     is_cycle: Vec<bool>,
 }
 
-impl Union {
+impl Joined {
     fn new(matching: &Matching<'_>) -> Self {
         let board = matching.board;
-        let mut union =
-            Self { towards_root: (0..board.nodes() as Node).collect(), is_cycle: vec![true; board.nodes()] };
+        let mut union = Union::new(board.nodes());
+        let mut is_cycle = vec![true; board.nodes()];
         for &node in &board.cells {
             for dir in [0, 1] {
-                if matching.links[node as usize] & (1 << dir) != 0 {
-                    let (a, b) = (union.root(node), union.root(board.step(node, dir)));
-                    union.towards_root[b as usize] = a;
+                if matching.is_linked(node, dir) {
+                    union.unite(board.step(node, dir), node);
                 }
             }
         }
         for &node in board.cells.iter().filter(|&&node| matching.links[node as usize].count_ones() < 2) {
-            let root = union.root(node);
-            union.is_cycle[root as usize] = false;
+            is_cycle[union.root(node) as usize] = false;
         }
-        union
-    }
-
-    fn root(&mut self, mut node: Node) -> Node {
-        while self.towards_root[node as usize] != node {
-            let next = self.towards_root[self.towards_root[node as usize] as usize];
-            self.towards_root[node as usize] = next;
-            node = next;
-        }
-        node
+        Self { union, is_cycle }
     }
 
     /// Whether these two belong to different strands, one of them a cycle: then a switch makes them one.
     fn can_unite(&mut self, a: Node, b: Node) -> bool {
-        let (a, b) = (self.root(a), self.root(b));
+        let (a, b) = (self.union.root(a), self.union.root(b));
         a != b && (self.is_cycle[a as usize] || self.is_cycle[b as usize])
     }
 
     fn unite(&mut self, a: Node, b: Node) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.towards_root[b as usize] = a;
+        let (a, b) = (self.union.root(a), self.union.root(b));
+        self.union.unite(b, a);
         self.is_cycle[a as usize] &= self.is_cycle[b as usize];
     }
 }
@@ -55,40 +45,40 @@ impl Union {
 ///
 /// Each pass is linear in the cells; there are few.
 pub(crate) fn merge(matching: &mut Matching<'_>) {
-    let mut union = Union::new(matching);
-    while merge_once(matching, &mut union) {}
+    let mut joined = Joined::new(matching);
+    while merge_once(matching, &mut joined) {}
 }
 
 /// Switches unit cells at which a cycle meets another strand, each time the cheapest, until no cycle is left or none can be
 /// joined so.
 pub(crate) fn merge_at_any_cost(matching: &mut Matching<'_>) {
-    let mut union = Union::new(matching);
+    let mut joined = Joined::new(matching);
     loop {
-        while merge_once(matching, &mut union) {}
+        while merge_once(matching, &mut joined) {}
         let board = matching.board;
         let mut cheapest: Option<(i32, Node)> = None;
         for &corner in &board.cells {
             let Some(change) = switch_change(matching, corner) else { continue };
             let cheaper = cheapest.is_none_or(|(least, _)| change < least);
-            if cheaper && union.can_unite(corner, corner + board.stride() as Node + 1) {
+            if cheaper && joined.can_unite(corner, corner + board.stride() as Node + 1) {
                 cheapest = Some((change, corner));
             }
         }
         let Some((_, corner)) = cheapest else { return };
-        union.unite(corner, corner + board.stride() as Node + 1);
+        joined.unite(corner, corner + board.stride() as Node + 1);
         switch(matching, corner);
     }
 }
 
-fn merge_once(matching: &mut Matching<'_>, union: &mut Union) -> bool {
+fn merge_once(matching: &mut Matching<'_>, joined: &mut Joined) -> bool {
     let board = matching.board;
     let mut merged = false;
     for index in 0..board.cells.len() {
         let corner = board.cells[index];
         let Some(change) = switch_change(matching, corner) else { continue };
         let opposite = corner + board.stride() as Node + 1;
-        if change <= 0 && union.can_unite(corner, opposite) {
-            union.unite(corner, opposite);
+        if change <= 0 && joined.can_unite(corner, opposite) {
+            joined.unite(corner, opposite);
             switch(matching, corner);
             merged = true;
         }

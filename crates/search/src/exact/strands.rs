@@ -1,6 +1,7 @@
 //! The paths and cycles of a 2-matching, numbered so that an exchange of links can be judged without walking them.
 
 use crate::matching::{Board, Dir, Matching, Node, dirs};
+use crate::union::Union;
 
 /// A path or cycle.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +35,7 @@ struct Scratch {
     strands: Vec<u32>,
     /// The first and the last cell of each segment between cuts, and whether a new link is tied there.
     segments: Vec<([Node; 2], [bool; 2])>,
-    towards_root: Vec<usize>,
+    union: Union,
 }
 
 impl Strands {
@@ -105,7 +106,7 @@ impl Strands {
     /// k links leaves at most k + 1 segments, and the new links tie their ends together.
     pub(crate) fn change(&mut self, matching: &Matching<'_>, steps: &[(Node, Dir)]) -> i32 {
         let Self { strand, place, list, scratch, apart, .. } = self;
-        let Scratch { cuts, strands, segments, towards_root } = scratch;
+        let Scratch { cuts, strands, segments, union } = scratch;
         cuts.clear();
         strands.clear();
         segments.clear();
@@ -150,19 +151,15 @@ impl Strands {
                 }
             }
         }
-        towards_root.clear();
-        towards_root.extend(0..segments.len());
+        union.reset(segments.len());
         let mut after = segments.len() as i32;
         for &(node, dir) in steps.iter().filter(|step| !is_link(step)) {
             let [a, b] = [node, matching.board.step(node, dir)].map(|cell| {
                 let (segment, end) = free_end(segments, cell);
                 segments[segment].1[end] = true;
-                root(towards_root, segment)
+                segment as u32
             });
-            if a != b {
-                towards_root[a] = b;
-                after -= 1;
-            }
+            after -= i32::from(union.unite(a, b));
         }
         let mut before = strands.len() as i32;
         if let Some(ends) = *apart
@@ -172,7 +169,7 @@ impl Strands {
             let place = |end: Node| segments.iter().position(|(cells, _)| cells.contains(&end));
             let joined = match ends.map(place) {
                 // Each is the end of some segment, for it is the end of a path; the last link of its path keeps it so.
-                [Some(a), Some(b)] => root(towards_root, a) == root(towards_root, b),
+                [Some(a), Some(b)] => union.root(a as u32) == union.root(b as u32),
                 _ => false,
             };
             after += i32::from(joined);
@@ -289,13 +286,6 @@ fn free_end(segments: &[([Node; 2], [bool; 2])], cell: Node) -> (usize, usize) {
         (0..2).find(|&end| cells[end] == cell && !tied[end]).map(|end| (index, end))
     };
     segments.iter().enumerate().find_map(find).expect("a new link begins where another one ended")
-}
-
-fn root(towards_root: &[usize], mut segment: usize) -> usize {
-    while towards_root[segment] != segment {
-        segment = towards_root[segment];
-    }
-    segment
 }
 
 #[cfg(test)]

@@ -5,8 +5,9 @@ use std::collections::BinaryHeap;
 
 use super::board::{Board, Dir, Node, back, dirs};
 use super::ladder::{Grain, ladders};
+use crate::union::Union;
 
-/// A set of links of a board, at most two at each cell, that is the cheapest of its size.
+/// A set of links of a board, at most two at each cell; the cheapest of its size until links are locked or paid for.
 ///
 /// Black cells send, white cells receive: a link is a unit of flow. The proof of its optimality is a **potential** for each
 /// cell, such that every residual step has a reduced cost of at least 0: cost + potential(from) - potential(to), where a step
@@ -248,7 +249,7 @@ struct Rounds {
     sources: Vec<Node>,
     sinks: Vec<Node>,
     /// Sinks between which residual steps of reduced cost 0 may lead, in any direction, have one root.
-    towards_root: Vec<u32>,
+    basins: Union,
     /// Labelled nodes whose length is final.
     reached: Vec<Node>,
     later: BinaryHeap<Reverse<(i32, Node)>>,
@@ -271,7 +272,7 @@ impl Rounds {
             labels: vec![Label::default(); matching.board.nodes()],
             sources,
             sinks,
-            towards_root: Vec::new(),
+            basins: Union::default(),
             reached: Vec::new(),
             later: BinaryHeap::new(),
             search: 0,
@@ -291,10 +292,9 @@ impl Rounds {
         self.later.clear();
         self.sources.retain(|&node| matching.room[node as usize] > 0);
         self.sinks.retain(|&node| matching.room[node as usize] > 0);
-        self.towards_root.clear();
+        self.basins.reset(self.sinks.len());
         for (sink, &node) in (0..).zip(&self.sinks) {
             self.labels[node as usize] = Label { round: self.round, length: 0, sink };
-            self.towards_root.push(sink);
             self.reached.push(node);
         }
         let mut next = 0;
@@ -343,7 +343,7 @@ impl Rounds {
                 let other_sink = label.sink & !Label::OPEN;
                 if other_sink != sink && label.length == length + reduced {
                     let (a, b) = (other_sink, sink);
-                    self.unite(a, b);
+                    self.basins.unite(a, b);
                 }
                 continue;
             }
@@ -355,20 +355,6 @@ impl Rounds {
                 self.later.push(Reverse((label.length, other)));
             }
         }
-    }
-
-    fn unite(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.towards_root[a as usize] = b;
-    }
-
-    fn root(&mut self, mut sink: u32) -> u32 {
-        while self.towards_root[sink as usize] != sink {
-            let next = self.towards_root[self.towards_root[sink as usize] as usize];
-            self.towards_root[sink as usize] = next;
-            sink = next;
-        }
-        sink
     }
 
     /// Augments along paths free of reduced cost until there are none, or down to so much spare room.
@@ -432,14 +418,14 @@ impl Rounds {
             return false;
         }
         let from = matching.board.xy(source);
-        let root = self.root(label.sink);
+        let root = self.basins.root(label.sink);
         // Of very many, those that come about where the nearest one does; without a goal the search spreads evenly.
         let near = label.sink as usize;
         let window = near.saturating_sub(MOST_LOOKED_AT)..(near + MOST_LOOKED_AT).min(self.sinks.len());
         let all = window.len() == self.sinks.len();
         for index in window {
             let sink = self.sinks[index];
-            if matching.room[sink as usize] == 0 || self.root(index as u32) != root {
+            if matching.room[sink as usize] == 0 || self.basins.root(index as u32) != root {
                 continue;
             }
             let goal = matching.board.xy(sink);

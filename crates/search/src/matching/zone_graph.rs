@@ -1,6 +1,7 @@
 //! The zone components of a board and how they touch.
 
 use super::board::{Board, Dir, Node, dirs};
+use crate::union::Union;
 
 /// Zone components, numbered in the order of their first cells, and the links between them.
 pub(crate) struct ZoneGraph {
@@ -73,20 +74,17 @@ impl ZoneGraph {
 
 /// Zone components held together by some of the links between them.
 pub(crate) struct Groups {
-    towards_root: Vec<u32>,
+    union: Union,
     count: u32,
 }
 
 impl Groups {
     pub(crate) fn new(graph: &ZoneGraph, board: &Board, holds: impl Fn(Node, Dir) -> bool) -> Self {
-        let mut groups = Self { towards_root: (0..graph.count).collect(), count: graph.count };
+        let mut groups = Self { union: Union::new(graph.count as usize), count: graph.count };
         for &(node, dir) in &graph.links {
             if holds(node, dir) {
-                let (a, b) = groups.of_link(graph, board, (node, dir));
-                if a != b {
-                    groups.towards_root[a as usize] = b;
-                    groups.count -= 1;
-                }
+                let other = board.step(node, dir);
+                groups.count -= u32::from(groups.union.unite(graph.component(node), graph.component(other)));
             }
         }
         groups
@@ -109,12 +107,7 @@ impl Groups {
     }
 
     /// The group of a component, by the number of one of its components.
-    pub(crate) fn root(&mut self, mut component: u32) -> u32 {
-        while self.towards_root[component as usize] != component {
-            let next = self.towards_root[self.towards_root[component as usize] as usize];
-            self.towards_root[component as usize] = next;
-            component = next;
-        }
-        component
+    pub(crate) fn root(&mut self, component: u32) -> u32 {
+        self.union.root(component)
     }
 }
