@@ -61,17 +61,15 @@ pub struct Placed {
 pub struct UnknownVariant(pub String);
 
 /// A row of the paper's tables, as masks of the twelve links of a 3 x 3 window.
-struct Rule {
+pub(crate) struct Rule {
     columns: u32,
     rows: u32,
     /// All links that lie inside the window.
-    window: u16,
+    pub(crate) window: u16,
     /// The links it must have: kept and removed.
-    needed: u16,
-    #[cfg_attr(not(test), allow(dead_code, reason = "the tests check the switches against the tables"))]
-    removed: u16,
-    #[cfg_attr(not(test), allow(dead_code, reason = "the tests check the switches against the tables"))]
-    added: u16,
+    pub(crate) needed: u16,
+    pub(crate) removed: u16,
+    pub(crate) added: u16,
     /// Its two switches in the order in which they apply: column and row of the unit cell, and the links taken out.
     switches: [(u32, u32, Sides); 2],
 }
@@ -79,7 +77,7 @@ struct Rule {
 use Sides::{Horizontal as H, Vertical as V};
 
 /// In the order of the classes. Links are pairs of cell numbers.
-const RULES: [Rule; 12] = [
+pub(crate) const RULES: [Rule; 12] = [
     rule(3, 3, "12 36 67", "01 34 45 78", "03 14 47 58", [(0, 0, H), (1, 1, H)]), // nl
     rule(3, 3, "01 58 78", "12 34 45 67", "14 25 36 47", [(1, 0, H), (0, 1, H)]), // nr
     rule(3, 3, "01 03 78", "12 34 45 67", "14 25 36 47", [(1, 0, H), (0, 1, H)]), // sl
@@ -96,11 +94,11 @@ const RULES: [Rule; 12] = [
 
 /// Number of the link to the right of the cell at (x, y) of a 3 x 3 window, and below it: as [`pack`] and [`window`] put
 /// them together.
-const fn right(x: u32, y: u32) -> u32 {
+pub(crate) const fn right(x: u32, y: u32) -> u32 {
     if y < 2 { 5 * y + 2 * x } else { 10 + x }
 }
 
-const fn below(x: u32, y: u32) -> u32 {
+pub(crate) const fn below(x: u32, y: u32) -> u32 {
     5 * y + if x < 2 { 2 * x + 1 } else { 4 }
 }
 

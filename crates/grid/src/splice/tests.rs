@@ -7,7 +7,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::{Placed, Region, Start, Variant, cover, verify};
+use crate::{Links, Placed, Region, Start, Variant, cover, verify};
 
 /// A path as a set of links, changed and checked by definition.
 struct Walker {
@@ -218,15 +218,19 @@ fn check_variant(path: &Path, region: &Region, placed: Placed) -> bool {
     assert_eq!(found, valid);
     let mut changed = path.clone();
     assert_eq!(changed.apply_variant(placed), valid);
+    let mut links = Links::new(path);
+    assert_eq!(links.allows_variant(placed), valid);
+    assert_eq!(links.apply_variant(placed), valid);
+    assert_eq!(links, Links::new(&changed), "{placed:?}");
     assert_eq!(changed.order(), expected.as_deref().unwrap_or(path.order()));
     valid
 }
 
-type Links = Vec<(u32, u32)>;
+type Pairs = Vec<(u32, u32)>;
 
 /// The tables of Aali et al. once more, typed independently of the ones under test.
-fn table(variant: Variant) -> (Links, Links, Links) {
-    let parse = |text: &str| -> Links {
+fn table(variant: Variant) -> (Pairs, Pairs, Pairs) {
+    let parse = |text: &str| -> Pairs {
         let digit = |byte: u8| u32::from(byte - b'0');
         text.split(' ').map(|pair| (digit(pair.as_bytes()[0]), digit(pair.as_bytes()[1]))).collect()
     };

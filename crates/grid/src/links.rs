@@ -1,0 +1,138 @@
+//! The links of a path without its order.
+
+use crate::path::link;
+use crate::variant::{RULES, below, right};
+use crate::{Path, Placed};
+
+/// Which neighbours a path links: all that the variants of Aali et al. look at.
+///
+/// A variant whose window matches keeps the path whole, whatever lies outside. So a record of variants can be replayed on the links
+/// alone, in a few nanoseconds each, where a [`Path`] rewrites all positions between the first and the last cut.
+///
+/// Equal links in planes of equal size are equal.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Links {
+    width: u32,
+    height: u32,
+    /// For each cell [`link::RIGHT`] and [`link::BELOW`]; two columns and two rows more than the plane has, without links, so that
+    /// windows which stick out match nothing.
+    bits: Vec<u8>,
+}
+
+/// The links of a row of a window, a byte a cell: three cells and one that no window has.
+type Row = u32;
+
+/// A variant by the rows of its window.
+#[derive(Clone, Copy)]
+struct Pattern {
+    /// All links of the window.
+    window: [Row; 3],
+    /// Those it must have, and no others.
+    needed: [Row; 3],
+    /// Those that it takes out or puts in.
+    changed: [Row; 3],
+}
+
+const PATTERNS: [Pattern; 12] = {
+    let mut patterns = [Pattern { window: [0; 3], needed: [0; 3], changed: [0; 3] }; 12];
+    let mut class = 0;
+    while class < RULES.len() {
+        let rule = &RULES[class];
+        patterns[class] = Pattern {
+            window: rows(rule.window),
+            needed: rows(rule.needed),
+            changed: rows(rule.removed | rule.added),
+        };
+        class += 1;
+    }
+    patterns
+};
+
+/// Links of a window, as the rules number them, row by row.
+const fn rows(links: u16) -> [Row; 3] {
+    let mut rows = [0; 3];
+    let mut cell = 0;
+    while cell < 9 {
+        let (x, y) = (cell % 3, cell / 3);
+        if x < 2 && links >> right(x, y) & 1 != 0 {
+            rows[y as usize] |= (link::RIGHT as Row) << (8 * x);
+        }
+        if y < 2 && links >> below(x, y) & 1 != 0 {
+            rows[y as usize] |= (link::BELOW as Row) << (8 * x);
+        }
+        cell += 1;
+    }
+    rows
+}
+
+impl Links {
+    /// The links of a path.
+    pub fn new(path: &Path) -> Self {
+        let (width, height) = (path.width(), path.height());
+        let stride = width as usize + 2;
+        // The last window that begins in the plane reads one byte beyond the two further columns.
+        let mut bits = vec![0; stride * (height as usize + 2) + 1];
+        for (padded, row) in bits.chunks_exact_mut(stride).zip(path.links.chunks_exact(width as usize)) {
+            for (padded, &linked) in padded.iter_mut().zip(row) {
+                *padded = linked & (link::RIGHT | link::BELOW);
+            }
+        }
+        Self { width, height, bits }
+    }
+
+    /// Makes these a copy of others in a plane of the same size, without allocating.
+    ///
+    /// # Panics
+    /// If the planes have different sizes.
+    pub fn copy_from(&mut self, other: &Self) {
+        assert_eq!((self.width, self.height), (other.width, other.height), "links of one plane are copied");
+        self.bits.copy_from_slice(&other.bits);
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        self.bits.len()
+    }
+
+    /// Whether a variant applies here, as [`Path::allows_variant`] tells.
+    #[inline]
+    pub fn allows_variant(&self, placed: Placed) -> bool {
+        self.matching(placed).is_some()
+    }
+
+    /// Applies a variant; where it does not apply it changes nothing and gives false.
+    #[inline]
+    pub fn apply_variant(&mut self, placed: Placed) -> bool {
+        let Some(rows) = self.matching(placed) else { return false };
+        let pattern = &PATTERNS[usize::from(placed.variant.class())];
+        for (y, (row, changed)) in rows.into_iter().zip(pattern.changed).enumerate() {
+            let at = self.place(placed) + y * self.stride();
+            self.bits[at..at + 4].copy_from_slice(&(row ^ changed).to_le_bytes());
+        }
+        true
+    }
+
+    /// The rows of a variant's window, if it applies.
+    #[inline]
+    fn matching(&self, placed: Placed) -> Option<[Row; 3]> {
+        if u32::from(placed.x) >= self.width || u32::from(placed.y) >= self.height {
+            return None;
+        }
+        let pattern = &PATTERNS[usize::from(placed.variant.class())];
+        let row = |y: usize| {
+            let at = self.place(placed) + y * self.stride();
+            Row::from_le_bytes([self.bits[at], self.bits[at + 1], self.bits[at + 2], self.bits[at + 3]])
+        };
+        let rows = [row(0), row(1), row(2)];
+        let differs = |y: usize| rows[y] & pattern.window[y] ^ pattern.needed[y];
+        (differs(0) | differs(1) | differs(2) == 0).then_some(rows)
+    }
+
+    fn place(&self, placed: Placed) -> usize {
+        usize::from(placed.y) * self.stride() + usize::from(placed.x)
+    }
+
+    fn stride(&self) -> usize {
+        self.width as usize + 2
+    }
+}
