@@ -2,8 +2,8 @@
 
 use std::hint::black_box;
 
-use beadwork_grid::{Crossings, Layout, LayoutSpec, Path, Region, Start, Switch};
-use beadwork_search::{Free, Method, Preset, Settings, anneal};
+use beadwork_grid::{Crossings, Layout, LayoutSpec, Links, Path, Region, Start, Switch};
+use beadwork_search::{Free, Method, Move, Preset, Settings, anneal};
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
 fn instance(side: u32) -> (Path, Crossings) {
@@ -66,5 +66,34 @@ fn validity(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, paper, fast, validity);
+/// The moves of an annealing run again, on the links alone and on the path.
+fn replay(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("replay");
+    for side in [30, 60, 100] {
+        let (start, crossings) = instance(side);
+        let moves = anneal(start.clone(), &crossings, &Settings::preset(Preset::ExtraLong, 0)).moves;
+        let variants: Vec<_> = moves
+            .iter()
+            .filter_map(|step| if let Move::Variant(placed) = step { Some(*placed) } else { None })
+            .collect();
+        group.throughput(Throughput::Elements(variants.len() as u64));
+        let first = Links::new(&start);
+        let mut links = first.clone();
+        group.bench_function(BenchmarkId::new("links", side), |bencher| {
+            bencher.iter(|| {
+                links.copy_from(&first);
+                variants.iter().filter(|&&placed| links.apply_variant(placed)).count()
+            });
+        });
+        let mut path = start.clone();
+        group.bench_function(BenchmarkId::new("path", side), |bencher| {
+            bencher.iter(|| {
+                path.copy_from(&start);
+                variants.iter().filter(|&&placed| path.apply_variant(placed)).count()
+            });
+        });
+    }
+}
+
+criterion_group!(benches, paper, fast, validity, replay);
 criterion_main!(benches);

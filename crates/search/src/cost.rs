@@ -2,13 +2,13 @@
 
 use beadwork_grid::{Cell, Crossings, Path, Switch};
 
-/// A cost of a path whose change by two switches can be told without walking the path.
+/// A cost of a path that is a sum over its links, so that its change by two switches can be told without the path.
 pub trait Cost {
     /// Cost of the whole path.
     fn total(&self, path: &Path) -> i64;
 
     /// By how much the cost changes if these two switches, which the path allows, are applied one after the other.
-    fn change(&self, path: &Path, switches: [Switch; 2]) -> i64;
+    fn change(&self, switches: [Switch; 2]) -> i64;
 
     /// Whether a switch in the unit cell at `corner` can change the cost by itself: where a search should look.
     ///
@@ -23,7 +23,7 @@ impl Cost for Crossings {
     }
 
     #[inline]
-    fn change(&self, _: &Path, [first, second]: [Switch; 2]) -> i64 {
+    fn change(&self, [first, second]: [Switch; 2]) -> i64 {
         i64::from(Self::change(self, first) + Self::change(self, second))
     }
 

@@ -1,11 +1,12 @@
 //! Searches for a path of lower cost.
 //!
 //! A search takes a [`Path`](beadwork_grid::Path), a [`Cost`] and its settings, and gives back the best path it found, its
-//! cost, a proven lower bound where the caller had one, and why it stopped. It does no I/O, reads no clock and starts no
-//! thread; with the same seed it gives the same answer on every machine.
+//! cost, a proven lower bound where the caller had one, and why it stopped. It does no I/O, reads no clock and works on no
+//! threads but those of a pool that it is handed; with the same seed it gives the same answer on every machine.
 //!
 //! - [`exact`]: the fewest pieces, then the fewest crossings, and a proof where the bound is met.
 //! - [`anneal`](anneal()): simulated annealing, by the method of Aali et al. ([`Pooled`]) or a faster one ([`Free`]).
+//! - [`genetic`]: the genetic algorithm of Aali et al. on the moves of many annealing runs, faster and with other crossovers.
 //! - [`bound`]: what no path can beat.
 //!
 //! # Example
@@ -26,8 +27,10 @@ pub mod bound;
 mod cost;
 mod costs;
 pub mod exact;
+pub mod genetic;
 mod matching;
 mod moves;
+mod random;
 mod stop;
 mod union;
 

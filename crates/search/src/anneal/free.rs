@@ -9,7 +9,8 @@ use beadwork_grid::{Cell, Path, Sides, Switch};
 use rand::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::{Outcome, Run, Settings, Stop, below, scale};
+use super::{Outcome, Run, Settings, Stop};
+use crate::random::{below, scale};
 use crate::{Cost, Move};
 
 /// Parameters of the free annealer.
@@ -69,7 +70,7 @@ pub(super) fn run<C: Cost>(free: &Free, start: Path, cost: &C, settings: &Settin
                 on_the_cycle(&run.path, first, &mut run.rng)
             };
             let Some(switches) = second.map(|second| [first, second]) else { continue };
-            let change = cost.change(&run.path, switches);
+            let change = cost.change(switches);
             let proposed = change != 0 || is_worth_its_span(&run.path, switches, free.span, &mut run.rng);
             if proposed && metropolis.takes(change, &mut run.rng) && run.path.apply(&switches) {
                 run.accept(Move::Pair(switches), change);

@@ -10,7 +10,7 @@ use std::str::FromStr;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use beadwork_grid::Path;
-use rand::{Rng, SeedableRng};
+use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use thiserror::Error;
 
@@ -248,23 +248,4 @@ impl<'a> Run<'a> {
             accepted,
         }
     }
-}
-
-/// A number below `count`, which must be positive.
-#[inline]
-fn below(rng: &mut Xoshiro256PlusPlus, count: usize) -> usize {
-    scale(rng.next_u64(), count)
-}
-
-/// A number below `count` from the upper half of 64 random bits; its bias, below 2^-32 times `count`, does not matter to a
-/// search.
-#[inline]
-fn scale(random: u64, count: usize) -> usize {
-    (((random >> 32) * count as u64) >> 32) as usize
-}
-
-/// A number in 0..1 of 53 random bits.
-#[inline]
-fn unit(rng: &mut Xoshiro256PlusPlus) -> f64 {
-    (rng.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }

@@ -2,7 +2,8 @@
 
 use beadwork_grid::{Kind, Path, Placed};
 
-use super::{Outcome, Run, Settings, below, unit};
+use super::{Outcome, Run, Settings};
+use crate::random::{below, unit};
 use crate::{Cost, Move};
 
 /// Parameters of the paper's annealer; the default is its standard run.
@@ -88,7 +89,7 @@ pub(super) fn run<C: Cost>(pooled: &Pooled, start: Path, cost: &C, settings: &Se
         if !run.path.allows_variant(placed) {
             continue;
         }
-        let change = cost.change(&run.path, placed.switches(width));
+        let change = cost.change(placed.switches(width));
         let taken = change <= 0
             || unit(&mut run.rng) < libm::exp(-(change as f64) / pooled.temperature(iteration, hot));
         if taken && run.path.apply_variant(placed) && run.accept(Move::Variant(placed), change) {

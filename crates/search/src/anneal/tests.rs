@@ -137,7 +137,7 @@ fn another_cost_is_annealed() {
             self.0 * vertical.count() as i64
         }
 
-        fn change(&self, _: &Path, switches: [Switch; 2]) -> i64 {
+        fn change(&self, switches: [Switch; 2]) -> i64 {
             let change =
                 |switch: Switch| if switch.from() == beadwork_grid::Sides::Vertical { -2 } else { 2 };
             self.0 * switches.map(change).iter().sum::<i64>()

@@ -4,6 +4,7 @@ use rand::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::matching::{Dir, Groups, Matching, Node, Paths, ZoneGraph};
+use crate::random::below;
 use crate::stop::Interrupt;
 
 /// Puts links in until no group of zone components is closed: left by no link and without room, so made of cycles only.
@@ -120,9 +121,4 @@ impl Closed {
             }
         }
     }
-}
-
-/// A number below `count`, which must be positive; its bias does not matter to a search.
-pub(super) fn below(rng: &mut Xoshiro256PlusPlus, count: usize) -> usize {
-    (((rng.next_u64() >> 32) * count as u64) >> 32) as usize
 }

@@ -3,7 +3,7 @@
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::ends::Ends;
-use super::link::{below, force_cheapest, link};
+use super::link::{force_cheapest, link};
 use super::merge::{merge, merge_at_any_cost};
 use super::strands::Strands;
 use super::untangle::untangle;
@@ -12,6 +12,7 @@ use crate::bound::connectivity::{self, Apart};
 use crate::bound::cuts::Cuts;
 use crate::bound::{segments, walk};
 use crate::matching::{Board, Dir, Grain, Matching, Node, Paths, ZoneGraph};
+use crate::random::below;
 use crate::stop::Interrupt;
 use crate::{Stop, ZoneCosts};
 
