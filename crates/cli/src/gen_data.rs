@@ -61,8 +61,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let (name, mut config) = args.source.load()?;
     if let Some(pictures) = &args.pictures {
         if config.pictures.is_none() {
-            let message = "--pictures needs a configuration of pictures, such as --preset pictures\n";
-            clap::Error::raw(clap::error::ErrorKind::ArgumentConflict, message).exit();
+            output::wrong_use("--pictures needs a configuration of pictures, such as --preset pictures");
         }
         config.pictures = Some(pictures.to_string_lossy().into_owned());
     }

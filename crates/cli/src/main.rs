@@ -8,8 +8,10 @@
 
 mod bench;
 mod cancel;
+mod chart;
 mod ends;
 mod eval;
+mod figures;
 mod gen_data;
 mod inspect;
 mod instance;
@@ -17,6 +19,7 @@ mod machine;
 mod output;
 mod paper;
 mod progress;
+mod search;
 mod zones;
 
 use std::process::ExitCode;

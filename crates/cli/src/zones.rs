@@ -1,25 +1,28 @@
 //! `zones`: a path of few crossings for one layer.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Display;
 use std::fs;
 use std::io::Write;
 use std::path::{Path as FilePath, PathBuf};
+use std::str::FromStr;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use beadwork_dataset::{StartChoice, write_whole};
-use beadwork_grid::{Cell, Crossings, Path, Region, Start, Zones, cover};
+use beadwork_grid::{Cell, Path, cover};
 use beadwork_part::{Panel, svg};
-use beadwork_search::bound::{self, Bounds};
+use beadwork_search::bound::Bounds;
 use beadwork_search::exact::{self, Progress, Stage};
-use beadwork_search::{Preset, Settings, Stop, ZoneCosts, anneal};
-use serde::Serialize;
+use beadwork_search::{Preset, ZoneCosts, genetic};
 use serde_json::json;
 
 use crate::ends::{Place, read_costs};
 use crate::instance::{Instance, InstanceArgs};
-use crate::{cancel, output, progress};
+use crate::output::wrong_use;
+use crate::search::{Breeding, Choice, MethodName, Row, Search};
+use crate::{figures, machine, output, progress};
 
 /// Find a path of few zone crossings for one layer.
 #[derive(clap::Args)]
@@ -30,6 +33,7 @@ Examples:
   beadwork zones --layout islands --size 60x60 --shape disc --costs purge.csv
   beadwork zones --layout voronoi --size 50x50 --seed 3 --method anneal
   beadwork zones --layout islands --size 100x100 --preset fast --svg islands.svg
+  beadwork zones --layout islands --size 50x50 --method genetic --preset window --plot generations.svg
   beadwork zones --image logo.png --preset fast --svg logo.svg --json")]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -55,15 +59,21 @@ pub(crate) struct Args {
     /// Exact: a file with what crossings cost: a row for each zone, a whole number for each zone to step to.
     #[arg(long, value_name = "FILE")]
     costs: Option<PathBuf>,
-    /// Annealing preset: paper (if not given), short, medium, long, extra_long or fast.
+    /// Anneal: paper (if not given), short, medium, long, extra_long or fast. Genetic: paper (if not given), two_point, window, short or fast.
     #[arg(long, value_name = "NAME")]
-    preset: Option<Preset>,
+    preset: Option<String>,
     /// Path to start from: row_zigzag, column_zigzag, spiral, cover, or auto (the row zigzag where there is one, else the cover).
     #[arg(long, value_name = "START", default_value = "auto")]
     start: StartChoice,
     /// Draw the layer before and after.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
+    /// Genetic: threads; 0 for one a core. They change the time and nothing else.
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Genetic: draw the crossings and the diversity of each generation.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
     /// Exact: draw the steps of its first attempt.
     #[arg(long, value_name = "FILE")]
     stages: Option<PathBuf>,
@@ -72,158 +82,40 @@ pub(crate) struct Args {
     json: bool,
 }
 
-/// The methods of this build.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum MethodName {
-    /// The start itself.
-    Zigzag,
-    /// Simulated annealing from the start.
-    Anneal,
-    /// The fewest pieces, then the fewest crossings, with a proof where one is found.
-    Exact,
-}
-
-impl MethodName {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Zigzag => "zigzag",
-            Self::Anneal => "anneal",
-            Self::Exact => "exact",
-        }
-    }
-}
-
-/// What `--json` prints for one layer.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Row {
-    pub(crate) layout: String,
-    pub(crate) width: u32,
-    pub(crate) height: u32,
-    pub(crate) zones: u32,
-    pub(crate) seed: u64,
-    pub(crate) method: String,
-    pub(crate) preset: Option<String>,
-    pub(crate) start: String,
-    pub(crate) initial: u32,
-    pub(crate) crossings: u32,
-    /// Of the crossings, or of what they cost if they don't all cost 1.
-    pub(crate) bound: Option<u64>,
-    pub(crate) pieces: u32,
-    pub(crate) piece_bound: u32,
-    pub(crate) moves: u64,
-    pub(crate) seconds: f64,
-    /// What only the exact search has.
-    #[serde(flatten)]
-    pub(crate) exact: Option<ExactRow>,
-}
-
-/// What the exact search tells beside the common row.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct ExactRow {
-    /// What the crossings cost: their number, unless costs were given.
-    pub(crate) cost: u64,
-    pub(crate) optimal: bool,
-    pub(crate) attempts: u32,
-    pub(crate) stop: String,
-}
-
 /// Seconds as typed.
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds: f64 = text.parse().map_err(|_| "give a number of seconds".to_owned())?;
     Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())
 }
 
-/// How the path is chosen, with what the method needs to know.
-#[derive(Clone, Copy)]
-pub(crate) enum Choice<'a> {
-    /// The start itself.
-    Zigzag,
-    Anneal(Preset),
-    Exact(exact::Settings<'a>),
-}
-
-impl Choice<'_> {
-    fn method(&self) -> MethodName {
-        match self {
-            Self::Zigzag => MethodName::Zigzag,
-            Self::Anneal(_) => MethodName::Anneal,
-            Self::Exact(_) => MethodName::Exact,
+impl Args {
+    /// Refuses flags that the method would ignore.
+    fn check(&self, method: MethodName) {
+        let exact = [
+            ("--time", self.time.is_some()),
+            ("--start-at", self.start_at != Place::Any),
+            ("--end-at", self.end_at != Place::Any),
+            ("--costs", self.costs.is_some()),
+            ("--stages", self.stages.is_some()),
+        ];
+        let genetic = [("--threads", self.threads.is_some()), ("--plot", self.plot.is_some())];
+        let given =
+            |flags: &[(&'static str, bool)]| flags.iter().find(|(_, given)| *given).map(|(flag, _)| *flag);
+        if let Some(flag) = given(&exact).filter(|_| method != MethodName::Exact) {
+            wrong_use(&format!("{flag} is for --method exact"));
+        }
+        if let Some(flag) = given(&genetic).filter(|_| method != MethodName::Genetic) {
+            wrong_use(&format!("{flag} is for --method genetic"));
+        }
+        if self.preset.is_some() && !matches!(method, MethodName::Anneal | MethodName::Genetic) {
+            wrong_use("--preset is for --method anneal and --method genetic");
         }
     }
-}
 
-/// What a search is asked to do with a layer.
-pub(crate) struct Search<'a> {
-    pub(crate) region: &'a Region,
-    pub(crate) zones: &'a Zones,
-    pub(crate) choice: Choice<'a>,
-    pub(crate) seed: u64,
-    pub(crate) start: Start,
-    /// Lower bounds; `None` where only the pieces and the number of zone components shall bound the crossings.
-    pub(crate) bounds: Option<Bounds>,
-}
-
-impl Search<'_> {
-    /// Runs it from the path of its start; gives the best path and the row that tells of it.
-    ///
-    /// The exact search needs no start: it is there to compare with.
-    pub(crate) fn run(&self, layout: &str, start: &Path) -> anyhow::Result<(Path, Row)> {
-        let &Self { region, zones, choice, seed, bounds, .. } = self;
-        let cancel = cancel::token()?;
-        let crossings = Crossings::new(region, zones);
-        let pieces = start.pieces();
-        let lower = match bounds {
-            Some(bounds) if bounds.pieces == pieces => bounds.crossings(),
-            _ => bound::components(region, zones, pieces),
-        };
-        let (mut lower, mut piece_bound) = (u64::from(lower), bounds.map_or(1, |bounds| bounds.pieces));
-        let mut exact = None;
-        let begin = Instant::now();
-        let (best, moves) = match choice {
-            Choice::Zigzag => (start.clone(), 0),
-            Choice::Anneal(preset) => {
-                let settings = Settings {
-                    bound: Some(lower as i64),
-                    cancel: Some(cancel),
-                    ..Settings::preset(preset, seed)
-                };
-                let outcome = anneal(start.clone(), &crossings, &settings);
-                if outcome.stop == Stop::Cancelled {
-                    bail!("stopped");
-                }
-                (outcome.path, outcome.moves.len() as u64)
-            }
-            Choice::Exact(settings) => {
-                let plan =
-                    exact::solve(region, zones, &exact::Settings { seed, cancel: Some(cancel), ..settings })?;
-                (lower, piece_bound) = (plan.bound, plan.piece_bound);
-                let optimal = plan.is_optimal();
-                let (cost, attempts) = (plan.cost, plan.attempts);
-                let stop = format!("{:?}", plan.stop).to_lowercase();
-                exact = Some(ExactRow { cost, optimal, attempts, stop });
-                (plan.path, 0)
-            }
-        };
-        let seconds = begin.elapsed().as_secs_f64();
-        let row = Row {
-            layout: layout.to_owned(),
-            width: region.width(),
-            height: region.height(),
-            zones: zones.count(),
-            seed,
-            method: choice.method().name().to_owned(),
-            preset: if let Choice::Anneal(preset) = choice { Some(preset.name().to_owned()) } else { None },
-            start: self.start.name().to_owned(),
-            initial: crossings.count(start),
-            crossings: crossings.count(&best),
-            bound: Some(lower),
-            pieces: best.pieces(),
-            piece_bound,
-            moves,
-            seconds,
-            exact,
-        };
-        Ok((best, row))
+    /// The preset of the method in question, or its usual one.
+    fn preset<P: FromStr<Err: Display>>(&self, usual: P) -> P {
+        let Some(name) = &self.preset else { return usual };
+        name.parse().unwrap_or_else(|error: P::Err| wrong_use(&error.to_string()))
     }
 }
 
@@ -234,37 +126,45 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let costs = args.costs.as_ref().map(read_costs).transpose()?;
     let usual = if args.preset.is_some() { MethodName::Anneal } else { MethodName::Exact };
     let method = args.method.unwrap_or(usual);
-    if args.preset.is_some() && method != MethodName::Anneal {
-        bail!("--preset is for --method anneal");
-    }
-    if method != MethodName::Exact
-        && (costs.is_some() || [args.start_at, args.end_at].iter().any(|&place| place != Place::Any))
-    {
-        bail!("--start-at, --end-at and --costs are for --method exact");
-    }
+    args.check(method);
     let begin = Instant::now();
     let time_is_up = || args.time.is_some_and(|time| begin.elapsed() >= time);
-    let bar = progress::bar(u64::from(args.attempts), "attempts");
-    let observer = |progress: Progress| {
-        bar.set_position(u64::from(progress.attempts));
+    let bar = progress::bar(0, "zones");
+    let attempts = |progress: Progress| bar.set_position(u64::from(progress.attempts));
+    let generations = |progress: genetic::Progress| match progress {
+        genetic::Progress::Seeded(runs) => bar.set_position(runs),
+        genetic::Progress::Bred(generation) => bar.inc(u64::from(generation.number > 0)),
     };
     let drawn: Mutex<BTreeMap<Stage, BTreeSet<[Cell; 2]>>> = Mutex::default();
     let stages = |stage: Stage, links: &[[Cell; 2]]| {
         drawn.lock().expect("no drawing panics").entry(stage).or_default().extend(links);
     };
+    let pool;
     let choice = match method {
         MethodName::Zigzag => Choice::Zigzag,
-        MethodName::Anneal => Choice::Anneal(args.preset.unwrap_or(Preset::Paper)),
-        MethodName::Exact => Choice::Exact(exact::Settings {
-            attempts: args.attempts,
-            costs: costs.as_ref(),
-            start: args.start_at.terminal(region)?,
-            end: args.end_at.terminal(region)?,
-            time_is_up: Some(&time_is_up),
-            observer: Some(&observer),
-            stages: args.stages.is_some().then_some(&stages),
-            ..exact::Settings::default()
-        }),
+        MethodName::Anneal => Choice::Anneal(args.preset(Preset::Paper)),
+        MethodName::Genetic => {
+            let preset = args.preset(genetic::Preset::Paper);
+            let (seeding, evolution) = preset.parameters();
+            bar.set_length(u64::from(seeding.runs + evolution.generations));
+            let threads = machine::threads(args.threads.unwrap_or(0));
+            pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+            let observer: Option<&(dyn Fn(genetic::Progress) + Sync)> = Some(&generations);
+            Choice::Genetic(Breeding { preset, pool: Some(&pool), observer, population: None })
+        }
+        MethodName::Exact => {
+            bar.set_length(u64::from(args.attempts));
+            Choice::Exact(exact::Settings {
+                attempts: args.attempts,
+                costs: costs.as_ref(),
+                start: args.start_at.terminal(region)?,
+                end: args.end_at.terminal(region)?,
+                time_is_up: Some(&time_is_up),
+                observer: Some(&attempts),
+                stages: args.stages.is_some().then_some(&stages),
+                ..exact::Settings::default()
+            })
+        }
     };
     let bounds = (method != MethodName::Exact).then(|| Bounds::new(region, zones));
     let search = Search { region, zones, choice, seed: args.seed, start: chosen, bounds };
@@ -273,6 +173,9 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(file) = &args.svg {
         let drawing = draw(&instance, &row, &start, &best);
         write_drawing(file, &drawing)?;
+    }
+    if let (Some(file), Some(genetic)) = (&args.plot, &row.genetic) {
+        write_drawing(file, &figures::generations(&row, genetic)?)?;
     }
     if let Some(file) = &args.stages {
         write_drawing(
@@ -298,10 +201,16 @@ fn describe(row: &Row, costs: Option<&ZoneCosts>) -> String {
         Some(exact) if costs.is_some() => format!(" at a cost of {}, at least {bound}", exact.cost),
         _ => format!(", at least {bound}"),
     };
-    let work = row
-        .exact
-        .as_ref()
-        .map_or_else(|| format!("{} moves", row.moves), |exact| format!("{} attempts", exact.attempts));
+    let work = match (&row.exact, &row.genetic) {
+        (Some(exact), _) => format!("{} attempts", exact.attempts),
+        (_, Some(genetic)) => format!(
+            "{} by the best annealing run, {} moves after {} generations",
+            genetic.seeded,
+            row.moves,
+            genetic.history.len() - 1
+        ),
+        _ => format!("{} moves", row.moves),
+    };
     format!(
         "{layout} {width}x{height}, {zones} zones: {initial} -> {crossings} crossings{pieces}{quality}; {work} in {seconds:.3} s\n"
     )

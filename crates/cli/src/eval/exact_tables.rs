@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::{ZonesArgs, growth};
 use crate::paper;
-use crate::zones::{Choice, Row, Search};
+use crate::search::{Choice, Row, Search};
 use crate::{cancel, machine, output, progress};
 
 /// Instances of one kind.

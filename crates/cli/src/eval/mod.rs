@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use beadwork_search::Preset;
 use clap::Subcommand;
 
-use crate::zones::MethodName;
+use crate::search::MethodName;
 
 /// Print tables beside the papers' figures.
 #[derive(clap::Args)]

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::ZonesArgs;
 use crate::paper::{self, Cell};
-use crate::zones::{Choice, MethodName, Row, Search};
+use crate::search::{Choice, MethodName, Row, Search};
 use crate::{cancel, machine, output, progress};
 
 /// The presets that the second table of means averages: all but the shortest of the paper's.

@@ -3,8 +3,8 @@
 //! An individual is a list of moves, its *genes*, of fixed length: shorter lists end in blanks. It is judged by replaying the genes one after the
 //! other from the start path, skipping those that don't apply; its cost is the lowest seen on the way. The first
 //! population are the moves of the best of many annealing runs ([`annealed`]). In each generation ([`evolve`]) the best individuals and others
-//! drawn by tournament are carried over, and children of tournament winners fill the rest; a child that costs much more than both
-//! of its parents is dropped for the better one of them.
+//! drawn at random are carried over, nobody twice, and children of tournament winners fill the rest; a child that costs much more than
+//! its better parent is dropped for a copy of that one.
 //!
 //! Two things make it fast. The paper's variants look at links alone, so they are replayed on [`Links`] instead of a [`Path`]: a few
 //! nanoseconds a gene. And a child begins like one of its parents, so it is replayed from the last state of that parent which was kept
@@ -279,25 +279,24 @@ fn draw<S: State>(
     rng: &mut Xoshiro256PlusPlus,
 ) -> (Vec<Individual<S>>, Vec<Birth>) {
     let size = evolution.population;
-    let carried = ((evolution.carry_over * size as f64) as usize).clamp(evolution.elites.min(size), size);
-    let mut parent = || {
-        (0..evolution.tournament)
-            .map(|_| below(rng, all.len()))
-            .min()
-            .expect("a tournament has someone in it")
-    };
-    let mut next: Vec<Individual<S>> = all[..evolution.elites.min(size)].to_vec();
-    next.extend((next.len()..carried).map(|_| all[parent()].clone()));
+    let elites = evolution.elites.min(size);
+    let carried = ((evolution.carry_over * size as f64) as usize).clamp(elites, size);
+    // Nobody twice: copies have nothing to cross.
+    let mut places: Vec<usize> = (0..size).collect();
+    for place in elites..carried {
+        places.swap(place, place + below(rng, size - place));
+    }
+    let next = places[..carried].iter().map(|&place| all[place].clone()).collect();
     let mut births = Vec::new();
     for _ in carried..size {
-        let parents = [parent(), parent()];
-        births.push(parents);
+        let mut parent = || {
+            let drawn = (0..evolution.tournament).map(|_| below(rng, size));
+            drawn.min().expect("a tournament has someone in it")
+        };
+        let (first, second) = (parent(), parent());
+        let second = if unit(rng) < evolution.crossover_rate { second } else { first };
+        births.push(Birth { parents: [first, second], seed: rng.next_u64() });
     }
-    let births = births.into_iter().map(|[first, second]| {
-        let crosses = unit(rng) < evolution.crossover_rate;
-        Birth { parents: [first, if crosses { second } else { first }], seed: rng.next_u64() }
-    });
-    let births = births.collect();
     (next, births)
 }
 

@@ -261,9 +261,11 @@ fn mutations_keep_to_one_sort_of_moves() {
 #[test]
 fn the_population_is_never_made_worse() {
     let layer = rectangle(30, 30, Layout::Islands, 1);
-    let settings = shortened(Preset::Window, 1);
+    let mut settings = shortened(Preset::Window, 1);
+    settings.seeding.runs = 80;
+    settings.evolution = Evolution { population: 60, generations: 60, ..settings.evolution };
     let population = annealed(&layer.start, &layer.crossings, &settings);
-    assert_eq!(population.len(), 20);
+    assert_eq!(population.len(), 60);
     let costs: Vec<i64> =
         population.iter().map(|moves| judged(&layer, &individual::padded(moves, moves.len())).0).collect();
     assert!(costs.is_sorted(), "the best come first: {costs:?}");
@@ -340,7 +342,7 @@ fn a_seed_names_one_run_on_every_machine() {
         (outcome.cost, outcome.replayed, outcome.path.order().iter().fold(0, mix))
     };
     // Pinned: a change here changes every dataset and table made before.
-    assert_eq!(digest(Preset::Paper), (18, 2_506, 2_603_966_194_604_896_584));
-    assert_eq!(digest(Preset::Window), (18, 22_778, 2_603_966_194_604_896_584));
-    assert_eq!(digest(Preset::Fast), (8, 16_171, 13_767_836_259_316_050_268));
+    assert_eq!(digest(Preset::Paper), (18, 2_923, 2_603_966_194_604_896_584));
+    assert_eq!(digest(Preset::Window), (18, 28_403, 2_603_966_194_604_896_584));
+    assert_eq!(digest(Preset::Fast), (8, 15_404, 13_767_836_259_316_050_268));
 }

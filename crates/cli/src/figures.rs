@@ -1,0 +1,41 @@
+//! What a run of the genetic algorithm looks like.
+
+use crate::chart::{Axis, BLUE, Chart, GREEN, GREY, ORANGE, Series, Stroke, charts};
+use crate::search::{GeneticRow, Row};
+
+/// Crossings and diversity over the generations of one run.
+pub(crate) fn generations(row: &Row, genetic: &GeneticRow) -> anyhow::Result<String> {
+    let over = |value: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
+        let history = genetic.history.iter().enumerate();
+        history.map(|(place, generation)| (f64::from(generation.generation), value(place))).collect()
+    };
+    let line = |name: &str, colour, stroke, value: &dyn Fn(usize) -> f64| Series {
+        name: name.to_owned(),
+        colour,
+        stroke,
+        points: over(value),
+    };
+    let axis = |label| Axis { label, logarithmic: false, shown: &[0.0] };
+    let mut series = vec![
+        line("best", BLUE, Stroke::Plain, &|place| genetic.history[place].best as f64),
+        line("mean", ORANGE, Stroke::Dashed, &|place| genetic.history[place].mean),
+    ];
+    if let Some(bound) = row.bound {
+        series.push(line("bound", GREY, Stroke::Dashed, &|_| bound as f64));
+    }
+    let diversity = line("diversity", GREEN, Stroke::Plain, &|place| genetic.history[place].diversity);
+    let preset = row.preset.as_deref().unwrap_or_default();
+    let crossings = Chart {
+        title: format!("{} {}x{}, {preset}: {} before", row.layout, row.width, row.height, row.initial),
+        x: axis("generation"),
+        y: axis("crossings"),
+        series,
+    };
+    let diversity = Chart {
+        title: "share of genes unlike the best".to_owned(),
+        x: axis("generation"),
+        y: axis("diversity"),
+        series: vec![diversity],
+    };
+    charts(&[crossings, diversity], 2, (420, 300))
+}
