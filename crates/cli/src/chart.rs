@@ -175,7 +175,7 @@ pub(crate) struct Map {
     pub(crate) title: String,
     pub(crate) rows: Vec<String>,
     pub(crate) columns: Vec<String>,
-    /// Row by row.
+    /// Row by row; what is not a number stays empty.
     pub(crate) values: Vec<f64>,
 }
 
@@ -207,7 +207,8 @@ pub(crate) fn maps(maps: &[Map], columns: usize, most: f64) -> anyhow::Result<St
                 let at = (LEFT - 8, y + CELL.1 / 2);
                 area.draw(&Text::new(name.clone(), at, text(12, HPos::Right))).map_err(told)?;
                 let values = &map.values[row * map.columns.len()..][..map.columns.len()];
-                for (&value, x) in values.iter().zip(places(map.columns.len(), LEFT, CELL.0)) {
+                let values = values.iter().zip(places(map.columns.len(), LEFT, CELL.0));
+                for (&value, x) in values.filter(|(value, _)| value.is_finite()) {
                     let share = (value / most).clamp(0.0, 1.0);
                     let corners = [(x, y), (x + CELL.0 - 1, y + CELL.1 - 1)];
                     area.draw(&Rectangle::new(corners, shade(share).filled())).map_err(told)?;

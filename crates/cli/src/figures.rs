@@ -7,7 +7,7 @@ use crate::search::{GeneticRow, Row};
 pub(crate) fn generations(row: &Row, genetic: &GeneticRow) -> anyhow::Result<String> {
     let over = |value: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
         let history = genetic.history.iter().enumerate();
-        history.map(|(place, generation)| (f64::from(generation.generation), value(place))).collect()
+        history.map(|(place, generation)| (f64::from(generation.number), value(place))).collect()
     };
     let line = |name: &str, colour, stroke, value: &dyn Fn(usize) -> f64| Series {
         name: name.to_owned(),

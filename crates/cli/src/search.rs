@@ -97,7 +97,7 @@ pub(crate) struct GeneticRow {
 /// What a population came to.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Generation {
-    pub(crate) generation: u32,
+    pub(crate) number: u32,
     pub(crate) best: i64,
     pub(crate) mean: f64,
     pub(crate) diversity: f64,
@@ -107,7 +107,7 @@ pub(crate) struct Generation {
 impl From<&genetic::Generation> for Generation {
     fn from(of: &genetic::Generation) -> Self {
         let genetic::Generation { number, best, mean, diversity, stayed } = *of;
-        Self { generation: number, best, mean, diversity, stayed }
+        Self { number, best, mean, diversity, stayed }
     }
 }
 

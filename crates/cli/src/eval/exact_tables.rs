@@ -87,7 +87,8 @@ struct Runs {
 }
 
 pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
-    let mut cases = cases(args.seeds);
+    let seeds = args.seeds.unwrap_or(100);
+    let mut cases = cases(seeds);
     if args.smoke {
         cases.retain(|case| case.width.max(case.height) <= 100);
     }
@@ -113,7 +114,7 @@ pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
     if args.json {
         return output::json(&json!({
             "machine": machine::facts(),
-            "seeds": args.seeds,
+            "seeds": seeds,
             "cases": runs.iter().map(Runs::summary).collect::<Vec<_>>(),
             "growth": growth.json(),
             "rows": runs.iter().flat_map(|runs| &runs.exact).collect::<Vec<_>>(),

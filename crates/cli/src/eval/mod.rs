@@ -1,8 +1,13 @@
 //! `eval`: tables beside the papers' figures.
 
+mod anneal_tables;
+mod crossovers;
 mod exact_tables;
 mod growth;
 mod paper_tables;
+mod statistics;
+mod store;
+mod table;
 
 use std::path::PathBuf;
 
@@ -10,6 +15,7 @@ use beadwork_search::Preset;
 use clap::Subcommand;
 
 use crate::search::MethodName;
+use crate::{machine, output};
 
 /// Print tables beside the papers' figures.
 #[derive(clap::Args)]
@@ -23,47 +29,86 @@ enum What {
     Zones(ZonesArgs),
 }
 
-/// Crossings over the 24 cells of Aali et al.: their Tables 3 and 5, or what is proven of the fewest.
+/// Crossings over the 24 cells of Aali et al.: their Tables 1, 3 and 5 by every method, or one method looked at closely.
 #[derive(clap::Args)]
 #[command(after_help = "\
+Without --method: zigzag, annealing, the genetic algorithm and the exact search on the same instances, those whose zigzag crosses within 10 % as
+often as the paper's. Tables, numbers, convergence plots and heat maps are left in --out; an interrupted run goes on when the same
+command is run again.
+
 With --method anneal or zigzag: the tables of means run the preset 'paper', then 'medium' to 'extra_long', on the instances of seeds 0, 1, 2, ...; the table of
-bests runs all presets on instances whose zigzag crosses within 10 % as often as the paper's.
+bests runs all presets on instances like the paper's.
+
+With --method genetic: one-point, two-point and window crossover on the same first populations, with confidence intervals.
 
 With --method exact: how often the fewest crossings are proven, and in what time, on the instances of seeds 0, 1, 2, ... of the 24 cells, of
 harder and larger layouts and of masks; each instance one after the other, bound included; zigzag and annealing beside it.
 
 Examples:
+  beadwork eval zones
+  beadwork eval zones --seeds 30 --out /data/eval-zones --json > zones.json
   beadwork eval zones --method anneal
-  beadwork eval zones --method anneal --seeds 100 --json > anneal.json
+  beadwork eval zones --method genetic --out /data/crossovers
   beadwork eval zones --method exact --seeds 20
   beadwork eval zones --method exact --json --plot growth.svg > exact.json")]
 struct ZonesArgs {
-    /// How to choose the paths.
-    #[arg(long, value_name = "METHOD", default_value = "anneal")]
-    method: MethodName,
-    /// Seeds per cell and preset.
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..))]
-    seeds: u64,
-    /// Presets, with commas; all if not given.
+    /// Look at one method: zigzag, anneal, genetic or exact; all of them, side by side, if not given.
+    #[arg(long, value_name = "METHOD")]
+    method: Option<MethodName>,
+    /// Seeds per cell and preset; if not given 10 for the table of all methods, 30 for genetic, 100 for the others.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    seeds: Option<u64>,
+    /// All methods, genetic: folder to leave results in and to go on from; datasets/eval-zones or datasets/eval-crossovers if not given.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Anneal: presets, with commas; all if not given.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     presets: Vec<Preset>,
-    /// Exact: only small planes, to see that all is in order.
+    /// All methods, genetic, exact: only small planes and little work, to see that all is in order.
     #[arg(long)]
     smoke: bool,
     /// Exact: draw how the time grows with cells and with zones.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Threads of annealing; 0 for one a core. The exact search is timed on one.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    threads: usize,
+    /// Threads; 0 for one a core. The exact search alone is timed on one.
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
     /// Print one JSON document, with a row for each run.
     #[arg(long)]
     json: bool,
 }
 
+impl ZonesArgs {
+    /// Refuses flags that the method would ignore.
+    fn check(&self) {
+        use MethodName::{Anneal, Exact, Genetic, Zigzag};
+
+        let refuse = |given: bool, flag: &str, methods: &[Option<MethodName>]| {
+            if given && methods.contains(&self.method) {
+                let method = self.method.map_or("the table of all methods", MethodName::name);
+                output::wrong_use(&format!("{flag} means nothing to {method}"));
+            }
+        };
+        refuse(self.out.is_some(), "--out", &[Some(Anneal), Some(Zigzag), Some(Exact)]);
+        refuse(!self.presets.is_empty(), "--presets", &[None, Some(Zigzag), Some(Genetic), Some(Exact)]);
+        refuse(self.smoke, "--smoke", &[Some(Anneal), Some(Zigzag)]);
+        refuse(self.plot.is_some(), "--plot", &[None, Some(Zigzag), Some(Anneal), Some(Genetic)]);
+        refuse(self.threads.is_some(), "--threads", &[Some(Exact)]);
+    }
+
+    fn pool(&self) -> anyhow::Result<rayon::ThreadPool> {
+        let threads = machine::threads(self.threads.unwrap_or(0));
+        Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?)
+    }
+}
+
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
-    match &args.what {
-        What::Zones(args) if args.method == MethodName::Exact => exact_tables::run(args),
-        What::Zones(args) => paper_tables::run(args),
+    let What::Zones(args) = &args.what;
+    args.check();
+    match args.method {
+        None => paper_tables::run(args),
+        Some(MethodName::Zigzag | MethodName::Anneal) => anneal_tables::run(args),
+        Some(MethodName::Genetic) => crossovers::run(args),
+        Some(MethodName::Exact) => exact_tables::run(args),
     }
 }

@@ -4,12 +4,14 @@ use std::fmt::Write;
 use std::sync::atomic::Ordering;
 
 use anyhow::bail;
-use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
+use beadwork_grid::{LayoutSpec, Region, Start};
 use beadwork_search::Preset;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::ZonesArgs;
+use super::statistics::mean;
+use super::table::{percent, table};
 use crate::paper::{self, Cell};
 use crate::search::{Choice, MethodName, Row, Search};
 use crate::{cancel, machine, output, progress};
@@ -34,24 +36,18 @@ struct Run {
     row: Row,
 }
 
-impl Run {
-    /// By how many per cent the crossings fell.
-    fn reduction(&self) -> f64 {
-        100.0 * (1.0 - f64::from(self.row.crossings) / f64::from(self.row.initial.max(1)))
-    }
-}
-
 pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
+    let seeds = args.seeds.unwrap_or(100);
     let presets = if args.presets.is_empty() { Preset::ALL.to_vec() } else { args.presets.clone() };
     let methods: Vec<Option<Preset>> = match args.method {
-        MethodName::Anneal => presets.into_iter().map(Some).collect(),
+        Some(MethodName::Anneal) => presets.into_iter().map(Some).collect(),
         _ => vec![None],
     };
     let mut jobs = Vec::new();
     for cell in paper::cells() {
-        let matching = matching_seeds(&cell, args.seeds)?;
+        let matching = cell.matching_seeds(seeds)?;
         for &preset in &methods {
-            for seed in 0..args.seeds {
+            for seed in 0..seeds {
                 let instance_seed = matching[seed as usize % matching.len()];
                 jobs.push(Job { cell, preset, seed, instance_seed, matched: true });
                 // Fixed layouts have one instance, which serves for all tables.
@@ -62,7 +58,7 @@ pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
         }
     }
 
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
+    let pool = args.pool()?;
     let bar = progress::bar(jobs.len() as u64, "eval zones");
     let cancel = cancel::token()?;
     let run = |job: Job| {
@@ -80,34 +76,12 @@ pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
     if args.json {
         return output::json(&json!({
             "machine": machine::facts(),
-            "seeds": args.seeds,
+            "seeds": seeds,
             "cells": paper::cells().map(|cell| summary(&cell, &runs)).collect::<Vec<_>>(),
             "rows": runs.iter().map(json_row).collect::<Vec<_>>(),
         }));
     }
-    output::text(&tables(&runs, args.seeds)?)
-}
-
-/// Seeds of instances whose zigzag crosses within 10 % as often as the paper's, at most so many.
-fn matching_seeds(cell: &Cell, most: u64) -> anyhow::Result<Vec<u64>> {
-    const TRIED: u64 = 20_000;
-
-    if !cell.layout.is_random() {
-        return Ok(vec![0]);
-    }
-    let region = Region::rectangle(cell.size.width, cell.size.height)?;
-    let start = Start::RowZigzag.path(&region)?;
-    let spec = LayoutSpec::new(cell.layout);
-    let matches = |seed: &u64| {
-        let zones = spec.zones(&region, *seed).ok();
-        let count = zones.map(|zones| Crossings::new(&region, &zones).count(&start));
-        count.is_some_and(|count| 10 * count.abs_diff(cell.zigzag) <= cell.zigzag)
-    };
-    let found: Vec<u64> = (0..TRIED).filter(matches).take(most as usize).collect();
-    if found.is_empty() {
-        bail!("no {} of {} among {TRIED} has about {} crossings", cell.layout, cell.size, cell.zigzag);
-    }
-    Ok(found)
+    output::text(&tables(&runs, seeds)?)
 }
 
 fn search(job: Job) -> anyhow::Result<Run> {
@@ -138,8 +112,9 @@ fn totals(cell: &Cell, runs: &[Run]) -> Totals {
     let here =
         || runs.iter().filter(|run| (run.job.cell.layout, run.job.cell.size) == (cell.layout, cell.size));
     let by_seed = || here().filter(|run| !run.job.matched || !cell.layout.is_random());
-    let mean_of =
-        |preset: Option<Preset>| mean(by_seed().filter(|run| run.job.preset == preset).map(Run::reduction));
+    let mean_of = |preset: Option<Preset>| {
+        mean(by_seed().filter(|run| run.job.preset == preset).map(|run| run.row.reduction()))
+    };
     let matched = || here().filter(|run| run.job.matched);
     let is_fast = |run: &&Run| run.job.preset == Some(Preset::Fast);
     let best = best(matched().filter(|run| !is_fast(run)));
@@ -150,21 +125,15 @@ fn totals(cell: &Cell, runs: &[Run]) -> Totals {
     Totals {
         mean: mean_of((!zigzag).then_some(Preset::Paper)),
         mean_of_presets: mean(AVERAGED.into_iter().map(|preset| mean_of(Some(preset)))),
-        best: best.map_or(f64::NAN, Run::reduction),
+        best: best.map_or(f64::NAN, |run| run.row.reduction()),
         best_preset: best.and_then(|run| run.row.preset.clone()).unwrap_or_default(),
-        best_fast: self::best(matched().filter(is_fast)).map_or(f64::NAN, Run::reduction),
+        best_fast: self::best(matched().filter(is_fast)).map_or(f64::NAN, |run| run.row.reduction()),
         matching: seeds.len(),
     }
 }
 
 fn best<'a>(runs: impl Iterator<Item = &'a Run>) -> Option<&'a Run> {
-    runs.max_by(|a, b| a.reduction().total_cmp(&b.reduction()))
-}
-
-/// Not a number if there are none.
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-    sum / count
+    runs.max_by(|a, b| a.row.reduction().total_cmp(&b.row.reduction()))
 }
 
 fn summary(cell: &Cell, runs: &[Run]) -> Value {
@@ -213,22 +182,4 @@ fn tables(runs: &[Run], seeds: u64) -> Result<String, std::fmt::Error> {
         )?;
     }
     Ok(text)
-}
-
-/// A share, or a dash where no run gave one.
-fn percent(value: f64) -> String {
-    if value.is_nan() { "-".to_owned() } else { format!("{value:.1}") }
-}
-
-/// A table of the 24 cells, a row for each layout.
-fn table(text: &mut String, entry: impl Fn(&Cell) -> String) -> std::fmt::Result {
-    let sizes = paper::SIZES.map(|size| size.to_string());
-    writeln!(text, "| layout | {} |", sizes.join(" | "))?;
-    writeln!(text, "|---|{}", "---|".repeat(sizes.len()))?;
-    for layout in Layout::PAPER {
-        let cells: Vec<String> =
-            paper::cells().filter(|cell| cell.layout == layout).map(|cell| entry(&cell)).collect();
-        writeln!(text, "| {layout} | {} |", cells.join(" | "))?;
-    }
-    Ok(())
 }
