@@ -68,6 +68,17 @@ pub fn one_error(output: &Output) -> String {
     lines[0].to_owned()
 }
 
+/// Runs the binary with arguments that make no sense, and gives its complaint.
+///
+/// # Panics
+/// If it ends with another exit code than 2.
+pub fn misused(arguments: &[&str]) -> String {
+    let output = beadwork().args(arguments).output().expect("the binary starts");
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
+    stderr
+}
+
 /// Name and bytes of every file of a dataset; the times of the searches are no part of it.
 ///
 /// # Panics

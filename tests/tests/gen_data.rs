@@ -269,3 +269,17 @@ fn the_bench_of_the_factory_cleans_up() {
     assert!(facts["speed_up"].as_f64().unwrap() > 0.0 && facts["bytes_per_move"].as_f64().unwrap() > 0.0);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+#[test]
+fn solutions_of_the_genetic_algorithm_are_recorded() {
+    let folder = tempdir().unwrap();
+    let (config, out) = (folder.path().join("bred.toml"), folder.path().join("bred"));
+    let text_of_config = "count = 3\nsource = 'genetic'\nsizes = ['12x10']\npresets = ['short']\n\
+                          layouts = [{ name = 'voronoi' }]\n";
+    fs::write(&config, text_of_config).unwrap();
+    run(&["gen-data", "--config", text(&config), "--out", text(&out)]);
+    let shown = run(&["inspect", text(&out), "--verify", "--records", "3"]);
+    assert!(shown.contains("genetic_short"), "{shown}");
+    fs::write(&config, text_of_config.replace("short", "long")).unwrap();
+    assert!(fail(&["gen-data", "--config", text(&config)]).contains("source 'genetic' has no preset 'long'"));
+}

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Stdio;
 
-use beadwork_tests::{beadwork, fail, run, text};
+use beadwork_tests::{beadwork, fail, misused, run, text};
 use serde_json::Value;
 use tempfile::tempdir;
 
@@ -82,7 +82,6 @@ fn ends_and_costs_are_kept_to() {
     assert!(
         fail(&["zones", "--size", "9x9", "--start-at", "3,3", "--end-at", "3,3"]).contains("begin and end")
     );
-    assert!(fail(&["zones", "--method", "anneal", "--end-at", "left"]).contains("--method exact"));
     for (content, complaint) in
         [("0 1", "row 1 has 2"), ("0 x\n1 0", "'x' in row 1"), ("0 1\n1 0", "3"), ("1", "inside")]
     {
@@ -175,15 +174,48 @@ fn impossible_wishes_are_refused() {
     let picture = folder.path().join("disc.png");
     write_png(&picture, 24, &disc(24));
     assert!(fail(&["zones", "--image", text(&picture), "--start", "row_zigzag"]).contains("no row_zigzag"));
-    let wrong_use: [&[&str]; 4] = [
-        &["zones", "--size", "0x3"],
-        &["zones", "--layout", "spots"],
-        &["zones", "--image", "x.png", "--size", "3x3"],
-        &["zones", "--method", "magic"],
+}
+
+#[test]
+fn arguments_that_make_no_sense_are_named() {
+    let complaints: [(&[&str], &str); 10] = [
+        (&["zones", "--size", "0x3"], "0x3"),
+        (&["zones", "--layout", "spots"], "'spots'"),
+        (&["zones", "--image", "x.png", "--size", "3x3"], "--size"),
+        (&["zones", "--method", "magic"], "magic"),
+        (&["zones", "--method", "anneal", "--end-at", "left"], "--end-at is for --method exact"),
+        (&["zones", "--preset", "window"], "'window' is no annealing preset"),
+        (&["zones", "--method", "genetic", "--preset", "long"], "'long' is no preset of the genetic"),
+        (&["zones", "--plot", "x.svg"], "--plot is for --method genetic"),
+        (&["eval", "zones", "--method", "exact", "--threads", "2"], "--threads means nothing to exact"),
+        (&["eval", "zones", "--presets", "fast"], "--presets means nothing to the table of all"),
     ];
-    for arguments in wrong_use {
-        assert_eq!(beadwork().args(arguments).output().unwrap().status.code(), Some(2), "{arguments:?}");
+    for (arguments, complaint) in complaints {
+        let error = misused(arguments);
+        assert!(error.contains(complaint), "{arguments:?}: {error}");
     }
+}
+
+#[test]
+fn the_genetic_algorithm_tells_its_generations() {
+    let folder = tempdir().unwrap();
+    let plot = folder.path().join("generations.svg");
+    let arguments = [
+        "zones", "--layout", "islands", "--size", "30x30", "--method", "genetic", "--preset", "short",
+        "--json",
+    ];
+    let row = json(&[&arguments[..], &["--threads", "2", "--plot", text(&plot)]].concat());
+    let history = row["history"].as_array().unwrap();
+    assert_eq!((row["method"].as_str(), history.len()), (Some("genetic"), 61));
+    assert_eq!(row["seeded"], history[0]["best"]);
+    assert_eq!(row["crossings"], history[60]["best"]);
+    assert!(row["crossings"].as_u64() < row["seeded"].as_u64(), "{row}");
+    assert!(fs::read_to_string(&plot).unwrap().contains("diversity"));
+
+    let again = json(&[&arguments[..], &["--threads", "1"]].concat());
+    assert_eq!((&again["history"], &again["moves"]), (&row["history"], &row["moves"]));
+    let told = run(&arguments[..arguments.len() - 1]);
+    assert!(told.contains("after 60 generations"), "{told}");
 }
 
 #[test]
@@ -225,4 +257,48 @@ fn the_tables_have_all_cells() {
     let json = json(&["eval", "zones", "--method", "zigzag", "--seeds", "1", "--json"]);
     assert_eq!(json["cells"].as_array().unwrap().len(), 24);
     assert_eq!(json["cells"][0]["mean_percent"], 0.0);
+}
+
+#[test]
+fn all_methods_stand_side_by_side_and_nothing_is_made_twice() {
+    let folder = tempdir().unwrap();
+    let evaluation = ["eval", "zones", "--smoke", "--out", text(folder.path())];
+    let table = run(&evaluation);
+    for word in ["Table 1", "Table 3", "Table 5", "genetic `short`", "30x30", "gaps"] {
+        assert!(table.contains(word), "{word} in {table}");
+    }
+    for name in ["convergence.svg", "heat_map.svg"] {
+        assert!(fs::read_to_string(folder.path().join(name)).unwrap().starts_with("<svg"), "{name}");
+    }
+    let part = folder.path().join("parts/voronoi-30x30.json");
+    let made = fs::read(&part).unwrap();
+    fs::remove_file(&part).unwrap();
+    let again = json(&[&evaluation[..], &["--json"]].concat());
+    assert_eq!((&again["kept"], again["cells"].as_array().unwrap().len()), (&3.into(), 4));
+    // Methods are rows: the zigzag, six annealers, the genetic algorithm and the exact search.
+    assert_eq!(again["rows"].as_array().unwrap().len(), 4 * 9);
+    let keys = ["layout", "zones", "method", "initial", "crossings", "bound", "seconds", "instance_seed"];
+    let rows = |bytes: &[u8]| -> Vec<Value> {
+        let mut part: Value = serde_json::from_slice(bytes).unwrap();
+        part["part"].as_array_mut().unwrap().drain(..).collect()
+    };
+    for (old, new) in rows(&made).iter().zip(rows(&fs::read(&part).unwrap())) {
+        assert!(keys.iter().all(|key| !new[key].is_null()), "{new}");
+        for key in ["method", "preset", "crossings", "moves", "history"] {
+            assert_eq!(old[key], new[key], "the same seeds give the same searches");
+        }
+    }
+    let other = [&evaluation[..], &["--seeds", "2"]].concat();
+    assert!(fail(&other).contains("other settings"));
+    fs::write(&part, "{").unwrap();
+    assert!(fail(&evaluation).contains("is damaged"));
+}
+
+#[test]
+fn crossovers_are_compared() {
+    let folder = tempdir().unwrap();
+    let table = run(&["eval", "zones", "--method", "genetic", "--smoke", "--out", text(folder.path())]);
+    for word in ["one-point: saves", "two-point: more", "window, mutation: more", "| all | all |"] {
+        assert!(table.contains(word), "{word} in {table}");
+    }
 }

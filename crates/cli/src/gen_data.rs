@@ -18,6 +18,7 @@ use crate::{cancel, machine, output, progress};
 Examples:
   beadwork gen-data --preset smoke
   beadwork gen-data --preset paper --out datasets/paper --threads 2
+  beadwork gen-data --preset genetic --out datasets/genetic
   beadwork gen-data --preset pictures --pictures my/pictures
   beadwork gen-data --config configs/gen-data/paper.toml --shard 1/4 --out /data/paper")]
 pub(crate) struct Args {
@@ -49,8 +50,9 @@ pub(crate) struct Args {
 #[derive(clap::Args)]
 #[group(required = true, multiple = false)]
 struct ConfigSource {
-    /// A built-in configuration: smoke (seconds), paper (22,111 trajectories), pictures (a folder of PNG files).
-    #[arg(long, value_name = "NAME", value_parser = ["smoke", "paper", "pictures"])]
+    /// A built-in configuration: smoke (seconds), paper (22,111 trajectories), genetic (480 solutions of the genetic algorithm),
+    /// pictures (a folder of PNG files).
+    #[arg(long, value_name = "NAME", value_parser = ["smoke", "paper", "genetic", "pictures"])]
     preset: Option<String>,
     /// A configuration file; see configs/gen-data.
     #[arg(long, value_name = "FILE")]

@@ -1,6 +1,11 @@
-//! Writing results to stdout.
+//! Writing results to stdout and to files.
 
+use std::fs;
 use std::io::{self, Write};
+use std::path::Path;
+
+use anyhow::Context;
+use beadwork_dataset::write_whole;
 
 /// Writes text to stdout; an error, unlike a panic of `print!`, can be told apart when the pipe is closed.
 pub(crate) fn text(text: &str) -> anyhow::Result<()> {
@@ -12,6 +17,14 @@ pub(crate) fn text(text: &str) -> anyhow::Result<()> {
 /// Writes one JSON document.
 pub(crate) fn json(value: &serde_json::Value) -> anyhow::Result<()> {
     text(&format!("{value:#}\n"))
+}
+
+/// Writes a file, whole or not at all; a terminal or a pipe is written to, not replaced.
+pub(crate) fn file(path: &Path, text: &str) -> anyhow::Result<()> {
+    if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
+        return fs::write(path, text).with_context(|| format!("cannot write '{}'", path.display()));
+    }
+    Ok(write_whole(path, |out| out.write_all(text.as_bytes()))?)
 }
 
 /// Whether this is only a reader that stopped reading.

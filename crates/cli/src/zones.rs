@@ -2,15 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
-use std::fs;
-use std::io::Write;
-use std::path::{Path as FilePath, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use anyhow::Context;
-use beadwork_dataset::{StartChoice, write_whole};
+use beadwork_dataset::StartChoice;
 use beadwork_grid::{Cell, Path, cover};
 use beadwork_part::{Panel, svg};
 use beadwork_search::bound::Bounds;
@@ -172,13 +169,13 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     bar.finish_and_clear();
     if let Some(file) = &args.svg {
         let drawing = draw(&instance, &row, &start, &best);
-        write_drawing(file, &drawing)?;
+        output::file(file, &drawing)?;
     }
     if let (Some(file), Some(genetic)) = (&args.plot, &row.genetic) {
-        write_drawing(file, &figures::generations(&row, genetic)?)?;
+        output::file(file, &figures::generations(&row, genetic)?)?;
     }
     if let Some(file) = &args.stages {
-        write_drawing(
+        output::file(
             file,
             &draw_stages(&instance, &drawn.into_inner().expect("no drawing panics"), &row, &best),
         )?;
@@ -214,14 +211,6 @@ fn describe(row: &Row, costs: Option<&ZoneCosts>) -> String {
     format!(
         "{layout} {width}x{height}, {zones} zones: {initial} -> {crossings} crossings{pieces}{quality}; {work} in {seconds:.3} s\n"
     )
-}
-
-fn write_drawing(file: &FilePath, drawing: &str) -> anyhow::Result<()> {
-    // A terminal or a pipe must be written to, not replaced.
-    if fs::metadata(file).is_ok_and(|metadata| !metadata.is_file()) {
-        return fs::write(file, drawing).with_context(|| format!("cannot write '{}'", file.display()));
-    }
-    Ok(write_whole(file, |out| out.write_all(drawing.as_bytes()))?)
 }
 
 /// The steps of an attempt, side by side, and the path.

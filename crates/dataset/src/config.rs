@@ -4,11 +4,11 @@ use std::fmt;
 use std::str::FromStr;
 
 use beadwork_grid::{Layout, LayoutSpec, Path, Region, Start, StartError};
-use beadwork_search::Preset;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::by_name;
+use crate::source::{ForeignPreset, PresetName, Search, Source};
 
 /// A configuration of the trajectory factory: searches over every combination of instances, presets and starts.
 ///
@@ -34,8 +34,11 @@ pub struct Config {
     /// Folder of PNG pictures, instead of layouts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pictures: Option<String>,
-    /// Annealing presets by name.
-    pub presets: Vec<Named<Preset>>,
+    /// The searches that are recorded: "anneal" or "genetic".
+    #[serde(default, skip_serializing_if = "is_usual")]
+    pub source: Named<Source>,
+    /// Presets of the source, by name.
+    pub presets: Vec<Named<PresetName>>,
     /// Starts by name, or "auto".
     #[serde(default = "default_starts")]
     pub starts: Vec<Named<StartChoice>>,
@@ -69,7 +72,7 @@ impl LayoutConfig {
 }
 
 /// A value that is written as its name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 #[serde(bound(serialize = "T: fmt::Display", deserialize = "T: FromStr<Err: fmt::Display>"))]
 pub struct Named<T>(#[serde(with = "by_name")] pub T);
@@ -195,6 +198,9 @@ pub enum ConfigError {
     /// There are both layouts and pictures.
     #[error("it has both layouts and pictures: make two datasets")]
     TwoSources,
+    /// A preset is one of another source.
+    #[error(transparent)]
+    Preset(#[from] ForeignPreset),
     /// A list is empty.
     #[error("'{0}' is empty")]
     Empty(&'static str),
@@ -202,9 +208,10 @@ pub enum ConfigError {
 
 impl Config {
     /// The presets by name, with their TOML text as in `configs/gen-data`.
-    pub const PRESETS: [(&'static str, &'static str); 3] = [
+    pub const PRESETS: [(&'static str, &'static str); 4] = [
         ("smoke", include_str!("../../../configs/gen-data/smoke.toml")),
         ("paper", include_str!("../../../configs/gen-data/paper.toml")),
+        ("genetic", include_str!("../../../configs/gen-data/genetic.toml")),
         ("pictures", include_str!("../../../configs/gen-data/pictures.toml")),
     ];
 
@@ -227,6 +234,11 @@ impl Config {
         Some(Self::from_toml(text).expect("the presets are tested"))
     }
 
+    /// The searches that take turns.
+    pub fn searches(&self) -> Result<Vec<Search>, ForeignPreset> {
+        self.presets.iter().map(|preset| self.source.0.search(&preset.0)).collect()
+    }
+
     /// Whether the parts go together.
     pub(crate) fn check(&self) -> Result<(), ConfigError> {
         if self.count == 0 {
@@ -242,6 +254,7 @@ impl Config {
         if self.presets.is_empty() {
             return Err(ConfigError::Empty("presets"));
         }
+        self.searches()?;
         if self.starts.is_empty() {
             return Err(ConfigError::Empty("starts"));
         }
@@ -251,6 +264,11 @@ impl Config {
             (_, _, false) => Err(ConfigError::NoInstances),
         }
     }
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
+fn is_usual(source: &Named<Source>) -> bool {
+    source.0 == Source::default()
 }
 
 fn default_per_shard() -> u32 {
@@ -280,7 +298,7 @@ mod tests {
     #[test]
     fn what_is_not_given_has_a_default() {
         let config = Config::from_toml(SMALL).unwrap();
-        assert_eq!((config.seed, config.per_shard), (0, 256));
+        assert_eq!((config.seed, config.per_shard, config.source.0), (0, 256, Source::Anneal));
         assert_eq!(config.starts, [Named(StartChoice::Auto)]);
         assert_eq!(config.sizes, [Size { width: 30, height: 100 }]);
         assert_eq!(config.layouts[0].spec(), LayoutSpec { layout: Layout::Voronoi, zones: 8, side: 1 });
@@ -309,6 +327,11 @@ mod tests {
         assert_eq!(error(&|text| text.replace("'short'", "")), "'presets' is empty");
         assert!(error(&|text| text.replace("'short'", "'shor'")).starts_with("line 4: "));
         assert!(error(&|text| text.replace("= 3", "= 99000000000")).contains("raise 'per_shard'"));
+        assert!(error(&|text| format!("source = 'zigzag'\n{text}")).contains("choose anneal or genetic"));
+        assert_eq!(
+            error(&|text| format!("source = 'genetic'\n{}", text.replace("'short'", "'long'"))),
+            "source 'genetic' has no preset 'long'"
+        );
         assert_eq!(
             error(&|text| format!("pictures = 'x'\n{text}")),
             "it has both layouts and pictures: make two datasets"

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use beadwork_grid::{Crossings, LayoutError, LayoutSpec, Path, Region, Start, StartError, Zones};
 use beadwork_part::{Picture, PictureError};
-use beadwork_search::{Preset, Settings, Stop, anneal, bound};
+use beadwork_search::{Move, Settings, Stop, anneal, bound, genetic};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
@@ -15,6 +15,7 @@ use thiserror::Error;
 
 use crate::config::{Config, ConfigError, Size, StartChoice};
 use crate::shard::hex;
+use crate::source::Search;
 use crate::trajectory::{DrawError, Instance, Moves, Trajectory};
 
 /// A configuration with its pictures, ready to make trajectories.
@@ -34,16 +35,27 @@ const MAX_REDRAWS: u32 = 100;
 /// One combination of instance, preset and start.
 #[derive(Debug)]
 struct Stratum {
-    source: Source,
-    preset: Preset,
+    drawn: Drawn,
+    preset: Search,
     start: StartChoice,
     name: String,
 }
 
+/// What instances are drawn from.
 #[derive(Clone, Debug)]
-enum Source {
+enum Drawn {
     Layout(LayoutSpec, Size),
     Picture(Arc<PictureSource>),
+}
+
+/// What a search found.
+struct Found {
+    /// Crossings of the start.
+    initial: u32,
+    /// Crossings of the best path.
+    best: u32,
+    /// The moves to it.
+    moves: Vec<Move>,
 }
 
 /// A picture with what all its trajectories share.
@@ -99,7 +111,7 @@ impl Factory {
         config.check()?;
         pictures.sort();
         let mut echo = serde_json::to_value(&config).expect("a configuration is plain data");
-        let sources: Vec<Source> = if config.pictures.is_some() {
+        let sources: Vec<Drawn> = if config.pictures.is_some() {
             if pictures.is_empty() {
                 return Err(FactoryError::NoPictures);
             }
@@ -109,20 +121,20 @@ impl Factory {
                 .map(|(name, bytes)| json!({ "name": name, "sha256": hex(&Sha256::digest(bytes)) }));
             echo["pictures"] = listed.collect();
             let read = |(name, bytes): &(String, Vec<u8>)| {
-                picture(name, bytes).map(|it| Source::Picture(Arc::new(it)))
+                picture(name, bytes).map(|it| Drawn::Picture(Arc::new(it)))
             };
             pictures.iter().map(read).collect::<Result<_, _>>()?
         } else {
             let sizes =
-                |layout: LayoutSpec| config.sizes.iter().map(move |&size| Source::Layout(layout, size));
+                |layout: LayoutSpec| config.sizes.iter().map(move |&size| Drawn::Layout(layout, size));
             config.layouts.iter().flat_map(|layout| sizes(layout.spec())).collect()
         };
 
         let mut strata = Vec::new();
         for source in sources {
-            for preset in &config.presets {
+            for &search in &config.searches().map_err(ConfigError::from)? {
                 for start in &config.starts {
-                    strata.push(Stratum::new(source.clone(), preset.0, start.0, config.starts.len() > 1));
+                    strata.push(Stratum::new(source.clone(), search, start.0, config.starts.len() > 1));
                 }
             }
         }
@@ -174,7 +186,7 @@ impl Factory {
 
     /// Runs the search of one number; `None` if it was cancelled.
     ///
-    /// Costs what the search does: 1 to 20 ms with the paper's presets and sizes.
+    /// Costs what the search does: 1 to 20 ms with the paper's annealers and sizes, seconds with the genetic algorithm.
     pub fn trajectory(&self, index: u64, cancel: &AtomicBool) -> Result<Option<Trajectory>, FactoryError> {
         let stratum = self.stratum_of(index);
         let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
@@ -197,15 +209,8 @@ impl Factory {
         let crossings = Crossings::new(&region, &zones);
         let pieces = path.pieces();
         let bound = bound::components(&region, &zones, pieces);
-        let settings = Settings {
-            bound: Some(i64::from(bound)),
-            cancel: Some(cancel),
-            ..Settings::preset(stratum.preset, seed)
-        };
-        let outcome = anneal(path, &crossings, &settings);
-        if outcome.stop == Stop::Cancelled {
-            return Ok(None);
-        }
+        let found = stratum.search(path, &crossings, bound, seed, cancel);
+        let Some(Found { initial, best, moves }) = found else { return Ok(None) };
         Ok(Some(Trajectory {
             index,
             instance,
@@ -216,30 +221,30 @@ impl Factory {
             seed,
             start,
             pieces,
-            initial: outcome.initial as u32,
-            best: outcome.cost as u32,
+            initial,
+            best,
             bound: Some(bound),
-            moves: Moves::record(&outcome.moves, &crossings, region.width()),
+            moves: Moves::record(&moves, &crossings, region.width()),
         }))
     }
 }
 
 impl Stratum {
-    fn new(source: Source, preset: Preset, start: StartChoice, name_the_start: bool) -> Self {
-        let instance = match &source {
-            Source::Layout(spec, size) if *spec == LayoutSpec::new(spec.layout) => {
+    fn new(drawn: Drawn, preset: Search, start: StartChoice, name_the_start: bool) -> Self {
+        let instance = match &drawn {
+            Drawn::Layout(spec, size) if *spec == LayoutSpec::new(spec.layout) => {
                 format!("{}/{size}", spec.layout)
             }
-            Source::Layout(spec, size) => format!("{}-{}-{}/{size}", spec.layout, spec.zones, spec.side),
-            Source::Picture(picture) => picture.name.clone(),
+            Drawn::Layout(spec, size) => format!("{}-{}-{}/{size}", spec.layout, spec.zones, spec.side),
+            Drawn::Picture(picture) => picture.name.clone(),
         };
         let start_name = if name_the_start { format!("/{start}") } else { String::new() };
-        Self { source, preset, start, name: format!("{instance}/{preset}{start_name}") }
+        Self { drawn, preset, start, name: format!("{instance}/{preset}{start_name}") }
     }
 
     fn draw(&self, seed: u64) -> Result<(Instance, Region, Zones), FactoryError> {
-        match &self.source {
-            &Source::Layout(LayoutSpec { layout, zones, side }, size) => {
+        match &self.drawn {
+            &Drawn::Layout(LayoutSpec { layout, zones, side }, size) => {
                 let seed = if layout.is_random() { seed } else { 0 };
                 let instance = Instance::Layout { layout, side, zones, seed };
                 let drawn = instance.draw(size.width, size.height);
@@ -247,7 +252,7 @@ impl Stratum {
                     drawn.map_err(|cause| FactoryError::Draw { stratum: self.name.clone(), cause })?;
                 Ok((instance, region, zones))
             }
-            Source::Picture(picture) => {
+            Drawn::Picture(picture) => {
                 let ids = picture.zones.ids().to_vec();
                 let instance = Instance::Picture { name: picture.name.clone(), ids };
                 Ok((instance, picture.region.clone(), picture.zones.clone()))
@@ -255,10 +260,35 @@ impl Stratum {
         }
     }
 
+    /// Searches from a path; `None` if it was cancelled.
+    fn search(
+        &self,
+        path: Path,
+        crossings: &Crossings,
+        bound: u32,
+        seed: u64,
+        cancel: &AtomicBool,
+    ) -> Option<Found> {
+        let (bound, cancel) = (Some(i64::from(bound)), Some(cancel));
+        let (stop, initial, best, moves) = match self.preset {
+            Search::Anneal(preset) => {
+                let settings = Settings { bound, cancel, ..Settings::preset(preset, seed) };
+                let outcome = anneal(path, crossings, &settings);
+                (outcome.stop, outcome.initial, outcome.cost, outcome.moves)
+            }
+            Search::Genetic(preset) => {
+                let settings = genetic::Settings { bound, cancel, ..genetic::Settings::preset(preset, seed) };
+                let outcome = genetic::solve(&path, crossings, &settings);
+                (outcome.stop, outcome.initial, outcome.cost, outcome.moves)
+            }
+        };
+        (stop != Stop::Cancelled).then_some(Found { initial: initial as u32, best: best as u32, moves })
+    }
+
     fn start(&self, region: &Region) -> Result<(Start, Path), FactoryError> {
-        let cover = || match &self.source {
-            Source::Picture(picture) => picture.cover.clone(),
-            Source::Layout(..) => beadwork_grid::cover(region),
+        let cover = || match &self.drawn {
+            Drawn::Picture(picture) => picture.cover.clone(),
+            Drawn::Layout(..) => beadwork_grid::cover(region),
         };
         let start = self.start.path(region, cover);
         start.map_err(|cause| FactoryError::Start { stratum: self.name.clone(), cause })
@@ -306,6 +336,22 @@ mod tests {
         }
         let seeds = [0, 24].map(|index| factory.trajectory(index, &NEVER).unwrap().unwrap().seed);
         assert_ne!(seeds[0], seeds[1], "trajectories of one stratum differ");
+    }
+
+    #[test]
+    fn solutions_of_the_genetic_algorithm_replay_too() {
+        let factory = factory(
+            "count = 2\nsource = 'genetic'\nsizes = ['12x9']\npresets = ['short']\n\
+             layouts = [{ name = 'voronoi' }, { name = 'stripes' }]",
+        );
+        assert_eq!(factory.stratum(0), "voronoi/12x9/genetic_short");
+        for index in 0..2 {
+            let trajectory = factory.trajectory(index, &NEVER).unwrap().unwrap();
+            assert_eq!(trajectory.preset.to_string(), "genetic_short");
+            assert!(trajectory.best < trajectory.initial);
+            trajectory.replay().unwrap();
+        }
+        assert_eq!(factory.trajectory(0, &AtomicBool::new(true)).unwrap(), None);
     }
 
     #[test]

@@ -36,6 +36,7 @@ mod file;
 mod generate;
 mod manifest;
 mod shard;
+mod source;
 mod stream;
 mod trajectory;
 
@@ -48,5 +49,6 @@ pub use generate::{
 };
 pub use manifest::{Manifest, ManifestError, ShardEntry};
 pub use shard::{Block, PackError, Record, ShardError, ShardHeader, ShardReader, ShardSummary, ShardWriter};
+pub use source::{ForeignPreset, PresetName, Search, Source, UnknownPresetName, UnknownSource};
 pub use stream::{Dataset, DatasetError, Shuffled};
 pub use trajectory::{DrawError, Instance, Moves, ReplayError, Step, Trajectory};

@@ -1,10 +1,11 @@
 //! The record of one search, from its start to the best path it found.
 
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Path, Placed, Region, Start, Switch, Variant, Zones};
-use beadwork_search::{Move, Preset};
+use beadwork_search::Move;
 use serde::{Deserialize, Serialize};
 
 use crate::by_name;
+use crate::source::Search;
 
 /// A search on one instance: enough to draw the instance again, replay every move, and check every number.
 ///
@@ -22,9 +23,9 @@ pub struct Trajectory {
     pub height: u16,
     /// Number of zones, as [`Zones::count`] gives it.
     pub zones: u8,
-    /// The annealing preset.
+    /// The search, by its preset.
     #[serde(with = "by_name")]
-    pub preset: Preset,
+    pub preset: Search,
     /// Seed of the search.
     pub seed: u64,
     /// The path it started from.

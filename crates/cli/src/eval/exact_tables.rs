@@ -109,7 +109,7 @@ pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
     let growth = growth::measure(&bar, args.smoke)?;
     bar.finish_and_clear();
     if let Some(file) = &args.plot {
-        beadwork_dataset::write_whole(file, |out| std::io::Write::write_all(out, growth.svg().as_bytes()))?;
+        output::file(file, &growth.svg()?)?;
     }
     if args.json {
         return output::json(&json!({

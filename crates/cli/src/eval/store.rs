@@ -1,16 +1,15 @@
 //! Parts of a long evaluation, kept in a folder so that an interrupted one goes on where it stopped.
 
 use std::fs;
-use std::io::{ErrorKind, Write};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use beadwork_dataset::write_whole;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
-use crate::machine;
+use crate::{machine, output};
 
 /// A folder with a file for each finished part.
 pub(super) struct Store {
@@ -54,7 +53,7 @@ impl Store {
             }
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 let part = make()?;
-                write(&path, &format!("{}\n", json!({ "key": self.key, "part": part })))?;
+                output::file(&path, &format!("{}\n", json!({ "key": self.key, "part": part })))?;
                 Ok(part)
             }
             Err(error) => Err(error).with_context(|| format!("cannot read '{shown}'")),
@@ -63,17 +62,13 @@ impl Store {
 
     /// Writes a result beside the parts.
     pub(super) fn result(&self, name: &str, text: &str) -> anyhow::Result<()> {
-        write(&self.folder.join(name), text)
+        output::file(&self.folder.join(name), text)
     }
 
     /// Parts that earlier runs had made.
     pub(super) fn kept(&self) -> u32 {
         self.kept
     }
-}
-
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    Ok(write_whole(path, |out| out.write_all(text.as_bytes()))?)
 }
 
 #[cfg(test)]

@@ -1,67 +1,25 @@
-//! `bench`: rates and ratios, measured in one run.
+//! `bench grid`: annealing and the moves under it.
 
 use std::fmt::Write;
-use std::fs;
 use std::hint::black_box;
-use std::path::PathBuf;
-use std::time::Instant;
 
-use anyhow::{Context, bail};
-use beadwork_dataset::{Config, Factory, GenerateSettings, Slice, generate};
 use beadwork_grid::{Crossings, Kind, Layout, LayoutSpec, Path, Region, Start, Switch};
 use beadwork_search::{Preset, Settings, anneal};
-use clap::Subcommand;
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::json;
 
-use crate::{cancel, machine, output};
-
-/// Measure rates on this machine.
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
-#[derive(Subcommand)]
-enum What {
-    Grid(GridArgs),
-    Dataset(DatasetArgs),
-}
+use super::median;
+use crate::{machine, output};
 
 /// Annealing and moves, one thread, from 30x30 to 500x500 cells.
 #[derive(clap::Args)]
-struct GridArgs {
+pub(super) struct GridArgs {
     /// Times each figure is measured; the median is shown.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..))]
     repeats: u64,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
-}
-
-/// The factory: preset `paper` of gen-data with one thread and with two, in turn.
-#[derive(clap::Args)]
-struct DatasetArgs {
-    /// Trajectories; the preset's own number if not given.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    count: Option<u64>,
-    /// Times each is measured; the median is shown.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
-    repeats: u64,
-    /// Folder for the datasets, which are removed afterwards; the system's for temporary files if not given.
-    #[arg(long, value_name = "DIR")]
-    scratch: Option<PathBuf>,
-    /// Print one JSON document.
-    #[arg(long)]
-    json: bool,
-}
-
-pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
-    match &args.what {
-        What::Grid(args) => grid(args),
-        What::Dataset(args) => dataset(args),
-    }
 }
 
 /// Figures of one size.
@@ -83,7 +41,7 @@ struct GridRow {
     windows_m_per_s: f64,
 }
 
-fn grid(args: &GridArgs) -> anyhow::Result<()> {
+pub(super) fn run(args: &GridArgs) -> anyhow::Result<()> {
     let rows = [30, 50, 100, 200, 300, 500].map(|side| grid_row(side, args.repeats));
     let rows = rows.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
     if args.json {
@@ -171,68 +129,4 @@ fn shuffled_pairs(path: &Path, side: u32) -> Vec<[Switch; 2]> {
         }
     }
     pairs
-}
-
-fn dataset(args: &DatasetArgs) -> anyhow::Result<()> {
-    let mut config = Config::preset("paper").expect("it is built in");
-    config.count = args.count.unwrap_or(config.count);
-    let factory = Factory::new(config, Vec::new())?;
-    let scratch = args.scratch.clone().unwrap_or_else(std::env::temp_dir);
-    let mut seconds = [Vec::new(), Vec::new()];
-    let mut facts = Value::Null;
-    for repeat in 0..args.repeats {
-        for threads in [1, 2] {
-            let folder = scratch.join(format!("beadwork-bench-{}-{repeat}-{threads}", std::process::id()));
-            let settings = GenerateSettings {
-                slice: Slice::WHOLE,
-                threads,
-                cancel: cancel::token()?,
-                observer: &|_| {},
-            };
-            let begin = Instant::now();
-            let generated = generate(&factory, &folder, &settings);
-            seconds[threads - 1].push(begin.elapsed().as_secs_f64());
-            let removed = fs::remove_dir_all(&folder);
-            let Some(manifest) = generated?.manifest else { bail!("stopped") };
-            removed.with_context(|| format!("cannot remove '{}'", folder.display()))?;
-            let bytes: u64 = manifest.shards.iter().map(|shard| shard.bytes).sum();
-            let raw_bytes: u64 = manifest.shards.iter().map(|shard| shard.raw_bytes).sum();
-            facts = json!({
-                "trajectories": manifest.records, "moves": manifest.moves, "bytes": bytes, "raw_bytes": raw_bytes,
-                "bytes_per_move": bytes as f64 / manifest.moves as f64,
-                "compression": raw_bytes as f64 / bytes as f64,
-            });
-        }
-    }
-    let [one, two] = seconds.map(middle);
-    facts["seconds_1_thread"] = json!(one);
-    facts["seconds_2_threads"] = json!(two);
-    facts["speed_up"] = json!(one / two);
-    facts["peak_memory_bytes"] = json!(machine::peak_memory_bytes());
-    if args.json {
-        facts["machine"] = machine::facts();
-        return output::json(&facts);
-    }
-    let mut text =
-        format!("Machine: {}. Preset paper, median of {} runs.\n\n", machine::line(), args.repeats);
-    for (key, value) in facts.as_object().expect("it was made as one") {
-        writeln!(text, "- {}: {value}", key.replace('_', " "))?;
-    }
-    output::text(&text)
-}
-
-/// Median seconds of several runs after one that does not count.
-fn median(repeats: u64, run: impl Fn(u64)) -> f64 {
-    run(0);
-    let times = (0..repeats).map(|seed| {
-        let begin = Instant::now();
-        run(seed);
-        begin.elapsed().as_secs_f64()
-    });
-    middle(times.collect())
-}
-
-fn middle(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
 }

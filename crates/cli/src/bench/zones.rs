@@ -1,0 +1,176 @@
+//! `bench zones`: the genetic algorithm and the replays under it.
+
+use std::fmt::Write;
+use std::hint::black_box;
+use std::time::Instant;
+
+use beadwork_grid::{Crossings, Layout, LayoutSpec, Links, Placed, Region, Start};
+use beadwork_search::genetic::{self, Settings};
+use beadwork_search::{Cost, Move};
+use serde::Serialize;
+use serde_json::json;
+
+use super::{median, middle};
+use crate::{machine, output};
+
+/// The genetic algorithm, with one thread and with two, and replays of moves, from 30x30 to 100x100 cells.
+#[derive(clap::Args)]
+pub(super) struct ZonesArgs {
+    /// Times each figure is measured; the median is shown.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..))]
+    repeats: u64,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Figures of one layer.
+#[derive(Serialize)]
+struct Row {
+    layout: String,
+    size: String,
+    /// Moves of the population, replayed on links with their changes of the crossings, in millions a second.
+    links_m_per_s: f64,
+    /// The same on paths.
+    path_m_per_s: f64,
+    /// By preset.
+    runs: Vec<Run>,
+}
+
+/// A whole run of a preset.
+#[derive(Serialize)]
+struct Run {
+    preset: String,
+    /// Annealing runs of the first population, by one thread and by two.
+    seeding_seconds: [f64; 2],
+    /// Generations, by one thread and by two.
+    evolving_seconds: [f64; 2],
+    /// Genes of the children.
+    genes: u64,
+    /// Of them, those that were known from a parent.
+    spared: u64,
+    /// Genes tried, without blanks.
+    replayed: u64,
+}
+
+pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
+    let mut rows = Vec::new();
+    for side in [30, 60, 100] {
+        for layout in Layout::PAPER {
+            rows.push(row(side, layout, args.repeats)?);
+        }
+    }
+    if args.json {
+        let machine = machine::facts();
+        return output::json(&json!({ "machine": machine, "repeats": args.repeats, "rows": rows }));
+    }
+    let mut text = format!(
+        "Machine: {}. Population 200, 500 generations, seed 0, median of {} runs.\n\n",
+        machine::line(),
+        args.repeats
+    );
+    text += "| layer | replay on links, M/s | on paths, M/s | preset | seeding, s: 1 thread, 2 | evolving, s: 1 thread, 2 | genes, M | spared | replayed, M |\n";
+    text += "|---|---|---|---|---|---|---|---|---|\n";
+    for row in &rows {
+        for run in &row.runs {
+            writeln!(
+                text,
+                "| {} {} | {:.1} | {:.2} | {} | {:.2}, {:.2} | {:.2}, {:.2} | {:.1} | {:.0} % | {:.1} |",
+                row.layout,
+                row.size,
+                row.links_m_per_s,
+                row.path_m_per_s,
+                run.preset,
+                run.seeding_seconds[0],
+                run.seeding_seconds[1],
+                run.evolving_seconds[0],
+                run.evolving_seconds[1],
+                run.genes as f64 / 1e6,
+                100.0 * run.spared as f64 / run.genes as f64,
+                run.replayed as f64 / 1e6
+            )?;
+        }
+    }
+    output::text(&text)
+}
+
+fn row(side: u32, layout: Layout, repeats: u64) -> anyhow::Result<Row> {
+    let region = Region::rectangle(side, side)?;
+    let zones = LayoutSpec::new(layout).zones(&region, 0)?;
+    let crossings = Crossings::new(&region, &zones);
+    let start = Start::RowZigzag.path(&region)?;
+    let mut runs = Vec::new();
+    let mut lists: Vec<Vec<Placed>> = Vec::new();
+    for preset in [genetic::Preset::Paper, genetic::Preset::Window] {
+        let (mut seeding, mut evolving) = ([Vec::new(), Vec::new()], [Vec::new(), Vec::new()]);
+        let (mut genes, mut spared, mut replayed) = (0, 0, 0);
+        for _ in 0..repeats {
+            for threads in [1, 2] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+                let settings = Settings { pool: Some(&pool), ..Settings::preset(preset, 0) };
+                let begin = Instant::now();
+                let population = genetic::annealed(&start, &crossings, &settings);
+                seeding[threads - 1].push(begin.elapsed().as_secs_f64());
+                let begin = Instant::now();
+                let outcome = genetic::evolve(&start, &crossings, &population, &settings);
+                evolving[threads - 1].push(begin.elapsed().as_secs_f64());
+                let children = settings.evolution.population
+                    - (settings.evolution.carry_over * settings.evolution.population as f64) as usize;
+                genes = ((outcome.generations.len() - 1) * children * outcome.length) as u64;
+                (spared, replayed) = (outcome.spared, outcome.replayed);
+                let variants = |list: &Vec<Move>| {
+                    let placed = list.iter().map(|step| match step {
+                        Move::Variant(placed) => Some(*placed),
+                        Move::Pair(_) => None,
+                    });
+                    placed.collect::<Option<Vec<Placed>>>().expect("the paper's annealers use variants")
+                };
+                lists = population.iter().map(variants).collect();
+            }
+        }
+        runs.push(Run {
+            preset: preset.name().to_owned(),
+            seeding_seconds: seeding.map(middle),
+            evolving_seconds: evolving.map(middle),
+            genes,
+            spared,
+            replayed,
+        });
+    }
+    let moves = lists.iter().map(Vec::len).sum::<usize>() as f64 / 1e6;
+    let change = |placed: Placed| Cost::change(&crossings, placed.switches(side));
+    let first = Links::new(&start);
+    let mut links = first.clone();
+    let links_seconds = median(repeats, |_| {
+        let mut sum = 0;
+        for list in &lists {
+            links.copy_from(&first);
+            sum += list
+                .iter()
+                .filter(|&&placed| links.apply_variant(placed))
+                .map(|&placed| change(placed))
+                .sum::<i64>();
+        }
+        black_box(sum);
+    });
+    let mut path = start.clone();
+    let path_seconds = median(repeats, |_| {
+        let mut sum = 0;
+        for list in &lists {
+            path.copy_from(&start);
+            sum += list
+                .iter()
+                .filter(|&&placed| path.apply_variant(placed))
+                .map(|&placed| change(placed))
+                .sum::<i64>();
+        }
+        black_box(sum);
+    });
+    Ok(Row {
+        layout: layout.name().to_owned(),
+        size: format!("{side}x{side}"),
+        links_m_per_s: moves / links_seconds,
+        path_m_per_s: moves / path_seconds,
+        runs,
+    })
+}
