@@ -10,6 +10,19 @@
 //! nanoseconds a gene. And a child begins like one of its parents, so it is replayed from the last state of that parent which was kept
 //! before the first gene that differs.
 //!
+//! ```
+//! use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
+//! use beadwork_search::genetic::{self, Preset, Settings};
+//!
+//! let region = Region::rectangle(30, 30)?;
+//! let zones = LayoutSpec::new(Layout::Islands).zones(&region, 0)?;
+//! let start = Start::RowZigzag.path(&region)?;
+//! let outcome = genetic::solve(&start, &Crossings::new(&region, &zones), &Settings::preset(Preset::Short, 7));
+//! let annealed = outcome.generations[0].best;
+//! assert!(outcome.cost <= annealed && annealed < outcome.initial);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! What it can find is made of the annealers' moves; how much it adds to their best run, docs/results/zones.md tells.
 
 mod crossover;
@@ -165,7 +178,7 @@ pub fn solve<C: Cost + Sync>(start: &Path, cost: &C, settings: &Settings<'_>) ->
 /// Lets a population of lists of moves evolve, each to be replayed from `start`. Of a longer list than asked, the first ones; a shorter one is
 /// repeated from its beginning, and an empty one stands for the start alone.
 ///
-/// See [`solve`] for its cost. States of replays take up to 256 MB.
+/// See [`solve`] for its cost. The states that are kept take up to 256 MB, half as much more while a generation is bred.
 ///
 /// # Panics
 /// If the evolution has no individuals or no tournament.
@@ -193,7 +206,7 @@ fn run<C: Cost + Sync, S: State>(
     let evolution = &settings.evolution;
     assert!(evolution.population > 0 && evolution.tournament > 0, "there must be parents to draw");
     let length = population.iter().map(Vec::len).max().unwrap_or(0);
-    let replay = Replay::new(state, start, cost, length, evolution.population);
+    let replay = Replay::new(state, start, cost, length, replay::marks(state, evolution.population));
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(settings.seed);
     // Apart from the numbers that the annealing runs took their seeds from.
     rng.jump();

@@ -90,13 +90,8 @@ pub(super) struct Replay<'a, S, C> {
 }
 
 impl<'a, S: State, C: Cost> Replay<'a, S, C> {
-    /// Prepares replays of lists of so many genes, from `state`, which is that of `start`.
-    pub(super) fn new(state: &'a S, start: &Path, cost: &'a C, length: usize, population: usize) -> Self {
-        /// The paper cuts at 60 %, so tenths are as good as exact.
-        const MARKS: usize = 9;
-        const MEMORY: usize = 256 << 20;
-
-        let marks = (MEMORY / (state.bytes() * population).max(1)).clamp(1, MARKS);
+    /// Prepares replays of lists of so many genes from `state`, which is that of `start`; each replay keeps so many states.
+    pub(super) fn new(state: &'a S, start: &Path, cost: &'a C, length: usize, marks: usize) -> Self {
         let places = (1..=marks).map(|mark| length * mark / (marks + 1)).collect();
         Self { start: state, cost, width: start.width(), initial: cost.total(start), places }
     }
@@ -184,6 +179,15 @@ impl<'a, S: State, C: Cost> Replay<'a, S, C> {
         debug_assert_eq!(self.cost.total(&path), individual.cost, "changes add up to the cost");
         (path, moves)
     }
+}
+
+/// How many states to keep of each replay, for so many individuals: as many as fit into 256 MB.
+pub(super) fn marks(state: &impl State, population: usize) -> usize {
+    /// The paper cuts at 60 %, so tenths are as good as exact.
+    const MOST: usize = 9;
+    const MEMORY: usize = 256 << 20;
+
+    MOST.min(MEMORY / (state.bytes() * population).max(1))
 }
 
 fn common_beginning(one: &[Gene], other: &[Gene]) -> usize {

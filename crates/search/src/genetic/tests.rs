@@ -119,7 +119,7 @@ const CROSSOVERS: [Crossover; 4] = [
 fn breed<S: State>(layer: &Layer, state: &S, lists: &[Vec<Move>], seed: u64) {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     let length = lists.iter().map(Vec::len).max().unwrap();
-    let replay = Replay::new(state, &layer.start, &layer.crossings, length, lists.len());
+    let replay = Replay::new(state, &layer.start, &layer.crossings, length, seed as usize % 12);
     let plane = (layer.region.width(), layer.region.height());
     let mut scratch = state.clone();
     let mut all: Vec<Individual<S>> =
