@@ -281,5 +281,5 @@ fn solutions_of_the_genetic_algorithm_are_recorded() {
     let shown = run(&["inspect", text(&out), "--verify", "--records", "3"]);
     assert!(shown.contains("genetic_short"), "{shown}");
     fs::write(&config, text_of_config.replace("short", "long")).unwrap();
-    assert!(fail(&["gen-data", "--config", text(&config)]).contains("source 'genetic' has no preset 'long'"));
+    assert!(fail(&["gen-data", "--config", text(&config)]).contains("'long' is no preset of the genetic"));
 }

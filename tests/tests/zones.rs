@@ -4,7 +4,8 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use beadwork_tests::{beadwork, fail, misused, run, text};
 use serde_json::Value;
@@ -178,13 +179,15 @@ fn impossible_wishes_are_refused() {
 
 #[test]
 fn arguments_that_make_no_sense_are_named() {
-    let complaints: [(&[&str], &str); 10] = [
+    let complaints: [(&[&str], &str); 12] = [
         (&["zones", "--size", "0x3"], "0x3"),
         (&["zones", "--layout", "spots"], "'spots'"),
         (&["zones", "--image", "x.png", "--size", "3x3"], "--size"),
         (&["zones", "--method", "magic"], "magic"),
         (&["zones", "--method", "anneal", "--end-at", "left"], "--end-at is for --method exact"),
-        (&["zones", "--preset", "window"], "'window' is no annealing preset"),
+        (&["zones", "--preset", "window"], "with --method genetic it is a preset"),
+        (&["zones", "--method", "anneal", "--attempts", "9"], "--attempts is for --method exact"),
+        (&["zones", "--method", "zigzag", "--costs", "none.csv"], "--costs is for --method exact"),
         (&["zones", "--method", "genetic", "--preset", "long"], "'long' is no preset of the genetic"),
         (&["zones", "--plot", "x.svg"], "--plot is for --method genetic"),
         (&["eval", "zones", "--method", "exact", "--threads", "2"], "--threads means nothing to exact"),
@@ -270,14 +273,29 @@ fn all_methods_stand_side_by_side_and_nothing_is_made_twice() {
     for name in ["convergence.svg", "heat_map.svg"] {
         assert!(fs::read_to_string(folder.path().join(name)).unwrap().starts_with("<svg"), "{name}");
     }
-    let part = folder.path().join("parts/voronoi-30x30.json");
+    let part = folder.path().join("parts/voronoi-30x30-0.json");
     let made = fs::read(&part).unwrap();
     fs::remove_file(&part).unwrap();
     let again = json(&[&evaluation[..], &["--json"]].concat());
     assert_eq!((&again["kept"], again["cells"].as_array().unwrap().len()), (&3.into(), 4));
     // Methods are rows: the zigzag, six annealers, the genetic algorithm and the exact search.
     assert_eq!(again["rows"].as_array().unwrap().len(), 4 * 9);
-    let keys = ["layout", "zones", "method", "initial", "crossings", "bound", "seconds", "instance_seed"];
+    let keys = [
+        "layout",
+        "width",
+        "height",
+        "zones",
+        "seed",
+        "method",
+        "initial",
+        "crossings",
+        "bound",
+        "pieces",
+        "piece_bound",
+        "moves",
+        "seconds",
+        "instance_seed",
+    ];
     let rows = |bytes: &[u8]| -> Vec<Value> {
         let mut part: Value = serde_json::from_slice(bytes).unwrap();
         part["part"].as_array_mut().unwrap().drain(..).collect()
@@ -288,10 +306,54 @@ fn all_methods_stand_side_by_side_and_nothing_is_made_twice() {
             assert_eq!(old[key], new[key], "the same seeds give the same searches");
         }
     }
-    let other = [&evaluation[..], &["--seeds", "2"]].concat();
-    assert!(fail(&other).contains("other settings"));
+    for other in [["--seeds", "2"], ["--threads", "7"]] {
+        assert!(fail(&[&evaluation[..], &other].concat()).contains("rm -r"));
+    }
     fs::write(&part, "{").unwrap();
     assert!(fail(&evaluation).contains("is damaged"));
+
+    // Threads change the times and nothing else.
+    let alone = tempdir().unwrap();
+    let alone = json(&["eval", "zones", "--smoke", "--threads", "1", "--json", "--out", text(alone.path())]);
+    let found = |document: &Value| -> Vec<Value> {
+        let rows = document["rows"].as_array().unwrap().iter();
+        rows.map(|row| serde_json::json!([row["method"], row["preset"], row["crossings"], row["history"]]))
+            .collect()
+    };
+    assert_eq!(found(&alone), found(&again));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_stopped_evaluation_goes_on() {
+    let folder = tempdir().unwrap();
+    let evaluation =
+        ["eval", "zones", "--method", "genetic", "--smoke", "--seeds", "40", "--out", text(folder.path())];
+    let mut child =
+        beadwork().args(evaluation).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let parts = folder.path().join("parts");
+    let done = || fs::read_dir(&parts).map_or(0, |parts| parts.filter(|part| !is_partial(part)).count());
+    while child.try_wait().unwrap().is_none() && done() < 3 {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.contains("the same command goes on from"), "{stderr}");
+    let made = done();
+    assert!((3..160).contains(&made), "{made} parts");
+
+    let document = json(&[&evaluation[..], &["--json"]].concat());
+    assert_eq!(done(), 160);
+    let cells = document["cells"].as_array().unwrap();
+    assert!(cells.iter().all(|cell| cell["runs"].as_array().unwrap().len() == 40));
+    assert_eq!(json(&[&evaluation[..], &["--json"]].concat()), document);
+}
+
+#[cfg(unix)]
+fn is_partial(part: &std::io::Result<fs::DirEntry>) -> bool {
+    part.as_ref().is_ok_and(|part| !part.file_name().to_string_lossy().ends_with(".json"))
 }
 
 #[test]

@@ -222,7 +222,7 @@ fn write_record(text: &mut String, record: &Trajectory) -> std::fmt::Result {
         record.width,
         record.height,
         record.zones,
-        record.preset,
+        record.search,
         record.start,
         record.pieces,
         record.seed

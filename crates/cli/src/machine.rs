@@ -18,7 +18,11 @@ pub(crate) fn facts() -> Value {
 
 /// The same on one line.
 pub(crate) fn line() -> String {
-    let facts = facts();
+    told(&facts())
+}
+
+/// Facts of a machine, perhaps noted earlier, on one line.
+pub(crate) fn told(facts: &Value) -> String {
     let text = |key: &str| facts[key].as_str().unwrap_or("unknown").to_owned();
     format!("{}, {} cores, {}, commit {}", text("processor"), facts["cores"], text("system"), text("commit"))
 }

@@ -3,6 +3,10 @@
 use anyhow::bail;
 use beadwork_dataset::Size;
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
+use beadwork_search::Preset;
+
+/// The presets whose mean comes closest to Table 5: all of the paper's but the shortest.
+pub(crate) const AVERAGED: [Preset; 4] = [Preset::Medium, Preset::Paper, Preset::Long, Preset::ExtraLong];
 
 /// The sizes of the paper's tables. Its 30x100 has 100 rows of 30 cells.
 pub(crate) const SIZES: [Size; 6] =

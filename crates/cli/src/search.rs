@@ -62,6 +62,14 @@ pub(crate) struct Row {
 }
 
 impl Row {
+    /// Whether nothing better in as many pieces exists.
+    pub(crate) fn is_proven(&self) -> bool {
+        match &self.exact {
+            Some(exact) => exact.optimal,
+            None => self.bound == Some(u64::from(self.crossings)),
+        }
+    }
+
     /// By how many per cent the crossings fell.
     pub(crate) fn reduction(&self) -> f64 {
         100.0 * (1.0 - f64::from(self.crossings) / f64::from(self.initial.max(1)))

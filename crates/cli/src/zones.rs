@@ -19,7 +19,7 @@ use crate::ends::{Place, read_costs};
 use crate::instance::{Instance, InstanceArgs};
 use crate::output::wrong_use;
 use crate::search::{Breeding, Choice, MethodName, Row, Search};
-use crate::{figures, machine, output, progress};
+use crate::{generations, machine, output, progress};
 
 /// Find a path of few zone crossings for one layer.
 #[derive(clap::Args)]
@@ -44,9 +44,9 @@ pub(crate) struct Args {
     /// Exact: seconds after which it gives the best it has.
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     time: Option<Duration>,
-    /// Exact: most attempts at each connected part of the region.
-    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..))]
-    attempts: u32,
+    /// Exact: most attempts at each connected part of the region; 50 if not given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    attempts: Option<u32>,
     /// Exact: where the path begins: X,Y, left, top, right, bottom or any.
     #[arg(long, value_name = "PLACE", default_value = "any")]
     start_at: Place,
@@ -90,6 +90,7 @@ impl Args {
     fn check(&self, method: MethodName) {
         let exact = [
             ("--time", self.time.is_some()),
+            ("--attempts", self.attempts.is_some()),
             ("--start-at", self.start_at != Place::Any),
             ("--end-at", self.end_at != Place::Any),
             ("--costs", self.costs.is_some()),
@@ -107,29 +108,39 @@ impl Args {
         if self.preset.is_some() && !matches!(method, MethodName::Anneal | MethodName::Genetic) {
             wrong_use("--preset is for --method anneal and --method genetic");
         }
+        // Before anything is read or made.
+        match method {
+            MethodName::Anneal => drop(self.preset(Preset::Paper)),
+            MethodName::Genetic => drop(self.preset(genetic::Preset::Paper)),
+            MethodName::Zigzag | MethodName::Exact => (),
+        }
     }
 
     /// The preset of the method in question, or its usual one.
     fn preset<P: FromStr<Err: Display>>(&self, usual: P) -> P {
         let Some(name) = &self.preset else { return usual };
-        name.parse().unwrap_or_else(|error: P::Err| wrong_use(&error.to_string()))
+        name.parse().unwrap_or_else(|error: P::Err| {
+            let bred = self.method.is_none() && name.parse::<genetic::Preset>().is_ok();
+            let hint = if bred { "; with --method genetic it is a preset" } else { "" };
+            wrong_use(&format!("{error}{hint}"))
+        })
     }
 }
 
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
+    let usual = if args.preset.is_some() { MethodName::Anneal } else { MethodName::Exact };
+    let method = args.method.unwrap_or(usual);
+    args.check(method);
     let instance = args.instance.load(args.seed)?;
     let Instance { region, zones, .. } = &instance;
     let (chosen, start) = args.start.path(region, || cover(region))?;
     let costs = args.costs.as_ref().map(read_costs).transpose()?;
-    let usual = if args.preset.is_some() { MethodName::Anneal } else { MethodName::Exact };
-    let method = args.method.unwrap_or(usual);
-    args.check(method);
     let begin = Instant::now();
     let time_is_up = || args.time.is_some_and(|time| begin.elapsed() >= time);
     let bar = progress::bar(0, "zones");
-    let attempts = |progress: Progress| bar.set_position(u64::from(progress.attempts));
-    let generations = |progress: genetic::Progress| match progress {
-        genetic::Progress::Seeded(runs) => bar.set_position(runs),
+    let told = |progress: Progress| bar.set_position(u64::from(progress.attempts));
+    let bred = |progress: genetic::Progress| match progress {
+        genetic::Progress::Seeded(_) => bar.inc(1),
         genetic::Progress::Bred(generation) => bar.inc(u64::from(generation.number > 0)),
     };
     let drawn: Mutex<BTreeMap<Stage, BTreeSet<[Cell; 2]>>> = Mutex::default();
@@ -146,18 +157,19 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
             bar.set_length(u64::from(seeding.runs + evolution.generations));
             let threads = machine::threads(args.threads.unwrap_or(0));
             pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-            let observer: Option<&(dyn Fn(genetic::Progress) + Sync)> = Some(&generations);
+            let observer: Option<&(dyn Fn(genetic::Progress) + Sync)> = Some(&bred);
             Choice::Genetic(Breeding { preset, pool: Some(&pool), observer, population: None })
         }
         MethodName::Exact => {
-            bar.set_length(u64::from(args.attempts));
+            let attempts = args.attempts.unwrap_or(exact::Settings::default().attempts);
+            bar.set_length(u64::from(attempts));
             Choice::Exact(exact::Settings {
-                attempts: args.attempts,
+                attempts,
                 costs: costs.as_ref(),
                 start: args.start_at.terminal(region)?,
                 end: args.end_at.terminal(region)?,
                 time_is_up: Some(&time_is_up),
-                observer: Some(&attempts),
+                observer: Some(&told),
                 stages: args.stages.is_some().then_some(&stages),
                 ..exact::Settings::default()
             })
@@ -172,7 +184,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         output::file(file, &drawing)?;
     }
     if let (Some(file), Some(genetic)) = (&args.plot, &row.genetic) {
-        output::file(file, &figures::generations(&row, genetic)?)?;
+        output::file(file, &generations::chart(&row, genetic)?)?;
     }
     if let Some(file) = &args.stages {
         output::file(
@@ -193,7 +205,7 @@ fn describe(row: &Row, costs: Option<&ZoneCosts>) -> String {
     };
     let bound = row.bound.unwrap_or_default();
     let quality = match &row.exact {
-        Some(exact) if exact.optimal && costs.is_none() => ", proven to be the fewest".to_owned(),
+        _ if row.is_proven() && costs.is_none() => ", proven to be the fewest".to_owned(),
         Some(exact) if exact.optimal => format!(" at a cost of {}, proven to be the least", exact.cost),
         Some(exact) if costs.is_some() => format!(" at a cost of {}, at least {bound}", exact.cost),
         _ => format!(", at least {bound}"),
@@ -249,10 +261,11 @@ fn draw(instance: &Instance, row: &Row, start: &Path, best: &Path) -> String {
     let titles = [
         format!("{}: {} crossings", row.start, row.initial),
         format!(
-            "{}: {} crossings{}",
-            row.preset.as_ref().unwrap_or(&row.method),
+            "{}{}: {} crossings{}",
+            row.method,
+            row.preset.as_ref().map_or_else(String::new, |preset| format!(" {preset}")),
             row.crossings,
-            if row.exact.as_ref().is_some_and(|exact| exact.optimal) { ", optimal" } else { "" }
+            if row.is_proven() { ", optimal" } else { "" }
         ),
     ];
     let paths = [start, best];

@@ -36,7 +36,7 @@ const MAX_REDRAWS: u32 = 100;
 #[derive(Debug)]
 struct Stratum {
     drawn: Drawn,
-    preset: Search,
+    search: Search,
     start: StartChoice,
     name: String,
 }
@@ -130,9 +130,10 @@ impl Factory {
             config.layouts.iter().flat_map(|layout| sizes(layout.spec())).collect()
         };
 
+        let searches = config.searches().map_err(ConfigError::from)?;
         let mut strata = Vec::new();
         for source in sources {
-            for &search in &config.searches().map_err(ConfigError::from)? {
+            for &search in &searches {
                 for start in &config.starts {
                     strata.push(Stratum::new(source.clone(), search, start.0, config.starts.len() > 1));
                 }
@@ -209,7 +210,7 @@ impl Factory {
         let crossings = Crossings::new(&region, &zones);
         let pieces = path.pieces();
         let bound = bound::components(&region, &zones, pieces);
-        let found = stratum.search(path, &crossings, bound, seed, cancel);
+        let found = stratum.run(path, &crossings, bound, seed, cancel);
         let Some(Found { initial, best, moves }) = found else { return Ok(None) };
         Ok(Some(Trajectory {
             index,
@@ -217,7 +218,7 @@ impl Factory {
             width: region.width() as u16,
             height: region.height() as u16,
             zones: zones.count() as u8,
-            preset: stratum.preset,
+            search: stratum.search,
             seed,
             start,
             pieces,
@@ -230,7 +231,7 @@ impl Factory {
 }
 
 impl Stratum {
-    fn new(drawn: Drawn, preset: Search, start: StartChoice, name_the_start: bool) -> Self {
+    fn new(drawn: Drawn, search: Search, start: StartChoice, name_the_start: bool) -> Self {
         let instance = match &drawn {
             Drawn::Layout(spec, size) if *spec == LayoutSpec::new(spec.layout) => {
                 format!("{}/{size}", spec.layout)
@@ -239,7 +240,7 @@ impl Stratum {
             Drawn::Picture(picture) => picture.name.clone(),
         };
         let start_name = if name_the_start { format!("/{start}") } else { String::new() };
-        Self { drawn, preset, start, name: format!("{instance}/{preset}{start_name}") }
+        Self { drawn, search, start, name: format!("{instance}/{search}{start_name}") }
     }
 
     fn draw(&self, seed: u64) -> Result<(Instance, Region, Zones), FactoryError> {
@@ -261,7 +262,7 @@ impl Stratum {
     }
 
     /// Searches from a path; `None` if it was cancelled.
-    fn search(
+    fn run(
         &self,
         path: Path,
         crossings: &Crossings,
@@ -270,7 +271,7 @@ impl Stratum {
         cancel: &AtomicBool,
     ) -> Option<Found> {
         let (bound, cancel) = (Some(i64::from(bound)), Some(cancel));
-        let (stop, initial, best, moves) = match self.preset {
+        let (stop, initial, best, moves) = match self.search {
             Search::Anneal(preset) => {
                 let settings = Settings { bound, cancel, ..Settings::preset(preset, seed) };
                 let outcome = anneal(path, crossings, &settings);
@@ -347,7 +348,7 @@ mod tests {
         assert_eq!(factory.stratum(0), "voronoi/12x9/genetic_short");
         for index in 0..2 {
             let trajectory = factory.trajectory(index, &NEVER).unwrap().unwrap();
-            assert_eq!(trajectory.preset.to_string(), "genetic_short");
+            assert_eq!(trajectory.search.to_string(), "genetic_short");
             assert!(trajectory.best < trajectory.initial);
             trajectory.replay().unwrap();
         }

@@ -24,11 +24,10 @@ pub struct UnknownSource(pub String);
 impl Source {
     /// The search of this source and preset.
     pub fn search(self, preset: &PresetName) -> Result<Search, ForeignPreset> {
-        let foreign = || ForeignPreset { source_name: self.to_string(), preset: preset.to_string() };
-        match self {
-            Self::Anneal => preset.0.parse().map(Search::Anneal).map_err(|_| foreign()),
-            Self::Genetic => preset.0.parse().map(Search::Genetic).map_err(|_| foreign()),
-        }
+        Ok(match self {
+            Self::Anneal => Search::Anneal(preset.0.parse()?),
+            Self::Genetic => Search::Genetic(preset.0.parse()?),
+        })
     }
 }
 
@@ -56,17 +55,19 @@ pub struct PresetName(String);
 
 /// A name that is a preset of no source.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("{0}; with source 'genetic' choose paper, two_point, window, short or fast")]
-pub struct UnknownPresetName(UnknownPreset);
+#[error("{0}; {1}")]
+pub struct UnknownPresetName(UnknownPreset, genetic::UnknownPreset);
 
-/// A preset of another source.
+/// A name that is no preset of the source in question.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("source '{source_name}' has no preset '{preset}'")]
-pub struct ForeignPreset {
-    /// The source.
-    pub source_name: String,
-    /// The preset.
-    pub preset: String,
+#[non_exhaustive]
+pub enum ForeignPreset {
+    /// Of annealing.
+    #[error(transparent)]
+    Anneal(#[from] UnknownPreset),
+    /// Of the genetic algorithm.
+    #[error(transparent)]
+    Genetic(#[from] genetic::UnknownPreset),
 }
 
 impl fmt::Display for PresetName {
@@ -80,7 +81,7 @@ impl FromStr for PresetName {
 
     fn from_str(name: &str) -> Result<Self, UnknownPresetName> {
         match (name.parse::<Preset>(), name.parse::<genetic::Preset>()) {
-            (Err(unknown), Err(_)) => Err(UnknownPresetName(unknown)),
+            (Err(anneal), Err(genetic)) => Err(UnknownPresetName(anneal, genetic)),
             _ => Ok(Self(name.to_owned())),
         }
     }
@@ -107,13 +108,13 @@ impl fmt::Display for Search {
 }
 
 impl FromStr for Search {
-    type Err = String;
+    type Err = ForeignPreset;
 
-    fn from_str(name: &str) -> Result<Self, String> {
-        match name.strip_prefix(PREFIX) {
-            Some(preset) => preset.parse().map(Self::Genetic).map_err(|error| format!("{error}")),
-            None => name.parse().map(Self::Anneal).map_err(|error| format!("{error}")),
-        }
+    fn from_str(name: &str) -> Result<Self, ForeignPreset> {
+        Ok(match name.strip_prefix(PREFIX) {
+            Some(preset) => Self::Genetic(preset.parse()?),
+            None => Self::Anneal(name.parse()?),
+        })
     }
 }
 
@@ -129,12 +130,15 @@ mod tests {
         for search in searches.chain(genetic::Preset::ALL.map(Search::Genetic)) {
             assert_eq!(search.to_string().parse(), Ok(search));
         }
-        assert!("genetic_long".parse::<Search>().unwrap_err().contains("'long' is no preset"));
+        let error = "genetic_long".parse::<Search>().unwrap_err().to_string();
+        assert!(error.contains("'long' is no preset of the genetic algorithm"), "{error}");
         let name = |name: &str| name.parse::<PresetName>().unwrap();
         assert_eq!(Source::Anneal.search(&name("paper")), Ok(Search::Anneal(Preset::Paper)));
         assert_eq!(Source::Genetic.search(&name("window")), Ok(Search::Genetic(genetic::Preset::Window)));
         let error = Source::Genetic.search(&name("long")).unwrap_err();
-        assert_eq!(error.to_string(), "source 'genetic' has no preset 'long'");
+        assert!(error.to_string().contains("'long' is no preset of the genetic algorithm"), "{error}");
+        let error = "none".parse::<PresetName>().unwrap_err().to_string();
+        assert!(error.contains("annealing") && error.contains("genetic"), "{error}");
         assert!("exact".parse::<Source>().is_err());
     }
 }

@@ -25,7 +25,7 @@ pub struct Trajectory {
     pub zones: u8,
     /// The search, by its preset.
     #[serde(with = "by_name")]
-    pub preset: Search,
+    pub search: Search,
     /// Seed of the search.
     pub seed: u64,
     /// The path it started from.

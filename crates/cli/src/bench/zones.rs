@@ -4,16 +4,18 @@ use std::fmt::Write;
 use std::hint::black_box;
 use std::time::Instant;
 
+use anyhow::bail;
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Links, Placed, Region, Start};
 use beadwork_search::genetic::{self, Settings};
-use beadwork_search::{Cost, Move};
+use beadwork_search::{Cost, Move, Stop};
+use indicatif::ProgressBar;
 use serde::Serialize;
 use serde_json::json;
 
 use super::{median, middle};
-use crate::{machine, output};
+use crate::{cancel, machine, output, progress};
 
-/// The genetic algorithm, with one thread and with two, and replays of moves, from 30x30 to 100x100 cells.
+/// The genetic algorithm, with one thread and with two, and replays of moves, on 30x30 and 100x100 cells.
 #[derive(clap::Args)]
 pub(super) struct ZonesArgs {
     /// Times each figure is measured; the median is shown.
@@ -23,6 +25,9 @@ pub(super) struct ZonesArgs {
     #[arg(long)]
     json: bool,
 }
+
+const PRESETS: [genetic::Preset; 2] = [genetic::Preset::Paper, genetic::Preset::Window];
+const THREADS: [usize; 2] = [1, 2];
 
 /// Figures of one layer.
 #[derive(Serialize)]
@@ -54,12 +59,14 @@ struct Run {
 }
 
 pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
-    let mut rows = Vec::new();
-    for side in [30, 60, 100] {
-        for layout in Layout::PAPER {
-            rows.push(row(side, layout, args.repeats)?);
-        }
-    }
+    const SIDES: [u32; 2] = [30, 100];
+
+    let cells = SIDES.into_iter().flat_map(|side| Layout::PAPER.map(|layout| (side, layout)));
+    let runs = SIDES.len() * Layout::PAPER.len() * PRESETS.len() * THREADS.len();
+    let bar = progress::bar(runs as u64 * args.repeats, "bench zones");
+    let rows = cells.map(|(side, layout)| row(side, layout, args.repeats, &bar));
+    let rows = rows.collect::<anyhow::Result<Vec<Row>>>()?;
+    bar.finish_and_clear();
     if args.json {
         let machine = machine::facts();
         return output::json(&json!({ "machine": machine, "repeats": args.repeats, "rows": rows }));
@@ -94,26 +101,31 @@ pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
     output::text(&text)
 }
 
-fn row(side: u32, layout: Layout, repeats: u64) -> anyhow::Result<Row> {
+fn row(side: u32, layout: Layout, repeats: u64, bar: &ProgressBar) -> anyhow::Result<Row> {
     let region = Region::rectangle(side, side)?;
     let zones = LayoutSpec::new(layout).zones(&region, 0)?;
     let crossings = Crossings::new(&region, &zones);
     let start = Start::RowZigzag.path(&region)?;
     let mut runs = Vec::new();
     let mut lists: Vec<Vec<Placed>> = Vec::new();
-    for preset in [genetic::Preset::Paper, genetic::Preset::Window] {
+    for preset in PRESETS {
         let (mut seeding, mut evolving) = ([Vec::new(), Vec::new()], [Vec::new(), Vec::new()]);
         let (mut genes, mut spared, mut replayed) = (0, 0, 0);
         for _ in 0..repeats {
-            for threads in [1, 2] {
+            for (place, threads) in THREADS.into_iter().enumerate() {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-                let settings = Settings { pool: Some(&pool), ..Settings::preset(preset, 0) };
+                let cancel = cancel::token()?;
+                let settings =
+                    Settings { pool: Some(&pool), cancel: Some(cancel), ..Settings::preset(preset, 0) };
                 let begin = Instant::now();
                 let population = genetic::annealed(&start, &crossings, &settings);
-                seeding[threads - 1].push(begin.elapsed().as_secs_f64());
+                seeding[place].push(begin.elapsed().as_secs_f64());
                 let begin = Instant::now();
                 let outcome = genetic::evolve(&start, &crossings, &population, &settings);
-                evolving[threads - 1].push(begin.elapsed().as_secs_f64());
+                evolving[place].push(begin.elapsed().as_secs_f64());
+                if outcome.stop == Stop::Cancelled {
+                    bail!("stopped");
+                }
                 let children = settings.evolution.population
                     - (settings.evolution.carry_over * settings.evolution.population as f64) as usize;
                 genes = ((outcome.generations.len() - 1) * children * outcome.length) as u64;
@@ -125,6 +137,7 @@ fn row(side: u32, layout: Layout, repeats: u64) -> anyhow::Result<Row> {
                     });
                     placed.collect::<Option<Vec<Placed>>>().expect("the paper's annealers use variants")
                 };
+                bar.inc(1);
                 lists = population.iter().map(variants).collect();
             }
         }

@@ -11,13 +11,10 @@ use serde_json::{Value, json};
 
 use super::ZonesArgs;
 use super::statistics::mean;
-use super::table::{percent, table};
-use crate::paper::{self, Cell};
+use super::table::{instances, percent, table};
+use crate::paper::{self, AVERAGED, Cell};
 use crate::search::{Choice, MethodName, Row, Search};
 use crate::{cancel, machine, output, progress};
-
-/// The presets that the second table of means averages: all but the shortest of the paper's.
-const AVERAGED: [Preset; 4] = [Preset::Medium, Preset::Paper, Preset::Long, Preset::ExtraLong];
 
 /// One search to run.
 struct Job {
@@ -172,14 +169,6 @@ fn tables(runs: &[Run], seeds: u64) -> Result<String, std::fmt::Error> {
         let totals = totals(cell, runs);
         format!("{} / {} ({:.1})", percent(totals.best), percent(totals.best_fast), cell.best)
     })?;
-    writeln!(text, "\nInstances whose zigzag crosses within 10 % as often as the paper's:")?;
-    for cell in paper::cells().filter(|cell| cell.layout.is_random()) {
-        let matching = totals(&cell, runs).matching;
-        writeln!(
-            text,
-            "- {} {}: {matching} (the paper's crosses {} times)",
-            cell.layout, cell.size, cell.zigzag
-        )?;
-    }
+    instances(&mut text, paper::cells().map(|cell| (cell, totals(&cell, runs).matching)))?;
     Ok(text)
 }

@@ -55,7 +55,7 @@ struct ZonesArgs {
     /// Look at one method: zigzag, anneal, genetic or exact; all of them, side by side, if not given.
     #[arg(long, value_name = "METHOD")]
     method: Option<MethodName>,
-    /// Seeds per cell and preset; if not given 10 for the table of all methods, 30 for genetic, 100 for the others.
+    /// Seeds per cell and preset; if not given 10 for the table of all methods, 30 for genetic, 100 for the others (with --smoke 1, 2 and 100).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     seeds: Option<u64>,
     /// All methods, genetic: folder to leave results in and to go on from; datasets/eval-zones or datasets/eval-crossovers if not given.

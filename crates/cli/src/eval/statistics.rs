@@ -1,5 +1,7 @@
 //! Means, and how sure they are.
 
+use std::fmt;
+
 /// The mean; not a number if there are no values.
 pub(super) fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
@@ -10,21 +12,29 @@ pub(super) fn mean(values: impl Iterator<Item = f64>) -> f64 {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Interval {
     pub(super) mean: f64,
-    /// Infinite for a single value.
+    /// Infinite where there is nothing to tell it from.
     pub(super) half_width: f64,
 }
 
 impl Interval {
-    /// By Student's t distribution.
-    pub(super) fn of(values: &[f64]) -> Self {
-        let count = values.len() as f64;
-        let mean = mean(values.iter().copied());
-        if values.len() < 2 {
-            return Self { mean, half_width: f64::INFINITY };
+    /// Of the mean of the groups' means, by Student's t distribution. Each group is a sample of its own: how far the groups lie apart says nothing
+    /// of how sure their means are.
+    pub(super) fn of(groups: &[Vec<f64>]) -> Self {
+        let means: Vec<f64> = groups.iter().map(|group| mean(group.iter().copied())).collect();
+        let count = groups.len() as f64;
+        let (mut variance, mut freedom) = (0.0, 0.0);
+        for (group, mean) in groups.iter().zip(&means) {
+            let size = group.len() as f64;
+            let squares: f64 = group.iter().map(|value| (value - mean) * (value - mean)).sum();
+            variance += squares / (size - 1.0).max(0.0) / size / (count * count);
+            freedom += size - 1.0;
         }
-        let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
-        let deviation = (squares / (count - 1.0)).sqrt();
-        Self { mean, half_width: quantile(count - 1.0) * deviation / count.sqrt() }
+        let half_width = if freedom >= 1.0 && variance.is_finite() {
+            quantile(freedom) * variance.sqrt()
+        } else {
+            f64::INFINITY
+        };
+        Self { mean: mean(means.into_iter()), half_width }
     }
 
     /// Whether 0 lies outside.
@@ -33,8 +43,25 @@ impl Interval {
     }
 }
 
-/// The quantile 0.975 of Student's t distribution, by its expansion around the normal one (Abramowitz and Stegun, 26.7.5): to 0.3 % from 5 degrees of freedom on.
+/// Such as "0.41 +- 0.12".
+impl fmt::Display for Interval {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.half_width.is_finite() {
+            write!(f, "{:.2} +- {:.2}", self.mean, self.half_width)
+        } else {
+            write!(f, "{:.2}", self.mean)
+        }
+    }
+}
+
+/// The quantile 0.975 of Student's t distribution: from tables up to 4 degrees of freedom, beyond that by its expansion around the normal
+/// distribution's (Abramowitz and Stegun, 26.7.5), which is right to 0.3 % there.
 fn quantile(freedom: f64) -> f64 {
+    const FEW: [f64; 4] = [12.706, 4.303, 3.182, 2.776];
+
+    if let Some(&few) = FEW.get(freedom as usize - 1) {
+        return few;
+    }
     let z = 1.959_964_f64;
     let powers = [z, z.powi(3), z.powi(5), z.powi(7)];
     let first = (powers[1] + powers[0]) / 4.0;
@@ -49,18 +76,33 @@ mod tests {
 
     #[test]
     fn quantiles_are_those_of_the_tables() {
-        for (freedom, expected) in [(5.0, 2.5706), (9.0, 2.2622), (29.0, 2.0452), (99.0, 1.9842)] {
+        let table =
+            [(1.0, 12.706), (3.0, 3.182), (5.0, 2.5706), (9.0, 2.2622), (29.0, 2.0452), (99.0, 1.9842)];
+        for (freedom, expected) in table {
             assert!((quantile(freedom) / expected - 1.0).abs() < 0.003, "{freedom}: {}", quantile(freedom));
         }
     }
 
     #[test]
     fn intervals_hold_the_mean() {
-        let interval = Interval::of(&[1.0, 2.0, 3.0, 4.0, 5.0]);
-        // t(4) = 2.776, standard error 0.7071.
-        assert!((interval.half_width / (2.776 / 2_f64.sqrt()) - 1.0).abs() < 0.01 && interval.tells());
+        let interval = Interval::of(&[vec![1.0, 2.0, 3.0, 4.0, 5.0]]);
+        // t(4) = 2.776, standard error 1 / sqrt(2).
+        assert!((interval.half_width / (2.776 / 2_f64.sqrt()) - 1.0).abs() < 1e-9 && interval.tells());
         assert!((interval.mean - 3.0).abs() < 1e-9);
-        assert!(!Interval::of(&[4.0]).tells() && !Interval::of(&[-1.0, 1.0]).tells());
-        assert_eq!(Interval::of(&[2.0, 2.0]), Interval { mean: 2.0, half_width: 0.0 });
+        assert!(!Interval::of(&[vec![4.0]]).tells() && !Interval::of(&[vec![-1.0, 1.0]]).tells());
+        assert_eq!(Interval::of(&[vec![2.0, 2.0]]), Interval { mean: 2.0, half_width: 0.0 });
+        assert_eq!(
+            (Interval::of(&[vec![4.0]]).to_string(), Interval::of(&[vec![1.0; 3]]).to_string()),
+            ("4.00".into(), "1.00 +- 0.00".into())
+        );
+    }
+
+    #[test]
+    fn groups_that_lie_apart_are_no_less_sure() {
+        let near = Interval::of(&[vec![1.0, 3.0], vec![1.0, 3.0]]);
+        let apart = Interval::of(&[vec![1.0, 3.0], vec![101.0, 103.0]]);
+        assert!((near.half_width - apart.half_width).abs() < 1e-9);
+        // Two groups with a standard error of 1 each: that of their mean is 1 / sqrt(2), with 2 degrees of freedom.
+        assert!((apart.mean - 52.0).abs() < 1e-9 && (near.half_width - 4.303 / 2_f64.sqrt()).abs() < 1e-9);
     }
 }

@@ -1,63 +1,93 @@
 //! Parts of a long evaluation, kept in a folder so that an interrupted one goes on where it stopped.
 
 use std::fs;
+use std::hash::{DefaultHasher, Hasher};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
 use anyhow::{Context, bail};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
-use crate::{machine, output};
+use crate::{cancel, machine, output};
 
-/// A folder with a file for each finished part.
+/// A folder with a file for each finished part, and one that says what all of them were made with.
 pub(super) struct Store {
     folder: PathBuf,
-    /// What all parts must have been made with: commit, version and settings.
-    key: Value,
+    machine: Value,
     /// Parts that lay there already.
-    kept: u32,
+    kept: AtomicU64,
 }
 
 impl Store {
-    /// Opens a folder, making it if need be.
+    /// Opens a folder, making it if need be. One of other settings, of another build of this program or of another machine is refused, for its
+    /// parts would not go together with new ones.
     pub(super) fn open(folder: &Path, settings: &Value) -> anyhow::Result<Self> {
-        fs::create_dir_all(folder.join("parts"))
-            .with_context(|| format!("cannot make '{}'", folder.display()))?;
+        let parts = folder.join("parts");
+        fs::create_dir_all(&parts).with_context(|| format!("cannot make '{}'", parts.display()))?;
         let facts = machine::facts();
-        let key = json!({ "commit": facts["commit"], "version": facts["version"], "settings": settings });
-        Ok(Self { folder: folder.to_owned(), key, kept: 0 })
+        let key = json!({
+            "settings": settings, "build": build()?, "processor": facts["processor"], "cores": facts["cores"],
+        });
+        let path = folder.join("run.json");
+        let machine = match read(&path)? {
+            Some(mut run) if run["key"] == key => run["machine"].take(),
+            Some(_) => bail!(
+                "'{0}' holds an evaluation with other settings, by another build or from another machine: choose another --out, or remove \
+                 it: rm -r '{0}'",
+                folder.display()
+            ),
+            None => {
+                output::file(&path, &format!("{}\n", json!({ "key": key, "machine": facts })))?;
+                facts
+            }
+        };
+        Ok(Self { folder: folder.to_owned(), machine, kept: AtomicU64::new(0) })
     }
 
-    /// The part of this name: as it lies there, or made now and kept.
+    /// What the first part was made on.
+    pub(super) fn machine(&self) -> &Value {
+        &self.machine
+    }
+
+    /// How many parts are there.
+    pub(super) fn count(&self) -> anyhow::Result<u64> {
+        let parts = self.folder.join("parts");
+        let entries = fs::read_dir(&parts).with_context(|| format!("cannot list '{}'", parts.display()))?;
+        Ok(entries.count() as u64)
+    }
+
+    /// The part of this name, as it lies there or made now, and the seconds that it took then.
+    ///
+    /// What is made after the cancel token was set is not kept: the searches give up early.
     pub(super) fn part<T: Serialize + DeserializeOwned>(
-        &mut self,
+        &self,
         name: &str,
         make: impl FnOnce() -> anyhow::Result<T>,
-    ) -> anyhow::Result<T> {
+    ) -> anyhow::Result<(T, f64)> {
         let path = self.folder.join("parts").join(format!("{name}.json"));
-        let shown = path.display();
-        match fs::read(&path) {
-            Ok(bytes) => {
-                let damaged = || format!("'{shown}' is damaged: remove it to have it made again");
-                let mut kept: Value = serde_json::from_slice(&bytes).with_context(damaged)?;
-                if kept["key"] != self.key {
-                    bail!(
-                        "'{shown}' was made with other settings or by another commit ({}): choose another --out, or remove the folder",
-                        kept["key"]["commit"].as_str().unwrap_or("unknown")
-                    );
-                }
-                self.kept += 1;
-                serde_json::from_value(kept["part"].take()).with_context(damaged)
-            }
-            Err(error) if error.kind() == ErrorKind::NotFound => {
-                let part = make()?;
-                output::file(&path, &format!("{}\n", json!({ "key": self.key, "part": part })))?;
-                Ok(part)
-            }
-            Err(error) => Err(error).with_context(|| format!("cannot read '{shown}'")),
+        let damaged = || format!("'{}' is damaged: remove it to have it made again", path.display());
+        if let Some(mut kept) = read(&path)? {
+            self.kept.fetch_add(1, Ordering::Relaxed);
+            let seconds = kept["seconds"].as_f64().with_context(damaged)?;
+            return Ok((serde_json::from_value(kept["part"].take()).with_context(damaged)?, seconds));
         }
+        let stopped = || -> anyhow::Result<()> {
+            if cancel::token()?.load(Ordering::Relaxed) {
+                bail!("stopped; the same command goes on from '{}'", self.folder.display());
+            }
+            Ok(())
+        };
+        stopped()?;
+        let begin = Instant::now();
+        let part = make();
+        stopped()?;
+        let (part, seconds) = (part?, begin.elapsed().as_secs_f64());
+        output::file(&path, &format!("{}\n", json!({ "seconds": seconds, "part": part })))?;
+        Ok((part, seconds))
     }
 
     /// Writes a result beside the parts.
@@ -66,9 +96,30 @@ impl Store {
     }
 
     /// Parts that earlier runs had made.
-    pub(super) fn kept(&self) -> u32 {
-        self.kept
+    pub(super) fn kept(&self) -> u64 {
+        self.kept.load(Ordering::Relaxed)
     }
+}
+
+/// The document in a file; `None` where there is no file.
+fn read(path: &Path) -> anyhow::Result<Option<Value>> {
+    match fs::read(path) {
+        Ok(bytes) => {
+            let damaged = || format!("'{}' is damaged: remove it to have it made again", path.display());
+            Ok(Some(serde_json::from_slice(&bytes).with_context(damaged)?))
+        }
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error).with_context(|| format!("cannot read '{}'", path.display())),
+    }
+}
+
+/// A number that tells builds of this program apart: the commit does not, for sources may have been changed or not built anew.
+fn build() -> anyhow::Result<String> {
+    let program = std::env::current_exe().context("cannot find this program's file")?;
+    let bytes = fs::read(&program).with_context(|| format!("cannot read '{}'", program.display()))?;
+    let mut hasher = DefaultHasher::new();
+    hasher.write(&bytes);
+    Ok(format!("{:016x}", hasher.finish()))
 }
 
 #[cfg(test)]
@@ -80,14 +131,16 @@ mod tests {
     #[test]
     fn parts_are_made_once_and_for_one_key() {
         let folder = std::env::temp_dir().join(format!("beadwork-store-{}", std::process::id()));
-        let mut store = Store::open(&folder, &json!(1)).unwrap();
-        assert_eq!(store.part("a", || Ok(vec![1, 2])).unwrap(), [1, 2]);
-        assert_eq!(store.part("a", || Ok(vec![3])).unwrap(), [1, 2]);
-        assert_eq!(store.kept(), 1);
-        assert!(store.part::<u32>("b", || bail!("stopped")).is_err());
-        assert_eq!(store.part("b", || Ok(4)).unwrap(), 4);
+        let store = Store::open(&folder, &json!(1)).unwrap();
+        assert_eq!(store.part("a", || Ok(vec![1.1, 2.0 / 3.0])).unwrap().0, [1.1, 2.0 / 3.0]);
+        assert_eq!(store.part("a", || Ok(vec![3.0])).unwrap().0, [1.1, 2.0 / 3.0]);
+        assert_eq!((store.kept(), store.count().unwrap()), (1, 1));
+        assert!(store.part::<u32>("b", || bail!("no room")).is_err());
+        assert_eq!(store.part("b", || Ok(4)).unwrap().0, 4);
+        let facts = store.machine().clone();
+        assert_eq!(*Store::open(&folder, &json!(1)).unwrap().machine(), facts);
 
-        let error = Store::open(&folder, &json!(2)).unwrap().part("a", || Ok(5)).unwrap_err();
+        let error = Store::open(&folder, &json!(2)).map(drop).unwrap_err();
         assert!(error.to_string().contains("other settings"), "{error}");
         fs::write(folder.join("parts/a.json"), "{").unwrap();
         let error = store.part("a", || Ok(5)).unwrap_err();

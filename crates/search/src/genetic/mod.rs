@@ -178,7 +178,8 @@ pub fn solve<C: Cost + Sync>(start: &Path, cost: &C, settings: &Settings<'_>) ->
 /// Lets a population of lists of moves evolve, each to be replayed from `start`. Of a longer list than asked, the first ones; a shorter one is
 /// repeated from its beginning, and an empty one stands for the start alone.
 ///
-/// See [`solve`] for its cost. The states that are kept take up to 256 MB, half as much more while a generation is bred.
+/// See [`solve`] for its cost. Memory: 12 bytes a gene, and up to 256 MB of kept states; of both half as much again with the paper's parameters while
+/// a generation is bred, for parents stay until their children are there.
 ///
 /// # Panics
 /// If the evolution has no individuals or no tournament.
@@ -216,6 +217,7 @@ fn run<C: Cost + Sync, S: State>(
     let first: Vec<Vec<Gene>> = lists.map(|moves| individual::padded(moves, length)).collect();
     let mut all: Vec<Individual<S>> =
         in_parallel(settings.pool, &first, || state.clone(), |state, genes| replay.first(genes, state));
+    drop(first);
     let mut replayed = all.iter().map(|individual| individual.replayed).sum();
     let mut spared = 0;
     let mut generations = Vec::new();
@@ -229,11 +231,12 @@ fn run<C: Cost + Sync, S: State>(
         if let Some(observer) = settings.observer {
             observer(Progress::Bred(generation));
         }
-        if settings.bound.is_some_and(|bound| all[0].cost <= bound) {
-            break Stop::Optimal;
-        }
+        // First, for a cancelled run may have begun with fewer individuals than it would have otherwise.
         if settings.is_cancelled() {
             break Stop::Cancelled;
+        }
+        if settings.bound.is_some_and(|bound| all[0].cost <= bound) {
+            break Stop::Optimal;
         }
         if number == evolution.generations {
             break Stop::Done;
@@ -245,18 +248,24 @@ fn run<C: Cost + Sync, S: State>(
             &births,
             || state.clone(),
             |state, birth: &Birth| {
+                if settings.is_cancelled() {
+                    return None;
+                }
                 let parents = [&all[birth.parents[0]], &all[birth.parents[1]]];
                 let genes = birth.genes::<S>(parents.map(|parent| &parent.genes[..]), evolution, plane);
-                replay.child(genes, parents, state)
+                Some(replay.child(genes, parents, state))
             },
         );
+        let Some(children) = children.into_iter().collect::<Option<Vec<Individual<S>>>>() else {
+            break Stop::Cancelled;
+        };
         stayed = 0;
         for (birth, child) in births.iter().zip(children) {
             replayed += child.replayed;
             spared += child.spared;
             let parents = birth.parents.map(|parent| &all[parent]);
             let better = if parents[0].cost <= parents[1].cost { parents[0] } else { parents[1] };
-            let stays = child.cost <= better.cost + evolution.tolerance;
+            let stays = child.cost <= better.cost.saturating_add(evolution.tolerance);
             stayed += u32::from(stays && child.is_new);
             next.push(if stays { child } else { better.clone() });
         }

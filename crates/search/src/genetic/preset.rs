@@ -19,7 +19,7 @@ pub enum Preset {
     Window,
     /// The best 40 of 100 annealing runs, 60 generations: as `Window` in a tenth of the time.
     Short,
-    /// The best 16 of 16 runs of the annealer `fast`, 50 generations. Crossover hardly ever adds to those.
+    /// Eight runs of the annealer `fast`, 50 generations. Crossover hardly ever adds to those.
     Fast,
 }
 
@@ -56,8 +56,8 @@ impl Preset {
                 (seeding, Evolution { population: 40, generations: 60, elites: 2, ..window })
             }
             Self::Fast => {
-                let seeding = Seeding { methods: vec![anneal::Preset::Fast.method()], runs: 16 };
-                (seeding, Evolution { population: 16, generations: 50, elites: 2, ..paper })
+                let seeding = Seeding { methods: vec![anneal::Preset::Fast.method()], runs: 8 };
+                (seeding, Evolution { population: 8, generations: 50, elites: 2, ..paper })
             }
         }
     }

@@ -8,26 +8,28 @@ use serde_json::{Value, json};
 
 use super::{Column, Runs};
 use crate::eval::statistics::Interval;
-use crate::eval::table::percent;
-use crate::machine;
+use crate::eval::table::{instances, percent};
 use crate::paper;
 use crate::search::Row;
 
-pub(super) fn summary(runs: &Runs) -> Value {
-    let cell = &runs.cell;
-    let columns = [
-        ("zigzag", Column::Zigzag),
-        ("anneal_paper", Column::Anneal(Preset::Paper)),
-        ("anneal_paper_presets", Column::AnnealPaper),
-        ("anneal_averaged", Column::AnnealAveraged),
-        ("anneal_fast", Column::Anneal(Preset::Fast)),
-        ("genetic_paper", Column::Genetic(genetic::Preset::Paper)),
-        ("genetic_window", Column::Genetic(genetic::Preset::Window)),
-        ("genetic_fast", Column::Genetic(genetic::Preset::Fast)),
-        ("exact", Column::Exact),
+/// The columns that stand side by side, with their names in tables.
+fn columns(presets: &[genetic::Preset]) -> Vec<(String, Column)> {
+    let mut columns = vec![
+        ("zigzag".to_owned(), Column::Zigzag),
+        ("anneal `paper`".to_owned(), Column::Anneal(Preset::Paper)),
+        ("anneal `fast`".to_owned(), Column::Anneal(Preset::Fast)),
     ];
-    let columns = columns.into_iter().filter(|&(_, column)| runs.column(column).next().is_some());
-    let columns = columns.map(|(name, column)| {
+    columns.extend(presets.iter().map(|&preset| (format!("genetic `{preset}`"), Column::Genetic(preset))));
+    columns.push(("exact".to_owned(), Column::Exact));
+    columns
+}
+
+pub(super) fn summary(runs: &Runs, presets: &[genetic::Preset]) -> Value {
+    let cell = &runs.cell;
+    let mut columns = columns(presets);
+    columns.push(("anneal paper's presets".to_owned(), Column::AnnealPaper));
+    columns.push(("anneal averaged".to_owned(), Column::AnnealAveraged));
+    let columns = columns.into_iter().map(|(name, column)| {
         let value = json!({
             "best_percent": runs.best(column),
             "mean_percent": runs.mean(column, Row::reduction),
@@ -35,10 +37,11 @@ pub(super) fn summary(runs: &Runs) -> Value {
             "mean_gap": runs.mean(column, gap),
             "mean_seconds": runs.mean(column, |row| row.seconds),
         });
-        (name.to_owned(), value)
+        (name.replace('`', ""), value)
     });
     json!({
         "layout": cell.layout.name(), "size": cell.size.to_string(), "instances": runs.instances(),
+        "mean_bound": runs.mean(Column::Exact, |row| row.bound.unwrap_or_default() as f64),
         "paper": {
             "zigzag": cell.zigzag, "anneal_best_percent": cell.best, "anneal_mean_percent": cell.mean,
             "genetic_best_percent": cell.genetic,
@@ -51,12 +54,8 @@ fn gap(row: &Row) -> f64 {
     f64::from(row.crossings) - row.bound.unwrap_or_default() as f64
 }
 
-pub(super) fn markdown(
-    all: &[Runs],
-    seeds: u64,
-    presets: &[genetic::Preset],
-) -> Result<String, std::fmt::Error> {
-    let mut text = format!("Machine: {}. Seeds 0..{seeds}.\n", machine::line());
+/// Writes all tables.
+pub(super) fn markdown(text: &mut String, all: &[Runs], presets: &[genetic::Preset]) -> std::fmt::Result {
     let genetic = |runs: &Runs, value: &dyn Fn(&Runs, Column) -> f64| -> String {
         let values = presets.iter().map(|&preset| percent(value(runs, Column::Genetic(preset))));
         values.collect::<Vec<_>>().join(" / ")
@@ -65,12 +64,12 @@ pub(super) fn markdown(
     let best = |runs: &Runs, column| runs.best(column);
 
     writeln!(text, "\n## Table 1: best reduction by the genetic algorithm, in %: {names} (the paper)\n")?;
-    table(&mut text, all, |runs| format!("{} ({:.1})", genetic(runs, &best), runs.cell.genetic))?;
+    table(text, all, |runs| format!("{} ({:.1})", genetic(runs, &best), runs.cell.genetic))?;
     writeln!(
         text,
         "\n## Table 3: best reduction by annealing, in %: the paper's presets / `fast` (the paper)\n"
     )?;
-    table(&mut text, all, |runs| {
+    table(text, all, |runs| {
         let [ours, fast] =
             [Column::AnnealPaper, Column::Anneal(Preset::Fast)].map(|column| runs.best(column));
         format!("{} / {} ({:.1})", percent(ours), percent(fast), runs.cell.best)
@@ -80,48 +79,31 @@ pub(super) fn markdown(
         "\n## Table 5: mean reduction by annealing, in %: preset `paper` / mean of `medium`, `paper`, `long` and `extra_long` (the paper)\n"
     )?;
     let mean = |runs: &Runs, column| runs.mean(column, Row::reduction);
-    table(&mut text, all, |runs| {
+    table(text, all, |runs| {
         let [paper, averaged] =
             [Column::Anneal(Preset::Paper), Column::AnnealAveraged].map(|column| mean(runs, column));
         format!("{} / {} ({:.1})", percent(paper), percent(averaged), runs.cell.mean)
     })?;
     writeln!(text, "\n## Mean reduction, in %: genetic {names}; `fast`; exact\n")?;
-    table(&mut text, all, |runs| {
+    table(text, all, |runs| {
         let [fast, exact] = [Column::Anneal(Preset::Fast), Column::Exact].map(|column| mean(runs, column));
         format!("{}; {}; {}", genetic(runs, &mean), percent(fast), percent(exact))
     })?;
-    crossings(&mut text, all, presets)?;
-    gains(&mut text, all, presets)?;
-    verdicts(&mut text, all, presets)?;
-    writeln!(text, "\nInstances whose zigzag crosses within 10 % as often as the paper's:")?;
-    for runs in all.iter().filter(|runs| runs.cell.layout.is_random()) {
-        writeln!(
-            text,
-            "- {} {}: {} (the paper's crosses {} times)",
-            runs.cell.layout,
-            runs.cell.size,
-            runs.instances(),
-            runs.cell.zigzag
-        )?;
-    }
-    Ok(text)
+    crossings(text, all, presets)?;
+    gains(text, all, presets)?;
+    verdicts(text, all, presets)?;
+    instances(text, all.iter().map(|runs| (runs.cell, runs.instances())))
 }
 
 /// A row for each cell: crossings, bound and gap, and what they cost in time.
 fn crossings(text: &mut String, all: &[Runs], presets: &[genetic::Preset]) -> std::fmt::Result {
-    let mut columns = vec![
-        ("zigzag".to_owned(), Column::Zigzag),
-        ("anneal `paper`".to_owned(), Column::Anneal(Preset::Paper)),
-        ("anneal `fast`".to_owned(), Column::Anneal(Preset::Fast)),
-    ];
-    columns.extend(presets.iter().map(|&preset| (format!("genetic `{preset}`"), Column::Genetic(preset))));
-    columns.push(("exact".to_owned(), Column::Exact));
+    let columns = columns(presets);
     let heads = columns.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(" | ");
     let rule = "---|".repeat(columns.len());
 
     writeln!(
         text,
-        "\n## Mean crossings, proven bound, and gap of the best annealing, genetic and exact run\n"
+        "\n## Mean crossings, mean of the proven bounds, and smallest gaps of annealing, genetic and exact runs\n"
     )?;
     writeln!(text, "| layout | size | {heads} | bound | gaps |\n|---|---|{rule}---|---|")?;
     for runs in all {
@@ -159,19 +141,22 @@ fn gains(text: &mut String, all: &[Runs], presets: &[genetic::Preset]) -> std::f
         text,
         "\n## Crossings that the genetic algorithm saves on the best run of its first population\n"
     )?;
-    writeln!(text, "Mean with its confidence interval of 95 %, and the share of the runs that save any.\n")?;
+    writeln!(
+        text,
+        "Mean over the sizes with its confidence interval of 95 %, and the share of the runs that save any.\n"
+    )?;
     let heads = presets.iter().map(|preset| format!("`{preset}`")).collect::<Vec<_>>().join(" | ");
     writeln!(text, "| layout | {heads} |\n|---|{}", "---|".repeat(presets.len()))?;
     for layout in Layout::PAPER {
         let cells = presets.iter().map(|&preset| {
-            let rows = all.iter().filter(|runs| runs.cell.layout == layout);
-            let rows = rows.flat_map(|runs| runs.column(Column::Genetic(preset)));
-            let saved =
-                rows.filter_map(|row| Some(row.genetic.as_ref()?.seeded as f64 - f64::from(row.crossings)));
-            let saved: Vec<f64> = saved.collect();
-            let some = saved.iter().filter(|&&saved| saved > 0.0).count();
-            let Interval { mean, half_width } = Interval::of(&saved);
-            format!("{mean:.2} +- {half_width:.2}, {:.0} %", 100.0 * some as f64 / saved.len() as f64)
+            let here = all.iter().filter(|runs| runs.cell.layout == layout);
+            let saved = |row: &Row| Some(row.genetic.as_ref()?.seeded as f64 - f64::from(row.crossings));
+            let saved: Vec<Vec<f64>> =
+                here.map(|runs| runs.column(Column::Genetic(preset)).filter_map(saved).collect()).collect();
+            let runs: Vec<f64> = saved.iter().flatten().copied().collect();
+            let some = runs.iter().filter(|&&saved| saved > 0.0).count();
+            let share = 100.0 * some as f64 / runs.len() as f64;
+            format!("{}, {share:.0} %", Interval::of(&saved))
         });
         writeln!(text, "| {layout} | {} |", cells.collect::<Vec<_>>().join(" | "))?;
     }

@@ -4,7 +4,7 @@ use crate::chart::{Axis, BLUE, Chart, GREEN, GREY, ORANGE, Series, Stroke, chart
 use crate::search::{GeneticRow, Row};
 
 /// Crossings and diversity over the generations of one run.
-pub(crate) fn generations(row: &Row, genetic: &GeneticRow) -> anyhow::Result<String> {
+pub(crate) fn chart(row: &Row, genetic: &GeneticRow) -> anyhow::Result<String> {
     let over = |value: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
         let history = genetic.history.iter().enumerate();
         history.map(|(place, generation)| (f64::from(generation.number), value(place))).collect()
