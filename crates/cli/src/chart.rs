@@ -34,11 +34,21 @@ pub(crate) struct Series {
     pub(crate) points: Vec<(f64, f64)>,
 }
 
+impl Series {
+    fn style(&self) -> ShapeStyle {
+        match self.stroke {
+            Stroke::Thin => self.colour.mix(0.6).stroke_width(1),
+            Stroke::Plain | Stroke::Dotted => self.colour.stroke_width(2),
+        }
+    }
+}
+
 /// How a line is drawn.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Stroke {
     Plain,
-    Dashed,
+    /// For what is of second rank.
+    Thin,
     /// With a dot at each point.
     Dotted,
 }
@@ -112,13 +122,9 @@ impl Chart<'_> {
         for series in &self.series {
             let points: Vec<(f64, f64)> =
                 series.points.iter().map(|&(x, y)| (self.x.place(x), self.y.place(y))).collect();
-            let style = series.colour.stroke_width(2);
-            if series.stroke == Stroke::Dashed {
-                chart.draw_series(DashedLineSeries::new(points, 5, 4, style)).map_err(told)?;
-            } else {
-                let dots = if series.stroke == Stroke::Dotted { 3 } else { 0 };
-                chart.draw_series(LineSeries::new(points, style).point_size(dots)).map_err(told)?;
-            }
+            let dots = if series.stroke == Stroke::Dotted { 3 } else { 0 };
+            let line = LineSeries::new(points, series.style()).point_size(dots);
+            chart.draw_series(line).map_err(told)?;
         }
         Ok(())
     }
@@ -156,16 +162,12 @@ fn legend(area: &Area<'_>, charts: &[Chart<'_>]) -> anyhow::Result<()> {
     let mut left = 50;
     let mut seen = HashSet::new();
     let series = charts.iter().flat_map(|chart| &chart.series);
-    for Series { name, colour, stroke, .. } in series.filter(|series| seen.insert(&series.name)) {
-        let dashes: &[(i32, i32)] =
-            if *stroke == Stroke::Dashed { &[(0, 6), (10, 16), (20, 26)] } else { &[(0, 26)] };
-        for &(from, to) in dashes {
-            let line = vec![(left + from, 12), (left + to, 12)];
-            area.draw(&PathElement::new(line, colour.stroke_width(2))).map_err(told)?;
-        }
+    for series in series.filter(|series| seen.insert(&series.name)) {
+        let line = vec![(left, 12), (left + 26, 12)];
+        area.draw(&PathElement::new(line, series.style())).map_err(told)?;
         let style = ("sans-serif", 12).into_text_style(area).pos(Pos::new(HPos::Left, VPos::Center));
-        area.draw(&Text::new(name.clone(), (left + 32, 12), style)).map_err(told)?;
-        left += 60 + 7 * name.chars().count() as i32;
+        area.draw(&Text::new(series.name.clone(), (left + 32, 12), style)).map_err(told)?;
+        left += 60 + 7 * series.name.chars().count() as i32;
     }
     Ok(())
 }

@@ -18,10 +18,10 @@ pub(crate) fn chart(row: &Row, genetic: &GeneticRow) -> anyhow::Result<String> {
     let axis = |label| Axis { label, logarithmic: false, shown: &[0.0] };
     let mut series = vec![
         line("best", BLUE, Stroke::Plain, &|place| genetic.history[place].best as f64),
-        line("mean", ORANGE, Stroke::Dashed, &|place| genetic.history[place].mean),
+        line("mean", ORANGE, Stroke::Thin, &|place| genetic.history[place].mean),
     ];
     if let Some(bound) = row.bound {
-        series.push(line("bound", GREY, Stroke::Dashed, &|_| bound as f64));
+        series.push(line("bound", GREY, Stroke::Thin, &|_| bound as f64));
     }
     let diversity = line("diversity", GREEN, Stroke::Plain, &|place| genetic.history[place].diversity);
     let preset = row.preset.as_deref().unwrap_or_default();

@@ -119,7 +119,7 @@ impl Growth {
         };
         let over_cells = vec![
             line("exact search", GREEN, Stroke::Dotted, cells),
-            line("linear", GREY, Stroke::Dashed, linear.to_vec()),
+            line("linear", GREY, Stroke::Thin, linear.to_vec()),
         ];
         let over_zones = vec![line("exact search", GREEN, Stroke::Dotted, zones)];
         let panels = [chart("3 zones", "cells", over_cells), chart("100 x 100 cells", "zones", over_zones)];

@@ -20,7 +20,7 @@ pub(super) fn convergence(all: &[Runs], presets: &[genetic::Preset]) -> anyhow::
                 Series { name, colour, stroke, points }
             };
             series.push(line(format!("genetic {preset}, best"), Stroke::Plain, &|it| it.best as f64));
-            series.push(line(format!("genetic {preset}, mean"), Stroke::Dashed, &|it| it.mean));
+            series.push(line(format!("genetic {preset}, mean"), Stroke::Thin, &|it| it.mean));
         }
         let last = series.iter().flat_map(|series| &series.points).fold(1.0, |last, point| point.0.max(last));
         for (name, column, colour) in
