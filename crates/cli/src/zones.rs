@@ -56,10 +56,12 @@ pub(crate) struct Args {
     /// Exact: a file with what crossings cost: a row for each zone, a whole number for each zone to step to.
     #[arg(long, value_name = "FILE")]
     costs: Option<PathBuf>,
-    /// Anneal: paper (if not given), short, medium, long, extra_long or fast. Genetic: paper (if not given), two_point, window, short or fast.
+    /// Anneal: paper (if not given), short, medium, long, extra_long or fast. Genetic: paper (if not given), two_point,
+    /// window, short or fast.
     #[arg(long, value_name = "NAME")]
     preset: Option<String>,
-    /// Path to start from: row_zigzag, column_zigzag, spiral, cover, or auto (the row zigzag where there is one, else the cover).
+    /// Path to start from: row_zigzag, column_zigzag, spiral, cover, or auto (the row zigzag where there is one, else
+    /// the cover).
     #[arg(long, value_name = "START", default_value = "auto")]
     start: StartChoice,
     /// Draw the layer before and after.

@@ -6,16 +6,17 @@ use crate::{Path, Placed};
 
 /// Which neighbours a path links: all that the variants of Aali et al. look at.
 ///
-/// A variant whose window matches keeps the path whole, whatever lies outside. So a record of variants can be replayed on the links
-/// alone, in a few nanoseconds each, where a [`Path`] rewrites all positions between the first and the last cut.
+/// A variant whose window matches keeps the path whole, whatever lies outside. So a record of variants can be replayed
+/// on the links alone, in a few nanoseconds each, where a [`Path`] rewrites all positions between the first and the
+/// last cut.
 ///
 /// Equal links in planes of equal size are equal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Links {
     width: u32,
     height: u32,
-    /// For each cell [`link::RIGHT`] and [`link::BELOW`]; two columns and two rows more than the plane has, without links, so that
-    /// windows which stick out match nothing.
+    /// For each cell [`link::RIGHT`] and [`link::BELOW`]; two columns and two rows more than the plane has, without
+    /// links, so that windows which stick out match nothing.
     bits: Vec<u8>,
 }
 

@@ -1,8 +1,9 @@
 //! Searches for a path of lower cost.
 //!
-//! A search takes a [`Path`](beadwork_grid::Path), a [`Cost`] and its settings, and gives back the best path it found, its
-//! cost, a proven lower bound where the caller had one, and why it stopped. It does no I/O, reads no clock and works on no
-//! threads but those of a pool that it is handed; with the same seed it gives the same answer on every machine.
+//! A search takes a [`Path`](beadwork_grid::Path), a [`Cost`] and its settings, and gives back the best path it found,
+//! its cost, a proven lower bound where the caller had one, and why it stopped. It does no I/O, reads no clock and
+//! works on no threads but those of a pool that it is handed; with the same seed it gives the same answer on every
+//! machine.
 //!
 //! - [`exact`]: the fewest pieces, then the fewest crossings, and a proof where the bound is met.
 //! - [`anneal`](anneal()): simulated annealing, by the method of Aali et al. ([`Pooled`]) or a faster one ([`Free`]).

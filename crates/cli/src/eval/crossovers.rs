@@ -29,7 +29,7 @@ fn ways(paper: Evolution) -> [(&'static str, Evolution); 5] {
 }
 
 /// Sizes that are compared, of the paper's.
-const SIDES: [u32; 3] = [30, 60, 100];
+const SIDES: [u32; 2] = [30, 60];
 
 /// All ways from one first population.
 #[derive(Serialize, Deserialize)]

@@ -29,7 +29,8 @@ enum What {
     Zones(ZonesArgs),
 }
 
-/// Crossings over the 24 cells of Aali et al.: their Tables 1, 3 and 5 by every method, or one method looked at closely.
+/// Crossings over the 24 cells of Aali et al.: their Tables 1, 3 and 5 by every method, or one method looked at
+/// closely.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Without --method: zigzag, annealing, the genetic algorithm and the exact search on the same instances, those whose zigzag crosses within 10 % as
@@ -55,10 +56,12 @@ struct ZonesArgs {
     /// Look at one method: zigzag, anneal, genetic or exact; all of them, side by side, if not given.
     #[arg(long, value_name = "METHOD")]
     method: Option<MethodName>,
-    /// Seeds per cell and preset; if not given 10 for the table of all methods, 30 for genetic, 100 for the others (with --smoke 1, 2 and 100).
+    /// Seeds per cell and preset; if not given 10 for the table of all methods, 30 for genetic, 100 for the others
+    /// (with --smoke 1, 2 and 100).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     seeds: Option<u64>,
-    /// All methods, genetic: folder to leave results in and to go on from; datasets/eval-zones or datasets/eval-crossovers if not given.
+    /// All methods, genetic: folder to leave results in and to go on from; datasets/eval-zones or
+    /// datasets/eval-crossovers if not given.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Anneal: presets, with commas; all if not given.

@@ -23,8 +23,8 @@ pub(super) struct Store {
 }
 
 impl Store {
-    /// Opens a folder, making it if need be. One of other settings, of another build of this program or of another machine is refused, for its
-    /// parts would not go together with new ones.
+    /// Opens a folder, making it if need be. One of other settings, of another build of this program or of another
+    /// machine is refused, for its parts would not go together with new ones.
     pub(super) fn open(folder: &Path, settings: &Value) -> anyhow::Result<Self> {
         let parts = folder.join("parts");
         fs::create_dir_all(&parts).with_context(|| format!("cannot make '{}'", parts.display()))?;
@@ -113,7 +113,8 @@ fn read(path: &Path) -> anyhow::Result<Option<Value>> {
     }
 }
 
-/// A number that tells builds of this program apart: the commit does not, for sources may have been changed or not built anew.
+/// A number that tells builds of this program apart: the commit does not, for sources may have been changed or not
+/// built anew.
 fn build() -> anyhow::Result<String> {
     let program = std::env::current_exe().context("cannot find this program's file")?;
     let bytes = fs::read(&program).with_context(|| format!("cannot read '{}'", program.display()))?;

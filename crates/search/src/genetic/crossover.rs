@@ -17,10 +17,12 @@ pub enum Crossover {
     },
     /// The genes of one parent, but for a random stretch of the other's in place of its own.
     TwoPoint,
-    /// The moves of one parent outside a random window of the plane, and those of the other inside, in their own order and as many as fit.
+    /// The moves of one parent outside a random window of the plane, and those of the other inside, in their own order
+    /// and as many as fit.
     ///
-    /// A variant applies or not by the links near it alone, and crossings are links too. So the child has the crossings of one
-    /// parent inside the window, those of the other outside, and surprises only along its edges: it can have the best of both.
+    /// A variant applies or not by the links near it alone, and crossings are links too. So the child has the crossings
+    /// of one parent inside the window, those of the other outside, and surprises only along its edges: it can have the
+    /// best of both.
     Window,
 }
 
