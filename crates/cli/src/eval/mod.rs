@@ -33,17 +33,19 @@ enum What {
 /// closely.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Without --method: zigzag, annealing, the genetic algorithm and the exact search on the same instances, those whose zigzag crosses within 10 % as
-often as the paper's. Tables, numbers, convergence plots and heat maps are left in --out; an interrupted run goes on when the same
-command is run again.
+Without --method: zigzag, annealing, the genetic algorithm and the exact search on the same instances, those whose \
+zigzag crosses within 10 % as often as the paper's. Tables, numbers, convergence plots and heat maps are left in --out; \
+an interrupted run goes on when the same command is run again.
 
-With --method anneal or zigzag: the tables of means run the preset 'paper', then 'medium' to 'extra_long', on the instances of seeds 0, 1, 2, ...; the table of
-bests runs all presets on instances like the paper's.
+With --method anneal or zigzag: the tables of means run the preset 'paper', then 'medium' to 'extra_long', on the \
+instances of seeds 0, 1, 2, ...; the table of bests runs all presets on instances like the paper's.
 
-With --method genetic: one-point, two-point and window crossover on the same first populations, with confidence intervals.
+With --method genetic: one-point, two-point and window crossover on the same first populations, with confidence \
+intervals. It, too, goes on where it was interrupted.
 
-With --method exact: how often the fewest crossings are proven, and in what time, on the instances of seeds 0, 1, 2, ... of the 24 cells, of
-harder and larger layouts and of masks; each instance one after the other, bound included; zigzag and annealing beside it.
+With --method exact: how often the fewest crossings are proven, and in what time, on the instances of seeds 0, 1, 2, \
+... of the 24 cells, of harder and larger layouts and of masks; each instance one after the other, bound included; \
+zigzag and annealing beside it.
 
 Examples:
   beadwork eval zones

@@ -27,6 +27,13 @@ pub(super) struct Individual<S> {
     pub(super) is_new: bool,
 }
 
+impl<S: Clone> Individual<S> {
+    /// A child that is no different.
+    pub(super) fn copy(&self) -> Self {
+        Self { replayed: 0, spared: self.genes.len() as u64, is_new: false, ..self.clone() }
+    }
+}
+
 /// Moves as genes.
 pub(super) fn padded(moves: &[Move], length: usize) -> Vec<Gene> {
     let mut genes: Vec<Gene> = moves.iter().copied().map(Some).collect();

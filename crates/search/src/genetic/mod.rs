@@ -34,6 +34,7 @@ mod seeding;
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use beadwork_grid::{Links, Path};
@@ -255,6 +256,9 @@ fn run<C: Cost + Sync, S: State>(
                     return None;
                 }
                 let parents = [&all[birth.parents[0]], &all[birth.parents[1]]];
+                if birth.copies(parents.map(|parent| &parent.genes), evolution) {
+                    return Some(parents[0].copy());
+                }
                 let genes = birth.genes::<S>(parents.map(|parent| &parent.genes[..]), evolution, plane);
                 Some(replay.child(genes, parents, state))
             },
@@ -326,6 +330,14 @@ fn draw<S: State>(
 }
 
 impl Birth {
+    /// Whether the child will be like both parents, which is not even to be tried out: most pairs are such in a
+    /// population that has converged.
+    fn copies(&self, [one, other]: [&Arc<[Gene]>; 2], evolution: &Evolution) -> bool {
+        // Window crossover moves blanks to the end, also where both parents are alike.
+        let alike = Arc::ptr_eq(one, other) && evolution.crossover != Crossover::Window;
+        evolution.mutations == 0 && (alike || self.parents[0] == self.parents[1])
+    }
+
     /// The genes of the child.
     fn genes<S: State>(&self, parents: [&[Gene]; 2], evolution: &Evolution, plane: (u32, u32)) -> Vec<Gene> {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(self.seed);

@@ -114,7 +114,7 @@ impl<'a, S: State, C: Cost> Replay<'a, S, C> {
         let (parent, common) =
             if common[0] >= common[1] { (parents[0], common[0]) } else { (parents[1], common[1]) };
         if common == genes.len() {
-            return Individual { replayed: 0, spared: common as u64, is_new: false, ..parent.clone() };
+            return parent.copy();
         }
         let kept = self.places.partition_point(|&place| place <= common);
         let marks = parent.marks[..kept].to_vec();
