@@ -26,9 +26,14 @@ pub(crate) struct Interrupt<'a> {
 impl Interrupt<'_> {
     /// Whether to stop now, and why.
     pub(crate) fn check(&self) -> Option<Stop> {
-        if self.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
+        if is_cancelled(self.cancel) {
             return Some(Stop::Cancelled);
         }
         self.time_is_up.is_some_and(|time_is_up| time_is_up()).then_some(Stop::TimeUp)
     }
+}
+
+/// Whether a cancel token was given and is set.
+pub(crate) fn is_cancelled(cancel: Option<&AtomicBool>) -> bool {
+    cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed))
 }

@@ -5,7 +5,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use anyhow::bail;
-use beadwork_grid::{Crossings, Layout, LayoutSpec, Links, Placed, Region, Start};
+use beadwork_grid::{Crossings, Layout, LayoutSpec, Links, Path, Placed, Region, Start};
 use beadwork_search::genetic::{self, Settings};
 use beadwork_search::{Cost, Move, Stop};
 use indicatif::ProgressBar;
@@ -150,40 +150,35 @@ fn row(side: u32, layout: Layout, repeats: u64, bar: &ProgressBar) -> anyhow::Re
             replayed,
         });
     }
-    let moves = lists.iter().map(Vec::len).sum::<usize>() as f64 / 1e6;
-    let change = |placed: Placed| Cost::change(&crossings, placed.switches(side));
-    let first = Links::new(&start);
-    let mut links = first.clone();
-    let links_seconds = median(repeats, |_| {
-        let mut sum = 0;
-        for list in &lists {
-            links.copy_from(&first);
-            sum += list
-                .iter()
-                .filter(|&&placed| links.apply_variant(placed))
-                .map(|&placed| change(placed))
-                .sum::<i64>();
-        }
-        black_box(sum);
-    });
-    let mut path = start.clone();
-    let path_seconds = median(repeats, |_| {
-        let mut sum = 0;
-        for list in &lists {
-            path.copy_from(&start);
-            sum += list
-                .iter()
-                .filter(|&&placed| path.apply_variant(placed))
-                .map(|&placed| change(placed))
-                .sum::<i64>();
-        }
-        black_box(sum);
-    });
+    let (links, change) =
+        (Links::new(&start), |placed: Placed| Cost::change(&crossings, placed.switches(side)));
     Ok(Row {
         layout: layout.name().to_owned(),
         size: format!("{side}x{side}"),
-        links_m_per_s: moves / links_seconds,
-        path_m_per_s: moves / path_seconds,
+        links_m_per_s: replays(&lists, &links, Links::copy_from, Links::apply_variant, change, repeats),
+        path_m_per_s: replays(&lists, &start, Path::copy_from, Path::apply_variant, change, repeats),
         runs,
     })
+}
+
+/// Millions of moves a second, each list replayed from the start, with the changes of those that apply.
+fn replays<S: Clone>(
+    lists: &[Vec<Placed>],
+    start: &S,
+    copy: fn(&mut S, &S),
+    apply: impl Fn(&mut S, Placed) -> bool,
+    change: impl Fn(Placed) -> i64,
+    repeats: u64,
+) -> f64 {
+    let mut state = start.clone();
+    let seconds = median(repeats, |_| {
+        let mut sum = 0;
+        for list in lists {
+            copy(&mut state, start);
+            let applied = list.iter().filter(|&&placed| apply(&mut state, placed));
+            sum += applied.map(|&placed| change(placed)).sum::<i64>();
+        }
+        black_box(sum);
+    });
+    lists.iter().map(Vec::len).sum::<usize>() as f64 / 1e6 / seconds
 }

@@ -6,7 +6,6 @@ use std::path::Path;
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
 use beadwork_search::bound::Bounds;
 use beadwork_search::genetic::{self, Crossover, Evolution, Preset, Settings};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -14,7 +13,7 @@ use super::ZonesArgs;
 use super::statistics::{Interval, mean};
 use super::store::Store;
 use crate::paper::{self, Cell};
-use crate::{cancel, machine, output, progress};
+use crate::{cancel, machine, output};
 
 /// What is compared; the first is the paper's, which the others are compared with.
 fn ways(paper: Evolution) -> [(&'static str, Evolution); 5] {
@@ -64,20 +63,9 @@ pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
     let store = Store::open(out, &settings)?;
     let jobs: Vec<(Cell, u64)> =
         cells.iter().flat_map(|&cell| (0..seeds).map(move |seed| (cell, seed))).collect();
-    let bar = progress::resumed(jobs.len() as u64, store.count()?, "eval zones");
-    let search = |&(cell, seed): &(Cell, u64)| {
-        let name = format!("{}-{}-{seed}", cell.layout, cell.size);
-        let part = store.part(&name, || {
-            let run = compare(&cell, seed, preset);
-            bar.inc(1);
-            run
-        });
-        Ok(part?.0)
-    };
-    let runs: anyhow::Result<Vec<Run>> =
-        pool.install(|| jobs.par_iter().with_max_len(1).map(search).collect());
-    bar.finish_and_clear();
-    let mut runs = runs?.into_iter();
+    let name = |(cell, seed): &(Cell, u64)| format!("{}-{}-{seed}", cell.layout, cell.size);
+    let runs = store.parts(&pool, &jobs, name, |(cell, seed)| compare(cell, *seed, preset))?;
+    let mut runs = runs.into_iter().map(|(run, _)| run);
     let all: Vec<(Cell, Vec<Run>)> =
         cells.into_iter().map(|cell| (cell, runs.by_ref().take(seeds as usize).collect())).collect();
 

@@ -9,7 +9,7 @@ use beadwork_grid::{Layout, LayoutSpec, Region, Shape, Start, Zones};
 use beadwork_search::{Preset, exact};
 use serde_json::{Value, json};
 
-use super::{ZonesArgs, growth};
+use super::{ZonesArgs, growth, statistics};
 use crate::paper;
 use crate::search::{Choice, Row, Search};
 use crate::{cancel, machine, output, progress};
@@ -202,7 +202,7 @@ impl Totals {
 }
 
 fn mean(rows: &[Row], value: impl Fn(&Row) -> f64) -> f64 {
-    rows.iter().map(value).sum::<f64>() / rows.len() as f64
+    statistics::mean(rows.iter().map(value))
 }
 
 fn table(text: &mut String, runs: &[Runs]) -> std::fmt::Result {

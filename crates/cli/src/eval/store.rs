@@ -8,11 +8,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use anyhow::{Context, bail};
+use rayon::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
-use crate::{cancel, machine, output};
+use crate::{cancel, machine, output, progress};
 
 /// A folder with a file for each finished part, and one that says what all of them were made with.
 pub(super) struct Store {
@@ -53,8 +54,29 @@ impl Store {
         &self.machine
     }
 
+    /// The parts of all jobs in their order, each as it lies there or made now, and the seconds that it took then.
+    pub(super) fn parts<J: Sync, T: Serialize + DeserializeOwned + Send>(
+        &self,
+        pool: &rayon::ThreadPool,
+        jobs: &[J],
+        name: impl Fn(&J) -> String + Sync,
+        make: impl Fn(&J) -> anyhow::Result<T> + Sync,
+    ) -> anyhow::Result<Vec<(T, f64)>> {
+        let bar = progress::resumed(jobs.len() as u64, self.count()?, "eval zones");
+        let part = |job: &J| {
+            self.part(&name(job), || {
+                let made = make(job);
+                bar.inc(1);
+                made
+            })
+        };
+        let parts = pool.install(|| jobs.par_iter().with_max_len(1).map(part).collect());
+        bar.finish_and_clear();
+        parts
+    }
+
     /// How many parts are there.
-    pub(super) fn count(&self) -> anyhow::Result<u64> {
+    fn count(&self) -> anyhow::Result<u64> {
         let parts = self.folder.join("parts");
         let entries = fs::read_dir(&parts).with_context(|| format!("cannot list '{}'", parts.display()))?;
         Ok(entries.count() as u64)
@@ -63,13 +85,13 @@ impl Store {
     /// The part of this name, as it lies there or made now, and the seconds that it took then.
     ///
     /// What is made after the cancel token was set is not kept: the searches give up early.
-    pub(super) fn part<T: Serialize + DeserializeOwned>(
+    fn part<T: Serialize + DeserializeOwned>(
         &self,
         name: &str,
         make: impl FnOnce() -> anyhow::Result<T>,
     ) -> anyhow::Result<(T, f64)> {
         let path = self.folder.join("parts").join(format!("{name}.json"));
-        let damaged = || format!("'{}' is damaged: remove it to have it made again", path.display());
+        let damaged = || damaged(&path);
         if let Some(mut kept) = read(&path)? {
             self.kept.fetch_add(1, Ordering::Relaxed);
             let seconds = kept["seconds"].as_f64().with_context(damaged)?;
@@ -104,13 +126,14 @@ impl Store {
 /// The document in a file; `None` where there is no file.
 fn read(path: &Path) -> anyhow::Result<Option<Value>> {
     match fs::read(path) {
-        Ok(bytes) => {
-            let damaged = || format!("'{}' is damaged: remove it to have it made again", path.display());
-            Ok(Some(serde_json::from_slice(&bytes).with_context(damaged)?))
-        }
+        Ok(bytes) => Ok(Some(serde_json::from_slice(&bytes).with_context(|| damaged(path))?)),
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
         Err(error) => Err(error).with_context(|| format!("cannot read '{}'", path.display())),
     }
+}
+
+fn damaged(path: &Path) -> String {
+    format!("'{}' is damaged: remove it to have it made again", path.display())
 }
 
 /// A number that tells builds of this program apart: the commit does not, for sources may have been changed or not

@@ -7,7 +7,7 @@ mod tests;
 
 use std::fmt;
 use std::str::FromStr;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use beadwork_grid::Path;
 use rand::SeedableRng;
@@ -17,6 +17,7 @@ use thiserror::Error;
 pub use free::Free;
 pub use pooled::Pooled;
 
+use crate::stop::is_cancelled;
 use crate::{Cost, Move, Stop};
 
 /// How to anneal.
@@ -218,8 +219,7 @@ impl<'a> Run<'a> {
         if self.settings.bound.is_some_and(|bound| self.best <= bound) {
             return Some(Stop::Optimal);
         }
-        let cancelled = self.settings.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed));
-        cancelled.then_some(Stop::Cancelled)
+        is_cancelled(self.settings.cancel).then_some(Stop::Cancelled)
     }
 
     fn observe(&self, proposals: u64, planned: u64, temperature: f64) {

@@ -1,6 +1,7 @@
 //! Replays of records, stops, and another cost.
 
 use std::sync::Mutex;
+use std::sync::atomic::Ordering;
 
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start, Switch, Zones, cover, verify};
 use proptest::prelude::*;

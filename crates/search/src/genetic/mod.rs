@@ -35,7 +35,7 @@ mod seeding;
 mod tests;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use beadwork_grid::{Links, Path};
 use rand::{Rng, SeedableRng};
@@ -46,6 +46,7 @@ pub use preset::{Preset, UnknownPreset};
 pub use seeding::{Seeding, annealed};
 
 use crate::random::{below, unit};
+use crate::stop::is_cancelled;
 use crate::{Cost, Move, Stop};
 use individual::{Gene, Individual};
 use replay::{Replay, State};
@@ -116,7 +117,7 @@ impl Settings<'_> {
     }
 
     fn is_cancelled(&self) -> bool {
-        self.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed))
+        is_cancelled(self.cancel)
     }
 }
 

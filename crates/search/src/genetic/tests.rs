@@ -1,6 +1,7 @@
 //! Replays against the slow way, children against their parents, and whole runs.
 
 use std::sync::Mutex;
+use std::sync::atomic::Ordering;
 
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Placed, Region, Start, Variant, Zones, cover, verify};
 use proptest::prelude::*;

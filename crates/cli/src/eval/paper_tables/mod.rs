@@ -11,7 +11,6 @@ use beadwork_grid::{Crossings, LayoutSpec, Region, Start};
 use beadwork_search::bound::Bounds;
 use beadwork_search::genetic::{self, Seeding};
 use beadwork_search::{Move, Preset, exact};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -19,7 +18,7 @@ use super::ZonesArgs;
 use super::store::Store;
 use crate::paper::{self, AVERAGED, Cell};
 use crate::search::{Breeding, Choice, Row, Search};
-use crate::{cancel, machine, output, progress};
+use crate::{cancel, machine, output};
 
 /// What all methods came to on the instances of one cell.
 struct Runs {
@@ -114,21 +113,12 @@ pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
         let matching = cell.matching_seeds(seeds)?;
         jobs.extend((0..seeds).map(|seed| (cell, seed, matching[seed as usize % matching.len()])));
     }
-    let bar = progress::resumed(jobs.len() as u64, store.count()?, "eval zones");
-    let search = |&(cell, seed, instance_seed): &(Cell, u64, u64)| {
-        let name = format!("{}-{}-{seed}", cell.layout, cell.size);
-        let part = store.part(&name, || {
-            let rows = every_method(&cell, seed, instance_seed, presets)?;
-            bar.inc(1);
-            Ok(rows.into_iter().map(|row| Tagged { instance_seed, row }).collect::<Vec<Tagged>>())
-        })?;
-        Ok(part)
-    };
     let begin = Instant::now();
-    let parts: anyhow::Result<Vec<(Vec<Tagged>, f64)>> =
-        pool.install(|| jobs.par_iter().with_max_len(1).map(search).collect());
-    bar.finish_and_clear();
-    let parts = parts?;
+    let name = |(cell, seed, _): &(Cell, u64, u64)| format!("{}-{}-{seed}", cell.layout, cell.size);
+    let parts = store.parts(&pool, &jobs, name, |(cell, seed, instance_seed)| {
+        let rows = every_method(cell, *seed, *instance_seed, presets)?.into_iter();
+        Ok(rows.map(|row| Tagged { instance_seed: *instance_seed, row }).collect::<Vec<Tagged>>())
+    })?;
     let now = begin.elapsed().as_secs_f64();
     let seconds: f64 = parts.iter().map(|(_, seconds)| seconds).sum();
     let mut rows = parts.into_iter().map(|(rows, _)| rows);
