@@ -22,8 +22,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod frame;
 mod picture;
 mod svg;
 
+pub use frame::Frame;
 pub use picture::{Picture, PictureError};
 pub use svg::{Panel, svg};

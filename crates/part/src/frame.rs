@@ -1,0 +1,51 @@
+//! Where the cells of a layer lie on the printer's bed.
+
+/// The place and the size of all layers' planes, in the printer's coordinates: x right, y to the back, z up, in mm.
+///
+/// All layers of a part share one plane. Row 0 of it lies at the back, so that a layer printed as a picture looks as it does from above.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// x of the left side of column 0, in mm.
+    pub left_mm: f64,
+    /// y of the back side of row 0, in mm: the greatest y of the plane.
+    pub back_mm: f64,
+    /// Side of a cell, in mm: the width of a bead. More than 0.
+    pub cell_mm: f64,
+    /// Height of a layer, in mm. More than 0.
+    pub layer_mm: f64,
+    /// Columns of the plane.
+    pub width: u32,
+    /// Rows of the plane.
+    pub height: u32,
+}
+
+impl Frame {
+    /// Middle of the cell in column `x` and row `y`: its x and y in mm.
+    pub fn centre(&self, x: u32, y: u32) -> [f64; 2] {
+        let middle = |count: u32| (f64::from(count) + 0.5) * self.cell_mm;
+        [self.left_mm + middle(x), self.back_mm - middle(y)]
+    }
+
+    /// The nozzle's z while layer number `layer`, from 0, is printed: the layer's top, in mm.
+    pub fn top_mm(&self, layer: usize) -> f64 {
+        (layer + 1) as f64 * self.layer_mm
+    }
+
+    /// Volume of one cell, in mm³.
+    pub fn cell_mm3(&self) -> f64 {
+        self.cell_mm * self.cell_mm * self.layer_mm
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_run_from_the_back_to_the_front() {
+        let frame = Frame { left_mm: 10.0, back_mm: 20.0, cell_mm: 0.5, layer_mm: 0.25, width: 4, height: 4 };
+        assert_eq!(frame.centre(0, 0), [10.25, 19.75]);
+        assert_eq!(frame.centre(3, 1), [11.75, 19.25]);
+        assert_eq!((frame.top_mm(0), frame.top_mm(3)), (0.25, 1.0));
+    }
+}
