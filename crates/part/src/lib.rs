@@ -23,6 +23,7 @@
 //! ```
 
 mod frame;
+pub mod mesh;
 mod picture;
 mod svg;
 
