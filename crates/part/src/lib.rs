@@ -25,6 +25,7 @@
 mod frame;
 pub mod mesh;
 mod picture;
+pub mod slice;
 mod svg;
 
 pub use frame::Frame;

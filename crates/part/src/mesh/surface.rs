@@ -134,7 +134,7 @@ impl Mesh {
     }
 
     /// Moves every vertex, and turns the triangles over where `mirrored` says that the move turns the space inside out.
-    pub(super) fn map(&mut self, place: impl Fn([f64; 3]) -> [f64; 3], mirrored: bool) {
+    pub(crate) fn map(&mut self, place: impl Fn([f64; 3]) -> [f64; 3], mirrored: bool) {
         self.vertices.iter_mut().for_each(|vertex| *vertex = place(*vertex));
         if mirrored {
             self.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));

@@ -1,0 +1,172 @@
+//! Cells against rays through the mesh, and what is refused.
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::mesh::{Material, Materials, Mesh, Shape, Transform};
+
+fn body(mesh: Mesh, material: usize) -> Body {
+    Body { name: String::new(), mesh, material: Some(material), paint: Vec::new() }
+}
+
+fn moved(shape: &Shape, by: [f64; 3]) -> Mesh {
+    let mut mesh = shape.mesh();
+    Transform::shift(by).apply(&mut mesh);
+    mesh
+}
+
+fn model(bodies: Vec<Body>) -> Model {
+    Model { bodies, materials: Vec::new() }
+}
+
+/// How often the surface goes around a point: triangles above it, from outside or from inside.
+fn winding(mesh: &Mesh, [x, y, z]: [f64; 3]) -> i32 {
+    let mut winding = 0;
+    for &triangle in mesh.triangles() {
+        let [a, b, c] = mesh.corners(triangle);
+        let side = |p: [f64; 3], q: [f64; 3]| (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
+        let sides = [side(a, b), side(b, c), side(c, a)];
+        let is_up = sides.iter().all(|&side| side > 0.0);
+        if is_up || sides.iter().all(|&side| side < 0.0) {
+            let area: f64 = sides.iter().sum();
+            let height = (sides[1] * a[2] + sides[2] * b[2] + sides[0] * c[2]) / area;
+            if height > z {
+                winding += if is_up { 1 } else { -1 };
+            }
+        }
+    }
+    winding
+}
+
+#[test]
+fn a_box_is_its_cells() {
+    let cuboid = moved(&Shape::Cuboid { size_mm: [10.0, 5.0, 2.0] }, [100.0, 50.0, 0.0]);
+    let layers = slice(&model(vec![body(cuboid, 3)]), &Settings::default()).unwrap();
+    assert_eq!((layers.frame.width, layers.frame.height, layers.layers.len()), (20, 10, 8));
+    assert_eq!((layers.frame.left_mm, layers.frame.back_mm), (100.0, 55.0));
+    assert!(layers.layers.iter().flatten().all(|layer| layer.region.is_rectangle()));
+    assert_eq!((layers.tools(), layers.cell_count()), (4, 1600));
+    let voxels = layers.voxels();
+    assert_eq!((voxels.count(), voxels.material(19, 9, 7), voxels.material(20, 0, 0)), (1600, Some(3), None));
+    assert!((voxels.volume_mm3() - 100.0).abs() < 1e-9);
+    assert_eq!(voxels.region(0).unwrap(), layers.layers[0].as_ref().unwrap().region);
+}
+
+#[test]
+fn bodies_side_by_side_share_no_cell_and_later_ones_win() {
+    let left = moved(&Shape::Cuboid { size_mm: [1.3, 4.0, 1.0] }, [0.0; 3]);
+    let right = moved(&Shape::Cuboid { size_mm: [2.7, 4.0, 1.0] }, [1.3, 0.0, 0.0]);
+    let inlay = moved(&Shape::Cuboid { size_mm: [1.0, 1.0, 0.5] }, [1.0, 1.0, 0.5]);
+    let layers =
+        slice(&model(vec![body(left, 0), body(right, 1), body(inlay, 2)]), &Settings::default()).unwrap();
+    let zones = |layer: usize| layers.layers[layer].as_ref().unwrap().zones.clone();
+    let count = |layer: usize, zone: u8| zones(layer).ids().iter().filter(|&&id| id == zone).count();
+    assert!(layers.layers[0].as_ref().unwrap().region.is_rectangle());
+    assert_eq!((count(0, 0), count(0, 1), count(0, 2)), (24, 40, 0));
+    assert_eq!((count(3, 0), count(3, 1), count(3, 2)), (22, 38, 4));
+}
+
+#[test]
+fn paint_reaches_the_nearest_cells() {
+    // Triangles of a box in the order of Shape: the sides come after the ends, two triangles each, front first.
+    let mut painted = body(moved(&Shape::Cuboid { size_mm: [10.0, 10.0, 1.0] }, [0.0; 3]), 0);
+    painted.paint = vec![0; 12];
+    painted.paint[4..6].fill(1);
+    let layers = slice(&model(vec![painted]), &Settings::default()).unwrap();
+    let layer = layers.layers[1].as_ref().unwrap();
+    let at = |x: u32, y: u32| layer.zones.id(layer.region.cell(x, y));
+    // The front side is row 19; the diagonals part the square.
+    assert_eq!([at(10, 19), at(10, 11), at(10, 8), at(0, 15), at(19, 3)], [1, 1, 0, 0, 0]);
+}
+
+#[test]
+fn shells_within_shells_follow_the_rule() {
+    let outer = Shape::Cuboid { size_mm: [4.0, 4.0, 1.0] }.mesh();
+    let inner = moved(&Shape::Cuboid { size_mm: [2.0, 2.0, 1.0] }, [1.0, 1.0, 0.0]);
+    let base = outer.vertices().len() as u32;
+    let vertices = [outer.vertices(), inner.vertices()].concat();
+    let shifted: Vec<[u32; 3]> =
+        inner.triangles().iter().map(|corners| corners.map(|vertex| vertex + base)).collect();
+    let both = Mesh::new(vertices, [outer.triangles(), &shifted[..]].concat()).unwrap();
+    let count = |rule| {
+        let settings = Settings { rule, ..Settings::default() };
+        slice(&model(vec![body(both.clone(), 0)]), &settings).unwrap().cell_count()
+    };
+    assert_eq!((count(FillRule::NonZero), count(FillRule::EvenOdd)), (256, 192));
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    let cube = || vec![body(moved(&Shape::Cuboid { size_mm: [4.0; 3] }, [0.0; 3]), 0)];
+    let refused =
+        |bodies: Vec<Body>, settings: Settings<'_>| slice(&model(bodies), &settings).unwrap_err().to_string();
+    let settings = |cell_mm: f64, layer_mm: f64| Settings { cell_mm, layer_mm, ..Settings::default() };
+    assert_eq!(refused(cube(), settings(0.0, 0.2)), "the bead width is 0 mm: it must be more than 0");
+    assert_eq!(refused(cube(), settings(0.4, -1.0)), "the layer height is -1 mm: it must be more than 0");
+    assert_eq!(refused(cube(), settings(f64::NAN, 0.2)), "the bead width is NaN mm: it must be more than 0");
+    assert!(
+        refused(cube(), settings(1e-4, 0.2))
+            .starts_with("beads of 0.0001 mm make a layer of 40000 x 40000 cells")
+    );
+    assert!(refused(cube(), settings(0.01, 0.0001)).ends_with("are more than 1073741824 cells"));
+    assert!(refused(cube(), settings(0.5, 20.0)).starts_with("no layer has a cell"));
+    assert!(refused(vec![], settings(0.5, 0.5)).starts_with("no layer has a cell"));
+    let mut without = cube();
+    without[0].material = None;
+    assert!(refused(without, Settings::default()).starts_with("body 0 has no material"));
+    let cancel = AtomicBool::new(true);
+    let settings = Settings { cancel: Some(&cancel), ..Settings::default() };
+    assert_eq!(slice(&model(cube()), &settings), Err(SliceError::Cancelled));
+}
+
+#[test]
+fn materials_are_given_by_rule() {
+    let two = || {
+        let mut bodies = vec![body(Shape::Cuboid { size_mm: [1.0; 3] }.mesh(), 0); 2];
+        bodies[1].material = None;
+        let materials = vec![Material { name: "PLA".into(), colour: None }];
+        Model { bodies, materials }
+    };
+    let numbers = |rule| {
+        let mut model = two();
+        model.assign(rule);
+        let numbers: Vec<_> = model.bodies.iter().map(|body| body.material).collect();
+        (numbers, model.materials.len())
+    };
+    assert_eq!(numbers(Materials::Stated), (vec![Some(0), Some(1)], 2));
+    assert_eq!(numbers(Materials::Bodies), (vec![Some(0), Some(1)], 2));
+    assert_eq!(numbers(Materials::One), (vec![Some(0), Some(0)], 1));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// A cell is filled if a ray upwards from its middle leaves the body more often than it enters.
+    #[test]
+    fn cells_are_those_with_their_middle_inside(
+        steps in 3_u32..12,
+        radius in 1.0..4.0_f64,
+        shift in (0.0..1.0_f64, 0.0..1.0_f64),
+        side in 0.5..6.0_f64,
+        cell in 0.3..0.9_f64,
+    ) {
+        let mut ball = moved(&Shape::Sphere { radius_mm: radius, steps }, [shift.0, shift.1, radius]);
+        // So that no middle of a cell lies right below an edge, where the rays are undecided.
+        Transform::turn(2, 17.3).then(&Transform::turn(0, 5.1)).apply(&mut ball);
+        let cube = moved(&Shape::Cuboid { size_mm: [side; 3] }, [shift.1, -shift.0, 0.0]);
+        let bodies = vec![body(ball, 0), body(cube, 1)];
+        let settings = Settings { cell_mm: cell, layer_mm: 0.4, ..Settings::default() };
+        let layers = slice(&model(bodies.clone()), &settings).unwrap();
+        let voxels = layers.voxels();
+        for z in 0..voxels.depth {
+            for y in 0..voxels.frame.height {
+                for x in 0..voxels.frame.width {
+                    let [px, py] = voxels.frame.centre(x, y);
+                    let point = [px, py, layers.cut_mm(z)];
+                    let expected = (0..2_u8).rev().find(|&at| winding(&bodies[usize::from(at)].mesh, point) != 0);
+                    prop_assert_eq!(voxels.material(x, y, z), expected, "cell ({}, {}, {})", x, y, z);
+                }
+            }
+        }
+    }
+}
