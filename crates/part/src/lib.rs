@@ -2,6 +2,7 @@
 //!
 //! - [`Picture`]: a PNG picture as a layer; each pixel is a cell, each colour a zone, transparent pixels lie outside.
 //! - [`svg()`]: layers drawn side by side, with zones in colours, paths on top and crossings in red.
+//! - [`Pattern`]: the 38 named orders of deposition, each on any region; [`pattern_sheet`] draws them all.
 //!
 //! Bytes come in, bytes or text go out: files are the caller's business.
 //!
@@ -23,9 +24,11 @@
 //! ```
 
 mod frame;
+mod pattern;
 mod picture;
 mod svg;
 
 pub use frame::Frame;
+pub use pattern::{Pattern, UnknownPattern, pattern_sheet};
 pub use picture::{Picture, PictureError};
 pub use svg::{Panel, svg};
