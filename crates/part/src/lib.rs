@@ -2,6 +2,7 @@
 //!
 //! - [`Picture`]: a PNG picture as a layer; each pixel is a cell, each colour a zone, transparent pixels lie outside.
 //! - [`svg()`]: layers drawn side by side, with zones in colours, paths on top and crossings in red.
+//! - [`Pattern`]: the 38 named orders of deposition, each on any region; [`pattern_sheet`] draws them all.
 //!
 //! Bytes come in, bytes or text go out: files are the caller's business.
 //!
@@ -24,10 +25,12 @@
 
 mod frame;
 pub mod mesh;
+mod pattern;
 mod picture;
 pub mod slice;
 mod svg;
 
 pub use frame::Frame;
+pub use pattern::{Pattern, UnknownPattern, pattern_sheet};
 pub use picture::{Picture, PictureError};
 pub use svg::{Panel, svg};

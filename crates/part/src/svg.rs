@@ -31,7 +31,10 @@ const PALETTE: [[u8; 3]; 8] = [
     [212, 212, 212],
 ];
 
-const PATH_COLOUR: &str = "#1d2126";
+/// Of all text.
+pub(crate) const FONT: &str = r#"font-family="Helvetica, Arial, sans-serif""#;
+
+pub(crate) const PATH_COLOUR: &str = "#1d2126";
 const OUTSIDE_COLOUR: &str = "#e9ecef";
 const CROSSING_COLOUR: &str = "#e0001b";
 
@@ -91,8 +94,8 @@ fn write_svg(out: &mut String, panels: &[Panel<'_>], colours: Option<&[[u8; 3]]>
         let mut left = MARGIN;
         for panel in panels {
             let title = escape(panel.title);
-            let font = r#"font-family="Helvetica, Arial, sans-serif" font-size="15" fill="black""#;
-            writeln!(out, r#"<text x="{left}" y="{}" {font}>{title}</text>"#, top - 10.0)?;
+            let style = r#"font-size="15" fill="black""#;
+            writeln!(out, r#"<text x="{left}" y="{}" {FONT} {style}>{title}</text>"#, top - 10.0)?;
             // One unit is a cell: the panel's own coordinates stay whole and short.
             writeln!(out, r#"<g transform="translate({left} {top}) scale({cell})">"#)?;
             write_zones(out, panel, colours)?;
@@ -135,7 +138,7 @@ fn write_zones(out: &mut String, panel: &Panel<'_>, colours: Option<&[[u8; 3]]>)
 }
 
 /// Of all lines.
-const STROKE: &str = r#"fill="none" stroke-linecap="round" stroke-linejoin="round""#;
+pub(crate) const STROKE: &str = r#"fill="none" stroke-linecap="round" stroke-linejoin="round""#;
 
 /// A width in cells, of which one is `cell` pixels.
 fn wide((cells, pixels): (f64, f64), cell: f64) -> f64 {

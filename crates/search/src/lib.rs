@@ -9,6 +9,7 @@
 //! - [`anneal`](anneal()): simulated annealing, by the method of Aali et al. ([`Pooled`]) or a faster one ([`Free`]).
 //! - [`genetic`]: the genetic algorithm of Aali et al. on the moves of many annealing runs, faster and with other crossovers.
 //! - [`bound`]: what no path can beat.
+//! - [`plan`]: what the layers of a part decide together; so far, the order of their tools.
 //!
 //! # Example
 //! ```
@@ -31,6 +32,7 @@ pub mod exact;
 pub mod genetic;
 mod matching;
 mod moves;
+pub mod plan;
 mod random;
 mod stop;
 mod union;
