@@ -66,6 +66,9 @@ pub struct Settings<'a> {
     pub start: Terminal,
     /// Where the last piece has to end.
     pub end: Terminal,
+    /// A path of the layer below, on a plane of the same size: the first attempt takes over its links inside the zones, as far as both layers have the
+    /// cells, and looks for the rest only.
+    pub below: Option<&'a Path>,
     /// Stops the search soon after it turns true.
     pub cancel: Option<&'a AtomicBool>,
     /// Asked now and then; the search stops soon after it gives true. The best plan so far is returned, or one made in haste.
@@ -95,7 +98,7 @@ pub enum Stage {
 }
 
 impl Default for Settings<'_> {
-    /// Seed 0, 50 attempts, crossings that cost 1, free ends, nothing that stops it.
+    /// Seed 0, 50 attempts, crossings that cost 1, free ends, no layer below, nothing that stops it.
     fn default() -> Self {
         Self {
             seed: 0,
@@ -103,6 +106,7 @@ impl Default for Settings<'_> {
             costs: None,
             start: Terminal::Any,
             end: Terminal::Any,
+            below: None,
             cancel: None,
             time_is_up: None,
             observer: None,
@@ -181,6 +185,14 @@ pub enum SolveError {
         /// Zones that have costs.
         got: usize,
     },
+    /// The path of the layer below is one on a plane of another size.
+    #[error("the path of the layer below lies on {} x {} cells, the region on {} x {}", .got[0], .got[1], .expected[0], .expected[1])]
+    Below {
+        /// Width and height of the region's plane.
+        expected: [u32; 2],
+        /// Those of the path's.
+        got: [u32; 2],
+    },
     /// A cell at which the path has to begin or end is not one of the region's.
     #[error("the {end} cell {cell} lies outside the region")]
     Outside {
@@ -242,6 +254,12 @@ fn check(region: &Region, zones: &Zones, settings: &Settings<'_>) -> Result<(), 
         && costs.zones() < zones.count() as usize
     {
         return Err(SolveError::Costs { expected: zones.count(), got: costs.zones() });
+    }
+    if let Some(below) = settings.below {
+        let (expected, got) = ([region.width(), region.height()], [below.width(), below.height()]);
+        if got != expected {
+            return Err(SolveError::Below { expected, got });
+        }
     }
     for (end, terminal) in [("start", settings.start), ("end", settings.end)] {
         if let Terminal::Cell(cell) = terminal

@@ -1,5 +1,6 @@
 //! Attempts at one connected part of a region.
 
+use beadwork_grid::Path;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::ends::Ends;
@@ -69,6 +70,7 @@ pub(super) fn solve(
         costs,
         interrupt,
         stages: settings.stages,
+        below: settings.below,
         rng,
         graph: ZoneGraph::new(board),
         paths: Paths::new(board),
@@ -141,6 +143,8 @@ struct Search<'a> {
     interrupt: Interrupt<'a>,
     /// To be told of the stages; `None` after the first attempt.
     stages: Option<&'a StageObserver<'a>>,
+    /// The path of the layer below, to begin the first attempt with; `None` after it.
+    below: Option<&'a Path>,
     rng: Xoshiro256PlusPlus,
     /// What has to hang together: the zone components, or finer once it is known what the cheapest 2-matchings leave apart.
     graph: ZoneGraph,
@@ -165,6 +169,7 @@ impl Search<'_> {
         let guide = (number > 1 && self.bounds != Bounds::Due && !self.costs.is_symmetric())
             .then(|| self.board.with_costs(self.costs.drawn(&mut self.rng)));
         let (relaxed, matching) = self.cheapest(guide.as_ref().unwrap_or(self.board), grain);
+        self.below = None;
         // What the bounds may need: not each cover meets the first of them.
         let relaxed = relaxed.unwrap_or_else(|| matching.clone());
         if let Some(cover) = self.complete(matching)
@@ -260,7 +265,10 @@ impl Search<'_> {
 
     /// The cheapest 2-matching for so many pieces, wherever they begin and end.
     fn grown<'b>(&mut self, board: &'b Board, grain: Grain) -> Matching<'b> {
-        let mut matching = Matching::inside_zones(board, grain);
+        let mut matching = match self.below {
+            Some(below) => Matching::as_below(board, below),
+            None => Matching::inside_zones(board, grain),
+        };
         let spare = 2 * self.target;
         matching.drop_links_inside(spare, |count| below(&mut self.rng, count));
         self.tell(Stage::Ladders, &matching);

@@ -348,3 +348,60 @@ fn a_path_through_two_blocks_is_not_refuted() {
     let plan = solve(&region, &zones, &Settings::default()).unwrap();
     assert_eq!((plan.pieces, plan.piece_bound), (1, 1));
 }
+
+/// A layer that differs from the one below in some cells and some zones.
+fn next_layer(region: &Region, zones: &Zones, rng: &mut impl Rng) -> Option<(Region, Zones)> {
+    let flips = |rng: &mut _| Rng::next_u32(rng).is_multiple_of(12);
+    let mask: Vec<bool> =
+        (0..region.plane_len() as Cell).map(|cell| region.contains(cell) != flips(rng)).collect();
+    let count = zones.count() as u8;
+    let ids = zones
+        .ids()
+        .iter()
+        .map(|&id| if id == Zones::OUTSIDE || flips(rng) { rng.random_range(0..count) } else { id });
+    let ids = ids.collect();
+    let next = Region::from_mask(region.width(), region.height(), mask).ok()?;
+    let zones = Zones::new(&next, ids).ok()?;
+    Some((next, zones))
+}
+
+#[test]
+fn a_start_from_the_layer_below_ends_at_the_same_optimum() {
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(4);
+    let mut compared = 0;
+    while compared < 600 {
+        let (region, zones) = draw(&mut rng, 9);
+        let Some((next, next_zones)) = next_layer(&region, &zones, &mut rng) else { continue };
+        let below = solve(&region, &zones, &Settings::default()).unwrap();
+        let scratch = solve(&next, &next_zones, &Settings::default()).unwrap();
+        let aware = Settings { below: Some(&below.path), ..Settings::default() };
+        let aware = solve(&next, &next_zones, &aware).unwrap();
+        assert_eq!(verify(&next, aware.path.order()), Ok(aware.pieces));
+        assert_eq!((aware.pieces, aware.piece_bound), (scratch.pieces, scratch.piece_bound));
+        if aware.is_optimal() && scratch.is_optimal() {
+            assert_eq!(aware.cost, scratch.cost);
+        }
+        compared += 1;
+    }
+    let (region, other) = (Region::rectangle(3, 4).unwrap(), Region::rectangle(4, 3).unwrap());
+    let zones = |region| LayoutSpec::new(Layout::LeftRight).zones(region, 0).unwrap();
+    let below = solve(&other, &zones(&other), &Settings::default()).unwrap();
+    let error =
+        solve(&region, &zones(&region), &Settings { below: Some(&below.path), ..Settings::default() });
+    assert_eq!(error.unwrap_err(), SolveError::Below { expected: [3, 4], got: [4, 3] });
+}
+
+#[test]
+fn the_same_layer_again_keeps_what_lies_inside_the_zones() {
+    let region = Region::rectangle(30, 30).unwrap();
+    for seed in 0..20 {
+        let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, seed).unwrap();
+        let below = solve(&region, &zones, &Settings::default()).unwrap();
+        let aware = Settings { below: Some(&below.path), seed: 1, ..Settings::default() };
+        let aware = solve(&region, &zones, &aware).unwrap();
+        let scratch = solve(&region, &zones, &Settings { seed: 1, ..Settings::default() }).unwrap();
+        assert_eq!(aware.cost, below.cost);
+        let kept = |path: &Path| crate::plan::kept_links(&below.path, path);
+        assert!(kept(&aware.path) > 800 && kept(&aware.path) >= kept(&scratch.path));
+    }
+}

@@ -186,6 +186,12 @@ impl Board {
         }
     }
 
+    /// Whether there is a neighbour in this direction, of the same zone.
+    #[inline]
+    pub(crate) fn in_zone(&self, node: Node, dir: Dir) -> bool {
+        (self.neighbours[node as usize] & !self.across[node as usize]) & (1 << dir) != 0
+    }
+
     /// What a link to the neighbour in this direction costs.
     #[inline]
     pub(crate) fn cost(&self, node: Node, dir: Dir) -> i32 {

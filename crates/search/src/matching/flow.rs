@@ -3,8 +3,10 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use beadwork_grid::Path;
+
 use super::board::{Board, Dir, Node, back, dirs};
-use super::ladder::{Grain, ladders};
+use super::ladder::{Grain, as_below, ladders};
 use crate::union::Union;
 
 /// A set of links of a board, at most two at each cell; the cheapest of its size until links are locked or paid for.
@@ -34,14 +36,22 @@ pub(crate) struct Matching<'a> {
 }
 
 impl<'a> Matching<'a> {
-    /// Inside the zones: ladders and what fits beside them. Costs 0, so the potentials are 0.
-    ///
-    /// Linear in the cells.
+    /// Inside the zones: ladders and what fits beside them. Linear in the cells.
     pub(crate) fn inside_zones(board: &'a Board, grain: Grain) -> Self {
+        Self::of_links(board, |room| ladders(board, grain, room))
+    }
+
+    /// Inside the zones: what a path of the layer below links, and what fits beside that. Linear in the cells.
+    pub(crate) fn as_below(board: &'a Board, below: &Path) -> Self {
+        Self::of_links(board, |room| as_below(board, below, room))
+    }
+
+    /// Links inside the zones, chosen within the room of each cell. They cost 0, so the potentials are 0.
+    fn of_links(board: &'a Board, choose: impl FnOnce(&mut [u8]) -> Vec<u8>) -> Self {
         let mut capacity = vec![0; board.nodes()];
         board.cells.iter().for_each(|&node| capacity[node as usize] = 2);
         let mut room = capacity.clone();
-        let links = ladders(board, grain, &mut room);
+        let links = choose(&mut room);
         let spare = room.iter().map(|&room| u32::from(room)).sum();
         let potential = vec![0; board.nodes()];
         let locked = vec![0; board.nodes()];

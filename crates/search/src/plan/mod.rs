@@ -19,7 +19,9 @@
 //! ```
 
 mod order;
+mod stack;
 mod tool_costs;
 
 pub use order::{Constraints, FixedOrder, OrderError, ToolOrder, fixed_order_cost, order};
+pub use stack::kept_links;
 pub use tool_costs::{ToolCosts, ToolCostsError};
