@@ -29,7 +29,7 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
             joined.clear();
         }
     }
-    reader.finish()
+    Ok(reader.finish())
 }
 
 /// A body of which the faces are being read; its triangles name the vertices of the whole file.
@@ -66,7 +66,7 @@ impl Reader {
                 self.faces.name = words.collect::<Vec<_>>().join(" ");
             }
             Some("usemtl") => {
-                self.material = Some(self.material(line, &words.collect::<Vec<_>>().join(" "))?)
+                self.material = Some(self.material(line, &words.collect::<Vec<_>>().join(" "))?);
             }
             // What a text file of another kind would begin with is no number of any OBJ keyword.
             Some(word) if !word.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_') => {
@@ -115,7 +115,7 @@ impl Reader {
         u8::try_from(number).map_err(|_| ReadError::text(line, "more than 256 materials"))
     }
 
-    fn finish(mut self) -> Result<Model, ReadError> {
+    fn finish(mut self) -> Model {
         self.done.push(self.faces);
         let mut model = Model { bodies: Vec::new(), materials: self.materials };
         for faces in self.done.into_iter().filter(|faces| !faces.triangles.is_empty()) {
@@ -131,7 +131,7 @@ impl Reader {
                 paint: if is_one { Vec::new() } else { paint },
             });
         }
-        Ok(model)
+        model
     }
 }
 

@@ -53,18 +53,13 @@ impl Bounds {
 
     /// Widens the box to hold a point.
     pub fn add(&mut self, point: [f64; 3]) {
-        for axis in 0..3 {
-            self.least[axis] = self.least[axis].min(point[axis]);
-            self.greatest[axis] = self.greatest[axis].max(point[axis]);
-        }
+        self.join(&Self { least: point, greatest: point });
     }
 
     /// Widens the box to hold another.
     pub fn join(&mut self, other: &Self) {
-        for axis in 0..3 {
-            self.least[axis] = self.least[axis].min(other.least[axis]);
-            self.greatest[axis] = self.greatest[axis].max(other.greatest[axis]);
-        }
+        self.least = [0, 1, 2].map(|axis| self.least[axis].min(other.least[axis]));
+        self.greatest = [0, 1, 2].map(|axis| self.greatest[axis].max(other.greatest[axis]));
     }
 
     /// Lengths of its sides in mm; negative only around no point.

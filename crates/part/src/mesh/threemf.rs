@@ -242,8 +242,8 @@ struct PartReader {
     object: Option<(u32, Object)>,
     in_mesh: bool,
     group: Option<u32>,
-    /// Numbers in the object's `properties`, plus one; 0 for none.
-    property_numbers: HashMap<Property, u16>,
+    /// Where in the object's `properties` they stand.
+    property_numbers: HashMap<Property, usize>,
     triangles: usize,
     most: usize,
 }
@@ -403,7 +403,7 @@ fn vertex(start: &BytesStart<'_>) -> Result<[f64; 3], String> {
 fn add_triangle(
     start: &BytesStart<'_>,
     object: &mut Object,
-    numbers: &mut HashMap<Property, u16>,
+    numbers: &mut HashMap<Property, usize>,
 ) -> Result<(), String> {
     let mut corners = [None; 3];
     let (mut group, mut index) = (None, None);
@@ -431,16 +431,14 @@ fn add_triangle(
     let property = group.or(own).and_then(|group| Some((group, index?)));
     let number = match property {
         None => 0,
-        Some(property) => match numbers.get(&property) {
-            Some(&number) => number,
-            None => {
-                let number = u16::try_from(properties.len())
-                    .map_err(|_| "more than 65,535 materials on one object")?;
+        Some(property) => {
+            let next = properties.len();
+            let number = *numbers.entry(property).or_insert(next);
+            if number == next {
                 properties.push(Some(property));
-                numbers.insert(property, number);
-                number
             }
-        },
+            u16::try_from(number).map_err(|_| "more than 65,535 materials on one object")?
+        }
     };
     if number != 0 && paint.is_empty() {
         paint.resize(triangles.len() - 1, 0);

@@ -66,8 +66,8 @@ pub struct Settings<'a> {
     pub start: Terminal,
     /// Where the last piece has to end.
     pub end: Terminal,
-    /// A path of the layer below, on a plane of the same size: the first attempt takes over its links inside the zones, as far as both layers have the
-    /// cells, and looks for the rest only.
+    /// A path of the layer below, on a plane of the same size: the first attempts take over its links inside the zones, as far as both layers have the
+    /// cells, and look for the rest only.
     pub below: Option<&'a Path>,
     /// Stops the search soon after it turns true.
     pub cancel: Option<&'a AtomicBool>,

@@ -37,6 +37,9 @@ const ATTEMPTS_AT_PIECES: u32 = 12;
 /// Attempts before the bound is raised in small steps: most layers need no more attempts, and an attempt takes less time.
 const ATTEMPTS_BEFORE_STEPS: u32 = 3;
 
+/// Attempts that begin with the path of the layer below, where there is one, before others forget it.
+const ATTEMPTS_FROM_BELOW: u32 = 4;
+
 /// Exchanges that one attempt may make to join its last cycles, and how often it may pay for one more link between.
 const EXCHANGES: u64 = 100;
 const LINKS_PAID: u32 = 5;
@@ -143,7 +146,7 @@ struct Search<'a> {
     interrupt: Interrupt<'a>,
     /// To be told of the stages; `None` after the first attempt.
     stages: Option<&'a StageObserver<'a>>,
-    /// The path of the layer below, to begin the first attempt with; `None` after it.
+    /// The path of the layer below, to begin with; `None` once that was tried often enough.
     below: Option<&'a Path>,
     rng: Xoshiro256PlusPlus,
     /// What has to hang together: the zone components, or finer once it is known what the cheapest 2-matchings leave apart.
@@ -169,7 +172,9 @@ impl Search<'_> {
         let guide = (number > 1 && self.bounds != Bounds::Due && !self.costs.is_symmetric())
             .then(|| self.board.with_costs(self.costs.drawn(&mut self.rng)));
         let (relaxed, matching) = self.cheapest(guide.as_ref().unwrap_or(self.board), grain);
-        self.below = None;
+        if number + 1 >= ATTEMPTS_FROM_BELOW {
+            self.below = None;
+        }
         // What the bounds may need: not each cover meets the first of them.
         let relaxed = relaxed.unwrap_or_else(|| matching.clone());
         if let Some(cover) = self.complete(matching)

@@ -1,6 +1,7 @@
 //! Small archives, made here.
 
-use std::io::{Cursor, Write};
+use std::fmt::Write as _;
+use std::io::{Cursor, Write as _};
 
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
@@ -140,7 +141,7 @@ fn what_unpacks_beyond_the_limit_is_stopped() {
     let mut resources = format!(r#"<object id="1">{TETRA}</object>"#);
     for id in 2..31 {
         let part = format!(r#"<component objectid="{}"/>"#, id - 1);
-        resources.push_str(&format!(r#"<object id="{id}"><components>{part}{part}</components></object>"#));
+        write!(resources, r#"<object id="{id}"><components>{part}{part}</components></object>"#).unwrap();
     }
     let limits = Limits { triangles: 10_000, ..Limits::default() };
     let bomb = archive(&[("3D/3dmodel.model", &model(&resources, r#"<item objectid="30"/>"#))]);
