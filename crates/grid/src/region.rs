@@ -8,7 +8,7 @@ pub type Cell = u32;
 /// The cells of a layer to be printed: a rectangle, or any subset of one.
 ///
 /// Invariant: it has at least one cell, and neither side is longer than [`Region::MAX_SIDE`].
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Region {
     width: u32,
     height: u32,

@@ -32,6 +32,7 @@ pub mod exact;
 pub mod genetic;
 mod matching;
 mod moves;
+mod parallel;
 pub mod plan;
 mod random;
 mod stop;

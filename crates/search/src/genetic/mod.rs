@@ -45,6 +45,7 @@ pub use crossover::Crossover;
 pub use preset::{Preset, UnknownPreset};
 pub use seeding::{Seeding, annealed};
 
+use crate::parallel::in_parallel;
 use crate::random::{below, unit};
 use crate::stop::is_cancelled;
 use crate::{Cost, Move, Stop};
@@ -352,20 +353,4 @@ impl Birth {
         }
         genes
     }
-}
-
-/// Maps items in the given threads, or one after the other; each thread begins with a state of its own.
-fn in_parallel<T: Sync, R: Send, S>(
-    pool: Option<&rayon::ThreadPool>,
-    items: &[T],
-    begin: impl Fn() -> S + Sync,
-    map: impl Fn(&mut S, &T) -> R + Sync,
-) -> Vec<R> {
-    use rayon::prelude::*;
-
-    if let Some(pool) = pool {
-        return pool.install(|| items.par_iter().map_init(&begin, &map).collect());
-    }
-    let mut state = begin();
-    items.iter().map(|item| map(&mut state, item)).collect()
 }

@@ -6,8 +6,9 @@ use beadwork_grid::Path;
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::{Progress, Settings, in_parallel};
+use super::{Progress, Settings};
 use crate::anneal::{self, Method, Outcome, anneal};
+use crate::parallel::in_parallel;
 use crate::{Cost, Move};
 
 /// Which annealing runs the first population comes from.

@@ -18,10 +18,19 @@
 //! # Ok::<(), beadwork_search::plan::OrderError>(())
 //! ```
 
+mod arrange;
+mod choice;
+mod cover;
 mod order;
+mod sequence;
 mod stack;
 mod tool_costs;
+mod tools;
 
+pub use cover::LayerRef;
 pub use order::{Constraints, FixedOrder, OrderError, ToolOrder, fixed_order_cost, order};
 pub use stack::kept_links;
 pub use tool_costs::{ToolCosts, ToolCostsError};
+pub use tools::{
+    FrontierPoint, LayerPlan, Mode, PlanError, Progress, Settings, Stacking, ToolPlan, tools_plan,
+};

@@ -9,7 +9,7 @@ mod free;
 mod shared;
 #[cfg(test)]
 mod tests;
-mod within;
+pub(in crate::plan) mod within;
 
 use thiserror::Error;
 

@@ -3,10 +3,10 @@
 use crate::plan::ToolCosts;
 
 /// No order: more than any sum of costs.
-pub(super) const NEVER: u64 = u64::MAX;
+pub(in crate::plan) const NEVER: u64 = u64::MAX;
 
 /// For each first and each last tool of a set, the cheapest order between them.
-pub(super) struct Within {
+pub(in crate::plan) struct Within {
     /// Number of tools.
     count: usize,
     /// At `first * count + last`, by places in the set; [`NEVER`] where there is none.
@@ -17,7 +17,7 @@ pub(super) struct Within {
 
 impl Within {
     /// Of a sorted set, under the pairs of `before` that lie in it. O(2^k k³) steps for k tools.
-    pub(super) fn new(set: &[u8], costs: &ToolCosts, before: &[(u8, u8)]) -> Self {
+    pub(in crate::plan) fn new(set: &[u8], costs: &ToolCosts, before: &[(u8, u8)]) -> Self {
         let count = set.len();
         let place = |tool: u8| set.iter().position(|&one| one == tool);
         // For each tool, the set of those that must come before it, a bit each.
@@ -71,12 +71,12 @@ impl Within {
     }
 
     /// The least cost from the `first` tool to the `last`, by their places in the set; [`NEVER`] where there is no order.
-    pub(super) fn cost(&self, first: usize, last: usize) -> u64 {
+    pub(in crate::plan) fn cost(&self, first: usize, last: usize) -> u64 {
         self.costs[first * self.count + last]
     }
 
     /// The order of that cost.
-    pub(super) fn order(&self, first: usize, last: usize) -> &[u8] {
+    pub(in crate::plan) fn order(&self, first: usize, last: usize) -> &[u8] {
         &self.orders[first * self.count + last]
     }
 }
