@@ -23,6 +23,7 @@
 //! ```
 
 mod frame;
+pub mod gcode;
 mod picture;
 mod svg;
 
