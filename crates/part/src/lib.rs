@@ -2,6 +2,7 @@
 //!
 //! - [`Picture`]: a PNG picture as a layer; each pixel is a cell, each colour a zone, transparent pixels lie outside.
 //! - [`svg()`]: layers drawn side by side, with zones in colours, paths on top and crossings in red.
+//! - [`gcode`]: planned layers as the program of a printer, and such programs read, followed, timed and checked.
 //!
 //! Bytes come in, bytes or text go out: files are the caller's business.
 //!
