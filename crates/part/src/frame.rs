@@ -42,6 +42,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[expect(clippy::float_cmp, reason = "halves and quarters are exact")]
     fn rows_run_from_the_back_to_the_front() {
         let frame = Frame { left_mm: 10.0, back_mm: 20.0, cell_mm: 0.5, layer_mm: 0.25, width: 4, height: 4 };
         assert_eq!(frame.centre(0, 0), [10.25, 19.75]);

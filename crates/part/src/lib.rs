@@ -2,7 +2,10 @@
 //!
 //! - [`Picture`]: a PNG picture as a layer; each pixel is a cell, each colour a zone, transparent pixels lie outside.
 //! - [`svg()`]: layers drawn side by side, with zones in colours, paths on top and crossings in red.
+//! - [`mesh`]: STL, 3MF and OBJ files, repaired and put on the bed.
+//! - [`slice`]: meshes cut into layers of cells, and voxels.
 //! - [`Pattern`]: the 38 named orders of deposition, each on any region; [`pattern_sheet`] draws them all.
+//! - [`gcode`]: planned layers as the program of a printer, and such programs read, followed, timed and checked.
 //!
 //! Bytes come in, bytes or text go out: files are the caller's business.
 //!
@@ -25,6 +28,7 @@
 #![cfg_attr(test, allow(clippy::float_cmp, reason = "numbers that are exact in binary are compared as such"))]
 
 mod frame;
+pub mod gcode;
 pub mod mesh;
 mod pattern;
 mod picture;

@@ -1,0 +1,505 @@
+//! Checks a print from its text alone.
+//!
+//! Nothing here knows how a program is written: it follows the motions, finds the cells each of them passes, and compares that with the layers that were
+//! to be printed. A cell is two halves, from the side the path enters by to the middle and on to the side it leaves by, so that straight beads and
+//! corners alike make one cell each.
+
+use beadwork_grid::Cell;
+use thiserror::Error;
+
+use super::layer::plane_mm;
+use super::{Event, Feature, Layer, Motion, Program, Settings, SettingsError, TraceError, layer};
+use crate::Frame;
+
+/// What a checked print holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Layers of the part.
+    pub layers: usize,
+    /// Cells of all layers: each is printed once, with the tool of its zone.
+    pub cells: u64,
+    /// Volume of the part, in mm³.
+    pub part_mm3: f64,
+    /// Volume of the tower, in mm³.
+    pub tower_mm3: f64,
+    /// Changes from one tool to another.
+    pub tool_changes: usize,
+}
+
+/// A cell of a layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Number of the layer.
+    pub layer: usize,
+    /// Column of the cell.
+    pub x: u32,
+    /// Row of the cell.
+    pub y: u32,
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "layer {}, cell ({}, {})", self.layer, self.x, self.y)
+    }
+}
+
+/// What is wrong with a print; lines are numbered from 1.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum CheckError {
+    /// The program makes no sense.
+    #[error(transparent)]
+    Trace(#[from] TraceError),
+    /// The layers, the frame and the settings don't belong together.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// It extrudes at a height where no layer has its top.
+    #[error("line {line}: extrudes at a height of {z_mm} mm, where no layer is")]
+    Height {
+        /// Number of the line.
+        line: usize,
+        /// The height, in mm.
+        z_mm: f64,
+    },
+    /// It extrudes while it rises or sinks.
+    #[error("line {line}: extrudes from {from_mm} to {to_mm} mm of height")]
+    Slope {
+        /// Number of the line.
+        line: usize,
+        /// z at the beginning, in mm.
+        from_mm: f64,
+        /// z at the end, in mm.
+        to_mm: f64,
+    },
+    /// It extrudes in a layer below one that is begun.
+    #[error("line {line}: extrudes in layer {layer} after layer {begun}")]
+    Order {
+        /// Number of the line.
+        line: usize,
+        /// The layer.
+        layer: usize,
+        /// The highest layer so far.
+        begun: usize,
+    },
+    /// It extrudes neither along the middles of a row nor of a column.
+    #[error("line {line}, layer {layer}: extrudes from ({}, {}) to ({}, {}) mm, off the middles of the cells",
+        from_mm[0], from_mm[1], to_mm[0], to_mm[1])]
+    OffCentre {
+        /// Number of the line.
+        line: usize,
+        /// The layer.
+        layer: usize,
+        /// x and y at the beginning, in mm.
+        from_mm: [f64; 2],
+        /// x and y at the end, in mm.
+        to_mm: [f64; 2],
+    },
+    /// It extrudes outside the region.
+    #[error("line {line}: {place} does not belong to the part")]
+    Outside {
+        /// Number of the line.
+        line: usize,
+        /// The cell.
+        place: Place,
+    },
+    /// A cell is printed with the tool of another zone.
+    #[error("line {line}: {place} is printed with tool {got} instead of {expected}")]
+    WrongTool {
+        /// Number of the line.
+        line: usize,
+        /// The cell.
+        place: Place,
+        /// Its zone.
+        expected: u8,
+        /// The tool.
+        got: u8,
+    },
+    /// A cell is printed twice.
+    #[error("line {line}: {place} is printed again")]
+    Again {
+        /// Number of the line.
+        line: usize,
+        /// The cell.
+        place: Place,
+    },
+    /// The beads don't follow the path.
+    #[error("line {line}: the head comes to {place} where the path has it in cell ({}, {})", expected[0], expected[1])]
+    Path {
+        /// Number of the line.
+        line: usize,
+        /// The cell that is printed; the expected one, if it is printed in another direction.
+        place: Place,
+        /// Column and row of the cell that is next on the path.
+        expected: [u32; 2],
+    },
+    /// A cell is not printed, or not wholly.
+    #[error("{place} is printed to {share} of it")]
+    Missing {
+        /// The cell.
+        place: Place,
+        /// How much of it is, from 0 to 1.
+        share: f64,
+    },
+    /// A motion extrudes too much or too little.
+    #[error("line {line}: extrudes {got_mm3} mm³ where the cells take {expected_mm3}")]
+    Volume {
+        /// Number of the line.
+        line: usize,
+        /// What the cells take, in mm³.
+        expected_mm3: f64,
+        /// What is extruded, in mm³.
+        got_mm3: f64,
+    },
+    /// A bead begins while the filament is drawn back, more is pushed out in place than was drawn back, or a tool is put aside with its
+    /// filament not drawn back as the settings say.
+    #[error("line {line}: the filament of tool {tool} is drawn back by {drawn_mm} mm")]
+    Drawn {
+        /// Number of the line.
+        line: usize,
+        /// The tool.
+        tool: u8,
+        /// By how much, in mm; less than 0 if too much was pushed out.
+        drawn_mm: f64,
+    },
+    /// The part goes on before enough is purged.
+    #[error("line {line}: {got_mm3} mm³ are purged from tool {from} to {to}, of {asked_mm3}")]
+    Purge {
+        /// Number of the line where the part goes on.
+        line: usize,
+        /// The tool before.
+        from: u8,
+        /// The tool after.
+        to: u8,
+        /// What is to be purged, in mm³.
+        asked_mm3: f64,
+        /// What is purged, in mm³.
+        got_mm3: f64,
+    },
+    /// The tower is printed where the part may be.
+    #[error("line {line}: the tower is printed into the plane of the part")]
+    Tower {
+        /// Number of the line.
+        line: usize,
+    },
+    /// A tool has no settings.
+    #[error("line {line}: tool {tool} is not among the {tools} of the settings")]
+    Tool {
+        /// Number of the line.
+        line: usize,
+        /// The tool.
+        tool: u8,
+        /// How many tools there are.
+        tools: usize,
+    },
+}
+
+/// Places have three decimals: what may be lost at each end, in mm.
+const PLACE_MM: f64 = 0.001;
+
+/// Filament has five decimals: what may be lost or kept from the motions before, in mm.
+const FILAMENT_MM: f64 = 2e-5;
+
+/// Share by which volumes may differ.
+const VOLUME: f64 = 0.01;
+
+impl Program {
+    /// Checks that the program prints these layers, whose numbers rise, and nothing else.
+    ///
+    /// Each cell is printed once, in the order of the path, with the tool of its zone and as much as the settings say, by motions from edge to
+    /// edge along the middles of the cells; outside the
+    /// region only the tower is, and the tower only outside the plane. Layers are printed upwards. After a change of tools the
+    /// part goes on when the tower has taken the volume the settings ask for. Filament is drawn back before a
+    /// tool is put aside, and pushed out again before a bead. Linear in the motions and cells.
+    pub fn check(
+        &self,
+        layers: &[Layer<'_>],
+        frame: &Frame,
+        settings: &Settings,
+    ) -> Result<Report, CheckError> {
+        settings.check(frame)?;
+        layer::check(layers, frame, settings)?;
+        let mut checker = Checker::new(layers, frame, settings);
+        for event in self.trace() {
+            match event? {
+                Event::Motion(motion) => checker.motion(&motion)?,
+                Event::ToolChange { from: Some(from), to, line } => {
+                    checker.tool(to, line)?;
+                    checker.put_aside(from, line)?;
+                    checker.report.tool_changes += 1;
+                    checker.purge = Some((from, to));
+                    checker.purged_mm3 = 0.0;
+                }
+                Event::ToolChange { from: None, to, line } => _ = checker.tool(to, line)?,
+                Event::Pause { .. } => {}
+            }
+        }
+        checker.finish()
+    }
+}
+
+struct Checker<'a> {
+    layers: &'a [Layer<'a>],
+    frame: &'a Frame,
+    settings: &'a Settings,
+    /// Index of the layer that is printed.
+    at: usize,
+    /// Number of the highest layer that anything was printed in.
+    begun: usize,
+    /// For each cell of the plane, which ways from its middle to its sides were printed in this layer, as bits; two make a cell.
+    halves: Vec<u8>,
+    /// How many halves of cells were printed in this layer.
+    printed: usize,
+    /// For each tool, how far its filament is drawn back.
+    drawn_mm: Vec<f64>,
+    /// The last change of tools, if the part has not gone on since.
+    purge: Option<(u8, u8)>,
+    /// What went into the tower since.
+    purged_mm3: f64,
+    report: Report,
+}
+
+impl<'a> Checker<'a> {
+    fn new(layers: &'a [Layer<'a>], frame: &'a Frame, settings: &'a Settings) -> Self {
+        Self {
+            layers,
+            frame,
+            settings,
+            at: 0,
+            begun: 0,
+            halves: vec![0; frame.width as usize * frame.height as usize],
+            printed: 0,
+            drawn_mm: vec![settings.process.retract_mm; settings.tools.len()],
+            purge: None,
+            purged_mm3: 0.0,
+            report: Report { layers: layers.len(), ..Report::default() },
+        }
+    }
+
+    /// Area across the filament of a tool, in mm².
+    fn tool(&self, tool: u8, line: usize) -> Result<f64, CheckError> {
+        let tools = &self.settings.tools;
+        let known =
+            tools.get(usize::from(tool)).ok_or(CheckError::Tool { line, tool, tools: tools.len() })?;
+        Ok(known.filament_mm2())
+    }
+
+    /// A tool that waits must not drip.
+    fn put_aside(&self, tool: u8, line: usize) -> Result<(), CheckError> {
+        let Some(&drawn_mm) = self.drawn_mm.get(usize::from(tool)) else { return Ok(()) };
+        if (drawn_mm - self.settings.process.retract_mm).abs() > FILAMENT_MM {
+            return Err(CheckError::Drawn { line, tool, drawn_mm });
+        }
+        Ok(())
+    }
+
+    fn motion(&mut self, motion: &Motion) -> Result<(), CheckError> {
+        let Motion { line, tool, .. } = *motion;
+        if !motion.is_stroke() {
+            // A tool without settings matters once it extrudes.
+            if let Some(drawn_mm) = self.drawn_mm.get_mut(usize::from(tool)) {
+                *drawn_mm -= motion.extruded_mm;
+                if *drawn_mm < -FILAMENT_MM {
+                    return Err(CheckError::Drawn { line, tool, drawn_mm: *drawn_mm });
+                }
+            }
+            return Ok(());
+        }
+        let filament_mm2 = self.tool(tool, line)?;
+        let drawn_mm = self.drawn_mm[usize::from(tool)];
+        if drawn_mm.abs() > FILAMENT_MM {
+            return Err(CheckError::Drawn { line, tool, drawn_mm });
+        }
+        let layer = self.layer(motion)?;
+        let volume = motion.extruded_mm * filament_mm2;
+        if motion.feature == Feature::PrimeTower {
+            self.purged_mm3 += volume;
+            self.report.tower_mm3 += volume;
+            return self.tower(motion);
+        }
+        self.report.part_mm3 += volume;
+        self.purged(line)?;
+        let expected_mm3 = motion.length_mm() * self.settings.process.bead_mm2(self.frame);
+        // Both ends and the filament were rounded.
+        let rounding =
+            2.0 * PLACE_MM * self.settings.process.bead_mm2(self.frame) + FILAMENT_MM * filament_mm2;
+        if (volume - expected_mm3).abs() > VOLUME * expected_mm3 + rounding {
+            return Err(CheckError::Volume { line, expected_mm3, got_mm3: volume });
+        }
+        self.stroke(motion, layer)
+    }
+
+    /// Number of the layer a motion extrudes in.
+    fn layer(&mut self, motion: &Motion) -> Result<usize, CheckError> {
+        let (from_mm, to_mm) = (motion.from_mm[2], motion.to_mm[2]);
+        let line = motion.line;
+        if (to_mm - from_mm).abs() > PLACE_MM {
+            return Err(CheckError::Slope { line, from_mm, to_mm });
+        }
+        let number = (to_mm / self.frame.layer_mm - 1.0).round();
+        let last = self.layers.last().map_or(0, |layer| layer.number);
+        let layer = number as usize;
+        if number < 0.0 || layer > last || (self.frame.top_mm(layer) - to_mm).abs() > PLACE_MM {
+            return Err(CheckError::Height { line, z_mm: to_mm });
+        }
+        if layer < self.begun {
+            return Err(CheckError::Order { line, layer, begun: self.begun });
+        }
+        self.begun = layer;
+        Ok(layer)
+    }
+
+    fn tower(&self, motion: &Motion) -> Result<(), CheckError> {
+        // In a motion beside or beyond the plane, some side of the plane has both ends on its far side; a motion across a corner of it
+        // fails this too, and no tower needs one.
+        let [left, front, right, back] = plane_mm(self.frame);
+        let (a, b) = (motion.from_mm, motion.to_mm);
+        let half = self.frame.cell_mm / 2.0 - PLACE_MM;
+        let apart = a[0].max(b[0]) + half <= left
+            || a[0].min(b[0]) - half >= right
+            || a[1].max(b[1]) + half <= front
+            || a[1].min(b[1]) - half >= back;
+        if apart { Ok(()) } else { Err(CheckError::Tower { line: motion.line }) }
+    }
+
+    /// The part goes on: enough must have been purged.
+    fn purged(&mut self, line: usize) -> Result<(), CheckError> {
+        let Some((from, to)) = self.purge.take() else { return Ok(()) };
+        let asked_mm3 = self.settings.purge.as_ref().map_or(0.0, |purge| purge.into_tower_mm3(from, to));
+        // Rounded filament may lack a thousandth.
+        if self.purged_mm3 < asked_mm3 * 0.999 {
+            return Err(CheckError::Purge { line, from, to, asked_mm3, got_mm3: self.purged_mm3 });
+        }
+        Ok(())
+    }
+
+    /// Marks the halves of cells that a motion prints.
+    fn stroke(&mut self, motion: &Motion, number: usize) -> Result<(), CheckError> {
+        let line = motion.line;
+        while self.layers[self.at].number < number {
+            self.close()?;
+        }
+        let layer = self.layers[self.at];
+        if layer.number != number {
+            return Err(CheckError::Height { line, z_mm: motion.to_mm[2] });
+        }
+        let off = || CheckError::OffCentre {
+            line,
+            layer: number,
+            from_mm: [motion.from_mm[0], motion.from_mm[1]],
+            to_mm: [motion.to_mm[0], motion.to_mm[1]],
+        };
+        let begin = self.halves_at(motion.from_mm).ok_or_else(off)?;
+        let end = self.halves_at(motion.to_mm).ok_or_else(off)?;
+        let axis = match (begin[0] == end[0], begin[1] == end[1]) {
+            (false, true) => 0,
+            (true, false) => 1,
+            _ => return Err(off()),
+        };
+        // Middles are odd: the motion keeps to those of one row or column.
+        if begin[1 - axis].rem_euclid(2) == 0 {
+            return Err(off());
+        }
+        let rises = begin[axis] < end[axis];
+        for step in 0..begin[axis].abs_diff(end[axis]) as i32 {
+            // The half between two marks has the number of the lower one.
+            let half = if rises { begin[axis] + step } else { begin[axis] - step - 1 };
+            let mut cell = [begin[0].div_euclid(2), begin[1].div_euclid(2)];
+            cell[axis] = half.div_euclid(2);
+            let side = 2 * axis as u8 + half.rem_euclid(2) as u8;
+            self.half(layer, cell, side, motion)?;
+        }
+        Ok(())
+    }
+
+    /// A place in halves of a cell from the corner of the plane; `None` if it is neither a middle nor an edge, or far away.
+    fn halves_at(&self, place_mm: [f64; 3]) -> Option<[i32; 2]> {
+        let half_mm = self.frame.cell_mm / 2.0;
+        // A hundredth of a cell, and what rounding takes.
+        let near = (0.01 * self.frame.cell_mm + PLACE_MM).min(0.4 * half_mm);
+        let halves =
+            [place_mm[0] - self.frame.left_mm, self.frame.back_mm - place_mm[1]].map(|way| way / half_mm);
+        let whole = halves.map(f64::round);
+        let fits = (0..2).all(|axis| {
+            (halves[axis] - whole[axis]).abs() * half_mm <= near && (-2.0..1e5).contains(&whole[axis])
+        });
+        fits.then(|| whole.map(|value| value as i32))
+    }
+
+    fn half(
+        &mut self,
+        layer: Layer<'_>,
+        [x, y]: [i32; 2],
+        side: u8,
+        motion: &Motion,
+    ) -> Result<(), CheckError> {
+        let line = motion.line;
+        // A cell left of or behind the plane is named by the one next to it.
+        let place = Place { layer: layer.number, x: x.max(0) as u32, y: y.max(0) as u32 };
+        let inside = x >= 0 && y >= 0 && place.x < self.frame.width && place.y < self.frame.height;
+        let cell = if inside { place.y * self.frame.width + place.x } else { u32::MAX };
+        if !layer.region.contains(cell) {
+            return Err(CheckError::Outside { line, place });
+        }
+        let (expected, got) = (layer.zones.id(cell), motion.tool);
+        if expected != got {
+            return Err(CheckError::WrongTool { line, place, expected, got });
+        }
+        let halves = &mut self.halves[cell as usize];
+        if *halves & 1 << side != 0 || halves.count_ones() == 2 {
+            return Err(CheckError::Again { line, place });
+        }
+        *halves |= 1 << side;
+        // No half came twice, so that there are not more of them than the path has.
+        let next = layer.path.order()[self.printed / 2];
+        if cell != next || side != way(layer, cell)[self.printed % 2] {
+            return Err(CheckError::Path { line, place, expected: layer.region.xy(next).into() });
+        }
+        self.printed += 1;
+        Ok(())
+    }
+
+    /// The layer is over: nothing may lack.
+    fn close(&mut self) -> Result<(), CheckError> {
+        let layer = self.layers[self.at];
+        for cell in layer.region.cells() {
+            let halves = std::mem::take(&mut self.halves[cell as usize]).count_ones();
+            if halves < 2 {
+                let (x, y) = layer.region.xy(cell);
+                let place = Place { layer: layer.number, x, y };
+                return Err(CheckError::Missing { place, share: f64::from(halves) / 2.0 });
+            }
+        }
+        self.printed = 0;
+        self.report.cells += u64::from(layer.region.cell_count());
+        self.at += 1;
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<Report, CheckError> {
+        while self.at < self.layers.len() {
+            self.close()?;
+        }
+        Ok(self.report)
+    }
+}
+
+/// The sides that a path enters and leaves a cell by: 0 left, 1 right, 2 behind, 3 in front. A bead begins and ends straight, one of a
+/// single cell runs to the right.
+fn way(layer: Layer<'_>, cell: Cell) -> [u8; 2] {
+    let side = |other: Cell| {
+        let ([x, y], [other_x, other_y]) = (layer.place(cell), layer.place(other));
+        match (other_x - x, other_y - y) {
+            (-1, _) => 0,
+            (1, _) => 1,
+            (_, -1) => 2,
+            _ => 3,
+        }
+    };
+    let (before, after) = (layer.path.previous(cell).map(side), layer.path.next(cell).map(side));
+    // Opposite sides differ in the last bit.
+    let enter = before.or(after.map(|side| side ^ 1)).unwrap_or(0);
+    [enter, after.unwrap_or(enter ^ 1)]
+}
+
+#[cfg(test)]
+mod tests;

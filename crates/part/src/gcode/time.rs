@@ -1,0 +1,150 @@
+//! How long a print takes.
+//!
+//! The head speeds up and slows down at a given acceleration and passes corners at a limited speed, which the planner of the firmware looks ahead for.
+//! The rule of corners is that of Klipper, from its documentation, page "Kinematics", section "Look-ahead": with the angle θ between two moves
+//! that meet (π if straight on), a circle that comes as near to the corner as the junction deviation δ has the radius
+//! R = δ sin(θ/2) / (1 - sin(θ/2)), and the head may pass with v² = R a. The deviation is chosen so that a right angle is passed with the square corner
+//! velocity s: δ = s² (√2 - 1) / a. Marlin's junction deviation (`M205 J`) is the same rule.
+//!
+//! Not reckoned with: smoothing of short moves (Klipper's minimum cruise ratio and its limit of short moves at corners), pressure advance, limits of
+//! single axes, heating, and what macros and changes of tool take.
+
+use super::{Event, Motion, Program, TraceError};
+
+/// What the printer can do, where a program does not say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Acceleration in mm/s², more than 0, of motions that have none of their own.
+    pub acceleration_mm_s2: f64,
+    /// Speed through a right angle, in mm/s, at least 0: 0 means a stop at every corner.
+    pub square_corner_mm_s: f64,
+    /// The greatest speed, in mm/s, more than 0.
+    pub greatest_mm_s: f64,
+}
+
+/// Reckons the time of events as they come, in linear time; it holds the motions since the last stop.
+#[derive(Clone, Debug)]
+pub struct Stopwatch {
+    limits: Limits,
+    chain: Vec<Leg>,
+    /// Of what lies before the chain.
+    seconds: f64,
+}
+
+/// A motion of the head on the way from one stop to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Leg {
+    length: f64,
+    acceleration: f64,
+    /// Square of the asked speed.
+    cruise2: f64,
+    /// Square of the greatest speed at its beginning.
+    junction2: f64,
+    direction: [f64; 3],
+}
+
+impl Program {
+    /// How long the program takes, in s. Linear.
+    pub fn print_seconds(&self, limits: Limits) -> Result<f64, TraceError> {
+        let mut watch = Stopwatch::new(limits);
+        for event in self.trace() {
+            watch.take(&event?);
+        }
+        Ok(watch.seconds())
+    }
+}
+
+impl Stopwatch {
+    /// Begins at rest.
+    pub fn new(limits: Limits) -> Self {
+        Self { limits, chain: Vec::new(), seconds: 0.0 }
+    }
+
+    /// The next event.
+    pub fn take(&mut self, event: &Event) {
+        match event {
+            Event::Motion(motion) => self.motion(motion),
+            Event::ToolChange { .. } => self.stop(),
+            Event::Pause { seconds, .. } => {
+                self.stop();
+                self.seconds += seconds;
+            }
+        }
+    }
+
+    fn motion(&mut self, motion: &Motion) {
+        let length = motion.length_mm();
+        if length <= 0.0 {
+            // Filament alone: the head stands meanwhile.
+            self.stop();
+            self.seconds += motion.extruded_mm.abs() / motion.feed_mm_s;
+            return;
+        }
+        let direction = [0, 1, 2].map(|axis| (motion.to_mm[axis] - motion.from_mm[axis]) / length);
+        let cruise = motion.feed_mm_s.min(self.limits.greatest_mm_s);
+        let acceleration = motion.acceleration_mm_s2.unwrap_or(self.limits.acceleration_mm_s2);
+        let mut leg = Leg { length, acceleration, cruise2: cruise * cruise, junction2: 0.0, direction };
+        if let Some(before) = self.chain.last() {
+            leg.junction2 = before.junction2_to(&leg, self.limits.square_corner_mm_s);
+        }
+        self.chain.push(leg);
+    }
+
+    /// The head comes to rest.
+    fn stop(&mut self) {
+        let speeds = speeds2(&self.chain);
+        let times = self.chain.iter().zip(speeds.windows(2)).map(|(leg, ends)| leg.seconds(ends[0], ends[1]));
+        self.seconds += times.sum::<f64>();
+        self.chain.clear();
+    }
+
+    /// The time until the head rests after the last event, in s.
+    pub fn seconds(mut self) -> f64 {
+        self.stop();
+        self.seconds
+    }
+}
+
+impl Leg {
+    /// Square of the greatest speed through the corner between this leg and the next.
+    fn junction2_to(&self, next: &Self, square_corner: f64) -> f64 {
+        let straight: f64 = (0..3).map(|axis| self.direction[axis] * next.direction[axis]).sum();
+        let limit = self.cruise2.min(next.cruise2);
+        // Half the angle between the legs, of which straight on is a right one.
+        let sine = (0.5 * (1.0 + straight)).clamp(0.0, 1.0).sqrt();
+        // δ a, in which the acceleration cancels out.
+        let corner2 = square_corner * square_corner * (std::f64::consts::SQRT_2 - 1.0);
+        if 1.0 - sine < 1e-9 { limit } else { limit.min(corner2 * sine / (1.0 - sine)) }
+    }
+
+    /// By how much the square of the speed can change along it.
+    fn change2(&self) -> f64 {
+        2.0 * self.acceleration * self.length
+    }
+
+    /// Time from one speed to another, both given as squares and within reach of each other.
+    fn seconds(&self, begin2: f64, end2: f64) -> f64 {
+        let peak2 = self.cruise2.min(f64::midpoint(begin2, end2) + self.change2() / 2.0);
+        let [begin, end, peak] = [begin2, end2, peak2].map(f64::sqrt);
+        let ramps = (2.0 * peak2 - begin2 - end2) / (2.0 * self.acceleration);
+        let changing = (2.0 * peak - begin - end) / self.acceleration;
+        changing + (self.length - ramps).max(0.0) / peak
+    }
+}
+
+/// Squares of the speeds at the ends of the legs, from rest to rest: the greatest that break no limit.
+///
+/// Backwards, each leg must be able to slow down to what follows; then forwards, to speed up from what comes before.
+fn speeds2(chain: &[Leg]) -> Vec<f64> {
+    let mut speeds: Vec<f64> = chain.iter().map(|leg| leg.junction2).chain([0.0]).collect();
+    for (at, leg) in chain.iter().enumerate().rev() {
+        speeds[at] = speeds[at].min(speeds[at + 1] + leg.change2());
+    }
+    for (at, leg) in chain.iter().enumerate() {
+        speeds[at + 1] = speeds[at + 1].min(speeds[at] + leg.change2());
+    }
+    speeds
+}
+
+#[cfg(test)]
+mod tests;

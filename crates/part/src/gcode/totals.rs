@@ -1,0 +1,81 @@
+//! What a print takes: changes of tool, ways, time, filament.
+
+use serde::Serialize;
+
+use super::{Event, Feature, Layer, Program, Settings, Stopwatch, TraceError};
+
+/// What a print takes.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Totals {
+    /// Layers of the part.
+    pub layers: usize,
+    /// Changes from one tool to another.
+    pub tool_changes: usize,
+    /// Breaks between the beads of a layer, over all layers: pieces of the paths beyond the first of each layer. What changes of tool and the
+    /// tower break does not count.
+    pub lifts: usize,
+    /// Way of the head without extruding, in mm, from its home on.
+    pub travel_mm: f64,
+    /// Way of the head while it prints the part, in mm.
+    pub extrusion_mm: f64,
+    /// Way of the head while it prints the tower, in mm.
+    pub tower_mm: f64,
+    /// How long it takes, in s; see [`Stopwatch`] for what that leaves out.
+    pub print_seconds: f64,
+    /// What each tool extrudes, one entry for each tool.
+    pub tools: Vec<ToolUse>,
+}
+
+/// What a tool extrudes.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ToolUse {
+    /// Its number.
+    pub tool: u8,
+    /// Filament in mm.
+    pub filament_mm: f64,
+    /// Volume in mm³.
+    pub volume_mm3: f64,
+    /// Weight in g.
+    pub grams: f64,
+    /// How much of the filament goes into the tower, in mm.
+    pub purge_mm: f64,
+}
+
+impl Totals {
+    /// Adds up the motions of a program that prints these layers.
+    pub(super) fn measure(
+        program: &Program,
+        layers: &[Layer<'_>],
+        settings: &Settings,
+    ) -> Result<Self, TraceError> {
+        let lifts = layers.iter().map(|layer| layer.path.pieces() as usize - 1).sum();
+        let tools = (0..settings.tools.len()).map(|tool| ToolUse { tool: tool as u8, ..ToolUse::default() });
+        let mut totals = Self { layers: layers.len(), lifts, tools: tools.collect(), ..Self::default() };
+        let mut watch = Stopwatch::new(settings.printer.limits());
+        for event in program.trace() {
+            let event = event?;
+            watch.take(&event);
+            match event {
+                Event::Motion(motion) if motion.is_stroke() => {
+                    let in_tower = motion.feature == Feature::PrimeTower;
+                    let way = if in_tower { &mut totals.tower_mm } else { &mut totals.extrusion_mm };
+                    *way += motion.length_mm();
+                    if let Some(tool) = totals.tools.get_mut(usize::from(motion.tool)) {
+                        tool.filament_mm += motion.extruded_mm;
+                        tool.purge_mm += if in_tower { motion.extruded_mm } else { 0.0 };
+                    }
+                }
+                Event::Motion(motion) => totals.travel_mm += motion.length_mm(),
+                Event::ToolChange { from, .. } => totals.tool_changes += usize::from(from.is_some()),
+                Event::Pause { .. } => {}
+            }
+        }
+        totals.print_seconds = watch.seconds();
+        for (tool, kind) in totals.tools.iter_mut().zip(&settings.tools) {
+            tool.volume_mm3 = tool.filament_mm * kind.filament_mm2();
+            // 1000 mm³ are one cm³.
+            tool.grams = tool.volume_mm3 / 1000.0 * kind.density_g_cm3;
+        }
+        Ok(totals)
+    }
+}
