@@ -2,13 +2,15 @@
 
 use std::f64::consts::PI;
 
+use serde::Deserialize;
 use thiserror::Error;
 
 use super::Limits;
 use crate::Frame;
 
 /// Everything a print depends on beside the part.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Settings {
     /// The machine.
     pub printer: Printer,
@@ -21,7 +23,8 @@ pub struct Settings {
 }
 
 /// The dialect of the firmware.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Flavour {
     /// Marlin and its kin: limits are set by `M204` and `M205`.
     #[default]
@@ -31,7 +34,8 @@ pub enum Flavour {
 }
 
 /// The machine.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Printer {
     /// The dialect it understands.
     pub flavour: Flavour,
@@ -70,7 +74,8 @@ impl Printer {
 }
 
 /// A nozzle with its filament, or one of the filaments of a nozzle that changes between them.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Tool {
     /// Its name, for the comments of the file.
     pub name: String,
@@ -105,7 +110,8 @@ impl Tool {
 }
 
 /// The shape across a bead.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum CrossSection {
     /// The whole cell: width times height. Beads side by side fill the part.
     #[default]
@@ -115,7 +121,8 @@ pub enum CrossSection {
 }
 
 /// Speeds, temperatures, retraction.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Process {
     /// Speed of printing, in mm/s.
     pub print_mm_s: f64,
@@ -172,7 +179,8 @@ impl Process {
 }
 
 /// What is purged when tools change.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Purge {
     /// How much, in mm³, from the tool of the row to that of the column: what the new one extrudes before it prints the part. What stands on
     /// the diagonal does not matter.
@@ -196,7 +204,8 @@ impl Purge {
 }
 
 /// The place of the tower that takes up what is purged.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Tower {
     /// x of its left side, in mm.
     pub left_mm: f64,

@@ -8,6 +8,7 @@
 //! reader stops at the first `endsolid`, the known 3MF reader takes a broken number for 0 and panics on a short transform, and
 //! neither can say where. Archives and XML are read by libraries.
 
+mod example;
 mod model;
 mod obj;
 mod package;
@@ -18,6 +19,7 @@ mod stl;
 mod surface;
 mod threemf;
 
+pub use example::{Example, UnknownExample};
 pub use model::{Body, Format, Limits, Material, Materials, Model, ReadError};
 pub use placement::{PlaceError, Placement, Transform};
 pub use repair::{RepairError, Repaired};
