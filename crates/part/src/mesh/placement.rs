@@ -101,9 +101,9 @@ pub struct Placement {
 }
 
 impl Default for Placement {
-    /// As it is, in the middle of a bed of 250 x 210 x 220 mm.
+    /// As it is, in the middle of a bed of 250 x 210 x 210 mm.
     fn default() -> Self {
-        Self { scale: 1.0, turn_degrees: [0.0; 3], centre_mm: None, bed_mm: [250.0, 210.0, 220.0] }
+        Self { scale: 1.0, turn_degrees: [0.0; 3], centre_mm: None, bed_mm: [250.0, 210.0, 210.0] }
     }
 }
 

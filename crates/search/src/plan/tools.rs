@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use beadwork_grid::{Cell, Crossings, Path, Region, Zones};
+use beadwork_grid::{Cell, Crossings, Path, Region};
 use rayon::ThreadPool;
 use thiserror::Error;
 
@@ -524,3 +524,6 @@ impl<'a> Options<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
