@@ -18,6 +18,8 @@ mod instance;
 mod machine;
 mod output;
 mod paper;
+mod part;
+mod plan;
 mod progress;
 mod search;
 mod zones;
@@ -39,6 +41,7 @@ enum Command {
     GenData(gen_data::Args),
     Inspect(inspect::Args),
     Zones(zones::Args),
+    Plan(plan::Args),
     Eval(eval::Args),
     Bench(bench::Args),
 }
@@ -48,6 +51,7 @@ fn main() -> ExitCode {
         Command::GenData(args) => gen_data::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Zones(args) => zones::run(&args),
+        Command::Plan(args) => plan::run(&args),
         Command::Eval(args) => eval::run(&args),
         Command::Bench(args) => bench::run(&args),
     };

@@ -1,0 +1,47 @@
+//! Some layers of a plan as a picture.
+
+use beadwork_part::gcode;
+use beadwork_part::{Panel, svg};
+use beadwork_search::plan::ToolPlan;
+
+use crate::part::Part;
+
+/// Layers that are drawn, at most: two rows.
+const PANELS: usize = 6;
+
+/// Layers from bottom to top, of which neighbours differ where there are enough such.
+pub(super) fn draw(part: &Part, plan: &ToolPlan, settings: &gcode::Settings) -> String {
+    let layers: Vec<_> = part
+        .layers
+        .layers
+        .iter()
+        .enumerate()
+        .filter_map(|(number, layer)| Some((number, layer.as_ref()?)))
+        .collect();
+    let mut shown: Vec<usize> = (0..layers.len()).collect();
+    shown.dedup_by(|b, a| layers[*a].1 == layers[*b].1);
+    if shown.len() > PANELS {
+        shown = (0..PANELS).map(|panel| shown[panel * (shown.len() - 1) / (PANELS - 1)]).collect();
+    }
+    let title = |&at: &usize| {
+        let planned = &plan.layers[at];
+        let beads = planned.path.pieces();
+        format!("layer {}: {beads} beads, {} crossings", layers[at].0 + 1, planned.crossings)
+    };
+    let titles: Vec<String> = shown.iter().map(title).collect();
+    let panels: Vec<Panel<'_>> = shown
+        .iter()
+        .zip(&titles)
+        .map(|(&at, title)| Panel {
+            title,
+            region: &layers[at].1.region,
+            zones: &layers[at].1.zones,
+            path: Some(&plan.layers[at].path),
+            links: &[],
+        })
+        .collect();
+    let colours: Vec<[u8; 3]> = settings.tools.iter().map(|tool| tool.colour).collect();
+    // The usual grey of all says nothing.
+    let differ = colours.iter().any(|colour| *colour != colours[0]);
+    svg(&panels, differ.then_some(&colours[..]))
+}

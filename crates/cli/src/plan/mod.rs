@@ -1,0 +1,216 @@
+//! `plan`: from meshes to G-code, with as few and as cheap tool changes and as few lifts as can be.
+
+mod drawing;
+mod profile;
+mod report;
+
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::time::Instant;
+
+use anyhow::Context;
+use beadwork_part::gcode::{self, Layer, Print, Program};
+use beadwork_part::slice::{self, Layers};
+use beadwork_search::plan::{
+    Constraints, LayerRef, Mode, Progress, Settings, Stacking, ToolPlan, tools_plan,
+};
+use clap::ValueEnum;
+
+pub(crate) use profile::{Profile, tool_costs};
+
+use crate::part::{Part, PartArgs};
+use crate::{cancel, machine, output, progress};
+use profile::ProfileArgs;
+use report::{Report, Seconds};
+
+/// Plan how a part is printed, and write its G-code.
+///
+/// Meshes are cut into layers of cells one bead wide; every layer is covered by beads, the order of beads and tools is
+/// chosen for the part as a whole, and the G-code, read again from its text, is checked to print every cell once with
+/// the tool of its material.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  beadwork plan example:logo-plate --objective tools --out logo.gcode
+  beadwork plan yin_yang.3mf --rotate 90,0,0 --objective tools --out yin_yang.gcode --svg layers.svg
+  beadwork plan body.stl inlay.stl --objective tools --mode free --flavour klipper --out badge.gcode
+  beadwork plan plate.3mf --objective tools --lift-cost 50 --purge 90 --before 2:1 --json
+  beadwork plan part.obj --unit in --bead 0.45 --layer 0.2 --profile printer.toml --objective tools --out part.gcode")]
+pub(crate) struct Args {
+    #[command(flatten)]
+    part: PartArgs,
+    /// What to save: tools (tool changes, at a price of lifts).
+    #[arg(long, value_name = "NAME")]
+    objective: Objective,
+    /// How layers may be printed: each the cheaper way, without lifts wherever possible (continuous), or tool by tool
+    /// (free).
+    #[arg(long, value_name = "MODE", default_value = "cheapest")]
+    mode: ModeName,
+    /// What a lift costs, in mm³ of purged material.
+    #[arg(long, value_name = "MM3", default_value_t = 2)]
+    lift_cost: u32,
+    /// A pair of tools, from 1: in every layer that uses both, the first one comes first. May be given several times.
+    #[arg(long, value_name = "A:B")]
+    before: Vec<Pair>,
+    /// The tool, from 1, that begins the print.
+    #[arg(long, value_name = "TOOL", value_parser = clap::value_parser!(u8).range(1..))]
+    first_tool: Option<u8>,
+    /// Use the tools in the same order in every layer.
+    #[arg(long)]
+    same_order: bool,
+    /// Try the path of the layer below for each layer; of equally good paths, take the one that keeps more of its links
+    /// (keep) or fewer (break).
+    #[arg(long, value_name = "RULE")]
+    stacking: Option<StackingName>,
+    #[command(flatten)]
+    profile: ProfileArgs,
+    /// G-code to write; a JSON file with the totals is written beside it.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Draw some layers with their paths.
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+    /// Seed of all random choices.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Most attempts at each connected part of a layer.
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..))]
+    attempts: u32,
+    /// Threads; 0 for one a core. They change the time and nothing else.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    threads: usize,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Objective {
+    Tools,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ModeName {
+    Cheapest,
+    Continuous,
+    Free,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum StackingName {
+    Keep,
+    Break,
+}
+
+/// Two tools, numbered from 1 as people do.
+#[derive(Clone, Copy)]
+struct Pair(u8, u8);
+
+impl FromStr for Pair {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let tool = |text: &str| text.trim().parse().ok().and_then(|tool: u8| tool.checked_sub(1));
+        let pair = text.split_once(':').and_then(|(a, b)| Some(Self(tool(a)?, tool(b)?)));
+        pair.ok_or_else(|| "give two tools, numbered from 1, as 2:1".to_owned())
+    }
+}
+
+pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
+    let Objective::Tools = args.objective;
+    let profile = args.profile.load()?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
+    let begin = Instant::now();
+    let part = args.part.load(profile.bed_mm(), &pool)?;
+    for (body, repaired) in &part.repaired {
+        eprintln!("beadwork: repaired {body}: {}", crate::part::describe(repaired));
+    }
+    let settings = profile.complete(&part.model.materials)?;
+    let costs = tool_costs(settings.purge.as_ref().expect("complete settings have volumes"))?;
+    let sliced = begin.elapsed();
+    let constraints = Constraints {
+        before: args.before.iter().map(|&Pair(a, b)| (a, b)).collect(),
+        first: args.first_tool.map(|tool| tool - 1),
+        same_order: args.same_order,
+    };
+    let bar = progress::bar(0, "plan");
+    let observer = |progress: Progress| {
+        bar.set_length(progress.layers as u64);
+        bar.set_position(progress.done as u64);
+    };
+    let how = Settings {
+        mode: match args.mode {
+            ModeName::Cheapest => Mode::Cheapest,
+            ModeName::Continuous => Mode::Continuous,
+            ModeName::Free => Mode::Free,
+        },
+        lift_cost: args.lift_cost,
+        stacking: args.stacking.map(|rule| match rule {
+            StackingName::Keep => Stacking::Keep,
+            StackingName::Break => Stacking::Break,
+        }),
+        seed: args.seed,
+        attempts: args.attempts,
+        pool: Some(&pool),
+        cancel: Some(cancel::token()?),
+        observer: Some(&observer),
+        ..Settings::new(&costs, &constraints)
+    };
+    let plan = tools_plan(&refs(&part.layers), &how)?;
+    bar.finish_and_clear();
+    let planned = begin.elapsed();
+    let printed = print(&part, &plan, &profile, settings)?;
+    let done = begin.elapsed();
+    let seconds = Seconds { slice: sliced, plan: planned - sliced, print: done - planned };
+    let report = Report { part: &part, plan: &plan, printed: &printed, lift_cost: args.lift_cost, seconds };
+    if let Some(path) = &args.svg {
+        output::file(path, &drawing::draw(&part, &plan, &printed.settings))?;
+    }
+    if let Some(path) = &args.out {
+        output::file(path, &printed.text)?;
+        output::file(&path.with_extension("json"), &format!("{:#}\n", report.json()))?;
+    }
+    if args.json { output::json(&report.json()) } else { output::text(&report.summary(args.out.as_deref())) }
+}
+
+/// Layers with cells, as the planner takes them.
+pub(crate) fn refs(layers: &Layers) -> Vec<LayerRef<'_>> {
+    let layers = layers.layers.iter().flatten();
+    layers.map(|slice::Layer { region, zones }| LayerRef { region, zones }).collect()
+}
+
+/// A plan as G-code that has been checked.
+pub(crate) struct Printed {
+    pub(crate) text: String,
+    pub(crate) totals: gcode::Totals,
+    /// What the check found in the text.
+    pub(crate) checked: gcode::Report,
+    pub(crate) settings: gcode::Settings,
+}
+
+/// Writes a plan as G-code, and checks the text: what is wrong there must not reach a printer.
+pub(crate) fn print(
+    part: &Part,
+    plan: &ToolPlan,
+    profile: &Profile,
+    settings: gcode::Settings,
+) -> anyhow::Result<Printed> {
+    let numbered =
+        part.layers.layers.iter().enumerate().filter_map(|(number, layer)| Some((number, layer.as_ref()?)));
+    let layers: Vec<Layer<'_>> = numbered
+        .zip(&plan.layers)
+        .map(|((number, layer), planned)| Layer {
+            number,
+            region: &layer.region,
+            zones: &layer.zones,
+            path: &planned.path,
+        })
+        .collect();
+    let frame = &part.layers.frame;
+    let (Print { program, totals }, settings) = profile.print(&part.name, &layers, frame, settings)?;
+    let text = program.emit();
+    drop(program);
+    let checked = Program::parse(&text)?.check(&layers, frame, &settings);
+    let checked = checked.context("the G-code does not print the plan; this is a fault of beadwork")?;
+    Ok(Printed { text, totals, checked, settings })
+}

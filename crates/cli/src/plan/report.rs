@@ -1,0 +1,158 @@
+//! What a plan comes to, for people and for programs.
+
+use std::fmt::Write;
+use std::path::Path;
+use std::time::Duration;
+
+use beadwork_search::plan::ToolPlan;
+use serde_json::{Value, json};
+
+use super::Printed;
+use crate::part::Part;
+
+/// How long the steps took.
+pub(super) struct Seconds {
+    pub(super) slice: Duration,
+    pub(super) plan: Duration,
+    pub(super) print: Duration,
+}
+
+pub(super) struct Report<'a> {
+    pub(super) part: &'a Part,
+    pub(super) plan: &'a ToolPlan,
+    pub(super) printed: &'a Printed,
+    pub(super) lift_cost: u32,
+    pub(super) seconds: Seconds,
+}
+
+impl Report<'_> {
+    /// Everything, and nothing that differs between two runs but the seconds.
+    pub(super) fn json(&self) -> Value {
+        let Self { part, plan, printed, lift_cost, seconds } = self;
+        let frame = &part.layers.frame;
+        let totals = &printed.totals;
+        let order = plan.order.as_ref();
+        let continuous = plan.layers.iter().filter(|layer| layer.is_continuous);
+        let optimal = plan.layers.iter().filter(|layer| layer.is_optimal()).count();
+        let mut value = json!(totals);
+        let more = json!({
+            "part": part.name,
+            "size_mm": part.bounds.size_mm(),
+            "width": frame.width,
+            "height": frame.height,
+            "bead_mm": frame.cell_mm,
+            "layer_mm": frame.layer_mm,
+            "cells": part.layers.cell_count(),
+            "materials": printed.settings.tools.iter().map(|tool| &tool.name).collect::<Vec<_>>(),
+            "tool_cost": plan.tool_cost,
+            "lift_cost": lift_cost,
+            "cost": plan.cost(*lift_cost),
+            "bounds": {
+                "tool_cost": order.map(|order| order.bound),
+                "tool_changes": order.map(|order| order.least_changes),
+                "layers_optimal": optimal,
+            },
+            "fixed_order": plan.fixed.map(|fixed| json!({ "tool_cost": fixed.cost, "tool_changes": fixed.changes })),
+            "continuous_layers": continuous.count(),
+            "frontier": plan.frontier.iter().map(|point| json!({
+                "lifts": point.lifts,
+                "tool_cost": point.tool_cost,
+                "up_to_lift_cost": point.up_to_price.map(|[cost, lifts]| cost as f64 / lifts as f64),
+            })).collect::<Vec<_>>(),
+            "kept_links": plan.layers.iter().filter_map(|layer| layer.kept_links).map(u64::from).sum::<u64>(),
+            "checked": { "layers": printed.checked.layers, "cells": printed.checked.cells },
+            "tower": printed.settings.purge.as_ref().and_then(|purge| purge.tower).filter(|_| totals.tower_mm > 0.0).map(|tower| json!({
+                "left_mm": tower.left_mm, "front_mm": tower.front_mm, "width_mm": tower.width_mm,
+            })),
+            "seconds": {
+                "slice": seconds.slice.as_secs_f64(),
+                "plan": seconds.plan.as_secs_f64(),
+                "print": seconds.print.as_secs_f64(),
+            },
+        });
+        if let (Value::Object(value), Value::Object(more)) = (&mut value, more) {
+            value.extend(more);
+        }
+        value
+    }
+
+    /// A few lines.
+    pub(super) fn summary(&self, out: Option<&Path>) -> String {
+        let mut text = String::new();
+        self.write(&mut text, out).expect("a string takes all text");
+        text
+    }
+
+    fn write(&self, text: &mut String, out: Option<&Path>) -> std::fmt::Result {
+        let Self { part, plan, printed, seconds, .. } = self;
+        let (frame, totals) = (&part.layers.frame, &printed.totals);
+        let [x, y, z] = part.bounds.size_mm();
+        writeln!(
+            text,
+            "{}: {x:.1} x {y:.1} x {z:.1} mm, {} layers of up to {} x {} cells, {}",
+            part.name,
+            plan.layers.len(),
+            frame.width,
+            frame.height,
+            count(printed.settings.tools.len() as u64, "material"),
+        )?;
+        let bound = match &plan.order {
+            Some(order) if u64::from(order.least_changes) == plan.tool_changes() => {
+                " (proven to be the fewest)".to_owned()
+            }
+            Some(order) => format!(" (at least {})", order.least_changes),
+            None => String::new(),
+        };
+        let optimal = plan.layers.iter().filter(|layer| layer.is_optimal()).count();
+        writeln!(
+            text,
+            "{}{bound}, {}; {optimal} of {} layers proven optimal",
+            count(plan.tool_changes(), "tool change"),
+            count(plan.lifts, "lift"),
+            plan.layers.len(),
+        )?;
+        if let Some(fixed) = plan.fixed.filter(|_| printed.settings.tools.len() > 1) {
+            writeln!(
+                text,
+                "tool by tool in the same order every layer: {}",
+                count(fixed.changes.into(), "tool change")
+            )?;
+        }
+        let grams: f64 = totals.tools.iter().map(|tool| tool.grams).sum();
+        writeln!(
+            text,
+            "{} to print, {grams:.1} g, {:.1} m of beads, {:.1} m of travel",
+            duration(totals.print_seconds),
+            totals.extrusion_mm / 1000.0,
+            totals.travel_mm / 1000.0,
+        )?;
+        if let Some(out) = out {
+            let beside = out.with_extension("json");
+            writeln!(
+                text,
+                "wrote {} (read again and checked: {} cells, each once, with the tool of its material) and {}",
+                out.display(),
+                printed.checked.cells,
+                beside.display()
+            )?;
+        }
+        let took = [seconds.slice, seconds.plan, seconds.print].map(|step| step.as_secs_f64());
+        writeln!(
+            text,
+            "{:.2} s to slice, {:.2} s to plan, {:.2} s to write and check",
+            took[0], took[1], took[2]
+        )
+    }
+}
+
+fn count(count: u64, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
+fn duration(seconds: f64) -> String {
+    let minutes = (seconds / 60.0).round() as u64;
+    match (minutes / 60, minutes % 60) {
+        (0, minutes) => format!("{minutes} min"),
+        (hours, minutes) => format!("{hours} h {minutes} min"),
+    }
+}
