@@ -35,8 +35,23 @@ pub(crate) fn threads(asked: usize) -> usize {
 
 /// Peak memory of this process so far in bytes, where the system tells it.
 pub(crate) fn peak_memory_bytes() -> Option<u64> {
+    status_bytes("VmHWM:")
+}
+
+/// Memory of this process now in bytes, where the system tells it.
+pub(crate) fn memory_bytes() -> Option<u64> {
+    status_bytes("VmRSS:")
+}
+
+/// Lets the peak begin anew, where the system can do so.
+pub(crate) fn forget_peak_memory() {
+    // Without it a later peak is only counted if it is the highest of all, which the figures then say too little of.
+    let _ = fs::write("/proc/self/clear_refs", "5");
+}
+
+fn status_bytes(field: &str) -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let line = status.lines().find_map(|line| line.strip_prefix(field))?;
     let kib: u64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
     Some(kib * 1024)
 }

@@ -32,7 +32,7 @@ pub(crate) struct PartArgs {
     scale: f64,
     /// Turns the part by so many degrees about x, then y, then z.
     #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", allow_hyphen_values = true)]
-    rotate: Numbers<3>,
+    pub(crate) rotate: Numbers<3>,
     /// Where on the bed the part's middle lies, in mm; the middle of the bed if not given.
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
     centre: Option<Numbers<2>>,
@@ -48,7 +48,7 @@ pub(crate) struct PartArgs {
     /// What is a material, and so a tool, of its own: as the files state it (a body they say nothing of is one), every
     /// body, or all together.
     #[arg(long, value_name = "RULE", default_value = "stated")]
-    materials: Rule,
+    pub(crate) materials: Rule,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -82,8 +82,9 @@ enum Fill {
     Evenodd,
 }
 
+/// What is a material of its own.
 #[derive(Clone, Copy, ValueEnum)]
-enum Rule {
+pub(crate) enum Rule {
     Stated,
     Bodies,
     One,
@@ -115,6 +116,21 @@ pub(crate) struct Part {
 }
 
 impl PartArgs {
+    /// One part as the flags have it if none but its name is given.
+    pub(crate) fn usual(part: PathBuf) -> Self {
+        Self {
+            parts: vec![part],
+            unit: Unit::Mm,
+            scale: 1.0,
+            rotate: Numbers([0.0; 3]),
+            centre: None,
+            bead: 0.5,
+            layer: 0.25,
+            fill: Fill::Nonzero,
+            materials: Rule::Stated,
+        }
+    }
+
     /// Reads, repairs, places and cuts the part.
     pub(crate) fn load(&self, bed_mm: [f64; 3], pool: &ThreadPool) -> anyhow::Result<Part> {
         let mut model = Model::default();

@@ -2,6 +2,7 @@
 
 mod dataset;
 mod grid;
+mod part;
 mod zones;
 
 use std::time::Instant;
@@ -19,6 +20,7 @@ pub(crate) struct Args {
 enum What {
     Grid(grid::GridArgs),
     Zones(zones::ZonesArgs),
+    Part(part::PartArgs),
     Dataset(dataset::DatasetArgs),
 }
 
@@ -26,6 +28,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     match &args.what {
         What::Grid(args) => grid::run(args),
         What::Zones(args) => zones::run(args),
+        What::Part(args) => part::run(args),
         What::Dataset(args) => dataset::run(args),
     }
 }

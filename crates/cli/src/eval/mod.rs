@@ -1,10 +1,11 @@
-//! `eval`: tables beside the papers' figures.
+//! `eval`: tables beside the papers' figures, and of whole parts.
 
 mod anneal_tables;
 mod crossovers;
 mod exact_tables;
 mod growth;
 mod paper_tables;
+mod parts;
 mod statistics;
 mod store;
 mod table;
@@ -17,7 +18,7 @@ use clap::Subcommand;
 use crate::search::MethodName;
 use crate::{machine, output};
 
-/// Print tables beside the papers' figures.
+/// Print tables beside the papers' figures, and of whole parts.
 #[derive(clap::Args)]
 pub(crate) struct Args {
     #[command(subcommand)]
@@ -27,6 +28,7 @@ pub(crate) struct Args {
 #[derive(Subcommand)]
 enum What {
     Zones(ZonesArgs),
+    Parts(parts::PartsArgs),
 }
 
 /// Crossings over the 24 cells of Aali et al.: their Tables 1, 3 and 5 by every method, or one method looked at
@@ -108,7 +110,10 @@ impl ZonesArgs {
 }
 
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
-    let What::Zones(args) = &args.what;
+    let args = match &args.what {
+        What::Zones(args) => args,
+        What::Parts(args) => return parts::run(args),
+    };
     args.check();
     match args.method {
         None => paper_tables::run(args),

@@ -4,6 +4,7 @@ use beadwork_part::gcode;
 use beadwork_part::{Panel, svg};
 use beadwork_search::plan::ToolPlan;
 
+use super::report;
 use crate::part::Part;
 
 /// Layers that are drawn, at most: two rows.
@@ -25,8 +26,9 @@ pub(super) fn draw(part: &Part, plan: &ToolPlan, settings: &gcode::Settings) -> 
     }
     let title = |&at: &usize| {
         let planned = &plan.layers[at];
-        let beads = planned.path.pieces();
-        format!("layer {}: {beads} beads, {} crossings", layers[at].0 + 1, planned.crossings)
+        let beads = report::count(planned.path.pieces().into(), "bead");
+        let crossings = report::count(planned.crossings.into(), "crossing");
+        format!("layer {}: {beads}, {crossings}", layers[at].0 + 1)
     };
     let titles: Vec<String> = shown.iter().map(title).collect();
     let panels: Vec<Panel<'_>> = shown

@@ -145,7 +145,8 @@ impl Report<'_> {
     }
 }
 
-fn count(count: u64, what: &str) -> String {
+/// So many of something.
+pub(super) fn count(count: u64, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
 

@@ -40,7 +40,7 @@ fn begins_as_text(bytes: &[u8]) -> bool {
 
 fn read_binary(records: &[u8], count: usize, limits: &Limits) -> Result<Model, ReadError> {
     check_count(count, limits)?;
-    let mut welder = Welder::default();
+    let mut welder = Welder::with_capacity(count);
     for record in records.chunks_exact(RECORD).take(count) {
         let value = |at: usize| {
             let bytes = record[12 + 4 * at..][..4].try_into().expect("it has four bytes");

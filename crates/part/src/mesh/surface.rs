@@ -1,7 +1,8 @@
 //! A surface of triangles that share their vertices.
 
-use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 
+use hashbrown::HashTable;
 use thiserror::Error;
 
 /// Triangles over shared vertices, in mm.
@@ -163,21 +164,37 @@ pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 /// Points are one vertex if all bits of their coordinates are equal (0 and -0 too): what touches belongs together, and nothing is moved.
 #[derive(Default)]
 pub(super) struct Welder {
-    numbers: HashMap<[u64; 3], u32>,
+    /// Numbers of vertices by the hash of their coordinates, which stand in `vertices` alone: as keys they would take more memory than the mesh.
+    numbers: HashTable<u32>,
     vertices: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
 }
 
+fn hash(point: [f64; 3]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    point.map(f64::to_bits).hash(&mut hasher);
+    hasher.finish()
+}
+
 impl Welder {
+    /// For so many triangles.
+    pub(super) fn with_capacity(triangles: usize) -> Self {
+        Self { triangles: Vec::with_capacity(triangles), ..Self::default() }
+    }
+
     /// The number of a point.
     pub(super) fn vertex(&mut self, point: [f64; 3]) -> u32 {
         // Adding 0 makes -0 the same as 0.
         let point = point.map(|value| value + 0.0);
-        let next = self.vertices.len() as u32;
-        let number = *self.numbers.entry(point.map(f64::to_bits)).or_insert(next);
-        if number == next {
-            self.vertices.push(point);
+        let Self { numbers, vertices, .. } = self;
+        let bits = |point: [f64; 3]| point.map(f64::to_bits);
+        let is_it = |&number: &u32| bits(vertices[number as usize]) == bits(point);
+        if let Some(&number) = numbers.find(hash(point), is_it) {
+            return number;
         }
+        let number = vertices.len() as u32;
+        vertices.push(point);
+        numbers.insert_unique(hash(point), number, |&number| hash(vertices[number as usize]));
         number
     }
 

@@ -144,8 +144,8 @@ pub struct ToolPlan {
     pub tool_cost: u64,
     /// Lifts within layers.
     pub lifts: u64,
-    /// What the order of tools could be if no piece ran across zones, with its bounds; `None` in [`Mode::Continuous`]. Its
-    /// [`bound`](ToolOrder::bound) holds for the tool changes of *every* plan, whatever its mode.
+    /// What the order of tools could be if no piece ran across zones, with its bounds; `None` in [`Mode::Continuous`] with more than 12
+    /// tools in a layer. Its [`bound`](ToolOrder::bound) holds for the tool changes of *every* plan, whatever its mode.
     pub order: Option<ToolOrder>,
     /// What printing the tools of every layer by rising number costs, for comparison; `None` with more than 12 tools in a layer.
     pub fixed: Option<FixedOrder>,
@@ -222,7 +222,12 @@ pub fn tools_plan(layers: &[LayerRef<'_>], settings: &Settings<'_>) -> Result<To
     if let Some(&tool) = sets.iter().flatten().find(|&&tool| usize::from(tool) >= costs.tools()) {
         return Err(OrderError::UnknownTool { tool, tools: costs.tools() }.into());
     }
-    let tool_order = if mode == Mode::Continuous { None } else { Some(order(&sets, costs, constraints)?) };
+    let tool_order = match order(&sets, costs, constraints) {
+        Ok(order) => Some(order),
+        // Of more tools than an order can be found for, continuous paths still can be.
+        Err(OrderError::TooManyTools { .. }) if mode == Mode::Continuous => None,
+        Err(error) => return Err(error.into()),
+    };
     let fixed = fixed_order_cost(&sets, costs).ok();
     let wants = Wants { continuous: mode != Mode::Free && !obeys_order, by_zones: mode != Mode::Continuous };
     let covers = covers(layers, settings, wants)?;
