@@ -127,7 +127,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     }
     let settings = profile.complete(&part.model.materials)?;
     let costs = tool_costs(settings.purge.as_ref().expect("complete settings have volumes"))?;
-    let sliced = begin.elapsed();
+    let sliced = begin.elapsed().as_secs_f64();
     let constraints = Constraints {
         before: args.before.iter().map(|&Pair(a, b)| (a, b)).collect(),
         first: args.first_tool.map(|tool| tool - 1),
@@ -158,9 +158,9 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     };
     let plan = tools_plan(&refs(&part.layers), &how)?;
     bar.finish_and_clear();
-    let planned = begin.elapsed();
+    let planned = begin.elapsed().as_secs_f64();
     let printed = print(&part, &plan, &profile, settings)?;
-    let done = begin.elapsed();
+    let done = begin.elapsed().as_secs_f64();
     let seconds = Seconds { slice: sliced, plan: planned - sliced, print: done - planned };
     let report = Report { part: &part, plan: &plan, printed: &printed, lift_cost: args.lift_cost, seconds };
     if let Some(path) = &args.svg {

@@ -99,9 +99,11 @@ impl ProfileArgs {
 }
 
 impl Profile {
-    /// Usual values throughout, for tables.
-    pub(crate) fn usual() -> Self {
-        Self { settings: gcode::Settings::default(), purge: None, tower: TowerPlace::Auto }
+    /// Usual values but for a bed of 400 x 400 mm, for tables of parts of all sizes.
+    pub(crate) fn for_tables() -> Self {
+        let mut settings = gcode::Settings::default();
+        settings.printer.bed_mm = [400.0, 400.0, 210.0];
+        Self { settings, purge: None, tower: TowerPlace::Auto }
     }
 
     pub(crate) fn bed_mm(&self) -> [f64; 3] {

@@ -51,6 +51,19 @@ impl Outline {
         self.ends.push(self.points.len());
     }
 
+    /// Takes over the loops of another outline; paint is kept only if both have it.
+    pub fn append(&mut self, other: &Self) {
+        let before = self.points.len();
+        if before == 0 || self.paint.len() == before {
+            self.paint.extend_from_slice(&other.paint);
+        }
+        self.points.extend_from_slice(&other.points);
+        self.ends.extend(other.ends.iter().map(|end| before + end));
+        if self.paint.len() != self.points.len() {
+            self.paint.clear();
+        }
+    }
+
     /// Whether there is nothing.
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
@@ -124,6 +137,23 @@ mod tests {
         assert_eq!(polygons.iter().map(|polygon| polygon.holes.len()).collect::<Vec<_>>(), [0, 1]);
         assert_eq!(outline.loops().count(), 3);
         assert_eq!(outline.lines().count(), 12);
+    }
+
+    #[test]
+    fn outlines_are_joined() {
+        let mut both = outline(&[square(0.0, 2.0, false)]);
+        both.append(&outline(&[square(5.0, 1.0, false), square(7.0, 1.0, true)]));
+        assert_eq!(both.loops().map(<[_]>::len).collect::<Vec<_>>(), [4, 4, 4]);
+        assert!((both.area_mm2() - 4.0).abs() < 1e-12);
+        let mut painted = Outline::default();
+        painted.push([0.0; 2], Some(3));
+        painted.close();
+        let mut twice = Outline::default();
+        twice.append(&painted);
+        twice.append(&painted);
+        assert_eq!(twice.paint, [3, 3]);
+        twice.append(&both);
+        assert!(twice.paint.is_empty());
     }
 
     #[test]

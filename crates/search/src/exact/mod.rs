@@ -66,6 +66,8 @@ pub struct Settings<'a> {
     pub start: Terminal,
     /// Where the last piece has to end.
     pub end: Terminal,
+    /// Whether the first attempt lays its ladders along the columns, not the rows: paths of layers in turn then cross each other.
+    pub columns_first: bool,
     /// A path of the layer below, on a plane of the same size: the first attempts take over its links inside the zones, as far as both layers have the
     /// cells, and look for the rest only.
     pub below: Option<&'a Path>,
@@ -98,7 +100,7 @@ pub enum Stage {
 }
 
 impl Default for Settings<'_> {
-    /// Seed 0, 50 attempts, crossings that cost 1, free ends, no layer below, nothing that stops it.
+    /// Seed 0, 50 attempts, crossings that cost 1, free ends, ladders along the rows, no layer below, nothing that stops it.
     fn default() -> Self {
         Self {
             seed: 0,
@@ -106,6 +108,7 @@ impl Default for Settings<'_> {
             costs: None,
             start: Terminal::Any,
             end: Terminal::Any,
+            columns_first: false,
             below: None,
             cancel: None,
             time_is_up: None,

@@ -73,6 +73,7 @@ pub(super) fn solve(
         costs,
         interrupt,
         stages: settings.stages,
+        columns_first: settings.columns_first,
         below: settings.below,
         rng,
         graph: ZoneGraph::new(board),
@@ -146,6 +147,7 @@ struct Search<'a> {
     interrupt: Interrupt<'a>,
     /// To be told of the stages; `None` after the first attempt.
     stages: Option<&'a StageObserver<'a>>,
+    columns_first: bool,
     /// The path of the layer below, to begin with; `None` once that was tried often enough.
     below: Option<&'a Path>,
     rng: Xoshiro256PlusPlus,
@@ -167,7 +169,8 @@ struct Search<'a> {
 impl Search<'_> {
     /// Makes a cover, keeps it if it is the best so far, and gives the best.
     fn attempt(&mut self, number: u32) -> &Cover {
-        let grain = Grain { along: (number % 2) as Dir, odd: (number / 2) % 2 == 1 };
+        let turns = number + u32::from(self.columns_first);
+        let grain = Grain { along: (turns % 2) as Dir, odd: (number / 2) % 2 == 1 };
         // Where directions differ, what a crossing costs at least gives a bound, but is a poor guide to a path.
         let guide = (number > 1 && self.bounds != Bounds::Due && !self.costs.is_symmetric())
             .then(|| self.board.with_costs(self.costs.drawn(&mut self.rng)));

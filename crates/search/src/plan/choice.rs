@@ -78,7 +78,7 @@ pub(super) fn choose(
         };
     }
     let way = |number: usize| &layers[number][ways[number]];
-    if layers.first().is_some() && first.is_some_and(|first| first != way(0).first) {
+    if !layers.is_empty() && first.is_some_and(|first| first != way(0).first) {
         return None;
     }
     let within: u64 = (0..layers.len()).map(|number| way(number).cost).sum();

@@ -21,6 +21,8 @@ pub struct LayerRef<'a> {
 pub(super) struct Effort<'a> {
     pub(super) seed: u64,
     pub(super) attempts: u32,
+    /// Whether straight stretches run along the columns rather than the rows.
+    pub(super) columns_first: bool,
     pub(super) cancel: Option<&'a AtomicBool>,
 }
 
@@ -46,6 +48,7 @@ impl Cover {
         let settings = exact::Settings {
             seed: effort.seed,
             attempts: effort.attempts,
+            columns_first: effort.columns_first,
             costs: Some(costs),
             below,
             cancel: effort.cancel,
@@ -73,6 +76,7 @@ impl Cover {
             let settings = exact::Settings {
                 seed: effort.seed,
                 attempts: effort.attempts,
+                columns_first: effort.columns_first,
                 below,
                 cancel: effort.cancel,
                 ..exact::Settings::default()

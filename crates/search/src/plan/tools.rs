@@ -35,7 +35,7 @@ pub enum Mode {
 pub enum Stacking {
     /// The one that has more links in common with the layer below: seams are stacked, and surfaces alike.
     Keep,
-    /// The one that has fewer: beads cross those below and bind the layers.
+    /// The one that has fewer: beads cross those below and bind the layers. Straight stretches run along rows and columns in turn.
     Break,
 }
 
@@ -293,13 +293,14 @@ struct Covers {
 /// Covers of all layers: side by side, or one on top of the other.
 fn covers(layers: &[LayerRef<'_>], settings: &Settings<'_>, wants: Wants) -> Result<Vec<Covers>, PlanError> {
     let costs = zone_costs(settings.costs)?;
-    let effort = Effort { seed: settings.seed, attempts: settings.attempts, cancel: settings.cancel };
-    // Equal layers by the number of the first of them.
-    let mut numbers: HashMap<(&Region, &[u8]), usize> = HashMap::new();
-    let first_of: Vec<usize> = layers
-        .iter()
-        .enumerate()
-        .map(|(number, layer)| *numbers.entry((layer.region, layer.zones.ids())).or_insert(number))
+    let columns_first = |number: usize| settings.stacking == Some(Stacking::Break) && number % 2 == 1;
+    // Layers that come to the same, by the number of the first of them.
+    let mut numbers: HashMap<(&Region, &[u8], bool), usize> = HashMap::new();
+    let first_of: Vec<usize> = (0..layers.len())
+        .map(|number| {
+            let LayerRef { region, zones } = layers[number];
+            *numbers.entry((region, zones.ids(), columns_first(number))).or_insert(number)
+        })
         .collect();
     let done = AtomicUsize::new(0);
     let tell = |count: usize| {
@@ -315,6 +316,12 @@ fn covers(layers: &[LayerRef<'_>], settings: &Settings<'_>, wants: Wants) -> Res
             return Err(PlanError::Cancelled);
         }
         let layer = layers[number];
+        let effort = Effort {
+            seed: settings.seed,
+            attempts: settings.attempts,
+            columns_first: columns_first(number),
+            cancel: settings.cancel,
+        };
         // With one tool both are the same.
         let by_zones = wants.by_zones && (!wants.continuous || tools(layer).len() > 1);
         let path = |cover: &Option<Cover>| cover.as_ref().map(|cover| cover.path.clone());

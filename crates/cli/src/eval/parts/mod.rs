@@ -92,7 +92,7 @@ fn cases(
     pool: &rayon::ThreadPool,
     missing: &mut Vec<&'static str>,
 ) -> anyhow::Result<Vec<Case>> {
-    let bed_mm = Profile::usual().bed_mm();
+    let bed_mm = Profile::for_tables().bed_mm();
     let mut cases = Vec::new();
     for example in Example::ALL {
         let part = PartArgs::usual(format!("example:{example}").into()).load(bed_mm, pool)?;

@@ -43,7 +43,7 @@ pub(super) fn measure(
     pool: &rayon::ThreadPool,
     bar: &ProgressBar,
 ) -> anyhow::Result<Vec<Row>> {
-    let profile = Profile::usual();
+    let profile = Profile::for_tables();
     let constraints = Constraints::default();
     let mut rows = Vec::new();
     for Case { name, part, .. } in cases {

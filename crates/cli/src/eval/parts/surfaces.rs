@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fmt::Write;
 
 use beadwork_part::Frame;
-use beadwork_part::slice::{Layer, Outline, cut};
+use beadwork_part::slice::{FillRule, Layer, Outline, cut};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
@@ -14,12 +14,16 @@ use super::Case;
 #[derive(Serialize)]
 pub(super) struct Row {
     part: &'static str,
-    mesh_mm3: f64,
+    /// Of the meshes; of the outlines where bodies overlap.
+    solid_mm3: f64,
+    overlap: bool,
     voxels_mm3: f64,
     /// From the sides of the cells to the outlines, in beads: the greatest distance.
     cells_off: f64,
-    /// From points of the outlines to the sides of the cells, in beads: that of 99 % of them, and the greatest.
-    outline_off: [f64; 2],
+    /// Share of the outlines' length that has a side of a cell within half a bead. The rest lies where the part, or a gap, is thinner than a bead.
+    outline_met: f64,
+    /// From points of the outlines to the sides of the cells, in beads: the greatest distance, `None` beyond 16.
+    outline_off: Option<f64>,
 }
 
 pub(super) fn measure(cases: &[Case], bar: &ProgressBar) -> Vec<Row> {
@@ -32,34 +36,49 @@ pub(super) fn measure(cases: &[Case], bar: &ProgressBar) -> Vec<Row> {
             bodies.iter().map(|body| cut(&body.mesh, &[], frame.layer_mm, count, None)).collect();
         let mut cells_off: f64 = 0.0;
         let mut outline_off = Vec::new();
-        // Where bodies touch or overlap, neither's outline is a border of the cells.
-        let is_one = bodies.len() == 1;
+        let (mut united_mm2, mut apart_mm2) = (0.0, 0.0);
         for (number, layer) in part.layers.layers.iter().enumerate() {
-            let Some(layer) = layer.as_ref().filter(|_| is_one) else { continue };
-            let outlines: Vec<&Outline> = outlines.iter().map(|outlines| &outlines[number]).collect();
-            let (cells, outline) = distances(layer, &outlines, &frame);
+            let mut all = Outline::default();
+            outlines.iter().for_each(|outlines| all.append(&outlines[number]));
+            // Where bodies touch or overlap, neither's outline is a border of the part.
+            let polygons = all.polygons(FillRule::NonZero);
+            let borders: Vec<&[[f64; 2]]> = polygons
+                .iter()
+                .flat_map(|polygon| std::iter::once(&polygon.outer).chain(&polygon.holes))
+                .map(Vec::as_slice)
+                .collect();
+            united_mm2 += borders.iter().map(|border| area_mm2(border)).sum::<f64>();
+            apart_mm2 += all.area_mm2();
+            let Some(layer) = layer else { continue };
+            let (cells, outline) = distances(layer, &borders, &frame);
             cells_off = cells.into_iter().fold(cells_off, f64::max);
             outline_off.extend(outline);
         }
-        outline_off.sort_by(f64::total_cmp);
-        let at = |share: f64| {
-            let last = outline_off.len().saturating_sub(1);
-            outline_off.get((share * last as f64) as usize).copied().unwrap_or(f64::NAN)
-        };
+        let met = outline_off.iter().filter(|&&off| off <= 0.5 + 1e-9).count();
+        let greatest = outline_off.iter().copied().fold(0.0, f64::max);
+        let meshes_mm3: f64 = bodies.iter().map(|body| body.mesh.volume_mm3()).sum();
+        let overlap = (apart_mm2 - united_mm2) / united_mm2 > 1e-3;
         rows.push(Row {
             part: name,
-            mesh_mm3: bodies.iter().map(|body| body.mesh.volume_mm3()).sum(),
+            solid_mm3: if overlap { united_mm2 * frame.layer_mm } else { meshes_mm3 },
+            overlap,
             voxels_mm3: part.layers.voxels().volume_mm3(),
-            cells_off: if is_one { cells_off } else { f64::NAN },
-            outline_off: [at(0.99), at(1.0)],
+            cells_off,
+            outline_met: met as f64 / outline_off.len() as f64,
+            outline_off: greatest.is_finite().then_some(greatest),
         });
         bar.inc(1);
     }
     rows
 }
 
+fn area_mm2(border: &[[f64; 2]]) -> f64 {
+    let next = border.iter().cycle().skip(1);
+    border.iter().zip(next).map(|(a, b)| (a[0] * b[1] - b[0] * a[1]) / 2.0).sum()
+}
+
 /// In beads: from the middle of each side of a cell to the outlines along its normal, and from points along the outlines to the nearest side.
-fn distances(layer: &Layer, outlines: &[&Outline], frame: &Frame) -> (Vec<f64>, Vec<f64>) {
+fn distances(layer: &Layer, borders: &[&[[f64; 2]]], frame: &Frame) -> (Vec<f64>, Vec<f64>) {
     // In units of cells, from the left and from the back.
     let place = |[x, y]: [f64; 2]| [(x - frame.left_mm) / frame.cell_mm, (frame.back_mm - y) / frame.cell_mm];
     let region = &layer.region;
@@ -83,23 +102,19 @@ fn distances(layer: &Layer, outlines: &[&Outline], frame: &Frame) -> (Vec<f64>, 
     }
     let mut to_outline: HashMap<(i64, i64, bool), f64> = HashMap::new();
     let mut to_side = Vec::new();
-    for outline in outlines {
-        for corners in outline.loops() {
-            for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-                let (from, to) = (place(*from), place(*to));
-                crossings(from, to, |x, y, upright, off| {
-                    let nearest = to_outline.entry((x, y, upright)).or_insert(f64::INFINITY);
-                    *nearest = nearest.min(off);
-                });
-                let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-                let steps = (5.0 * length).ceil().max(1.0);
-                for step in 0..steps as u32 {
-                    let part = f64::from(step) / steps;
-                    to_side.push(nearest_side(
-                        &sides,
-                        [0, 1].map(|axis| from[axis] + part * (to[axis] - from[axis])),
-                    ));
-                }
+    for corners in borders {
+        for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+            let (from, to) = (place(*from), place(*to));
+            crossings(from, to, |x, y, upright, off| {
+                let nearest = to_outline.entry((x, y, upright)).or_insert(f64::INFINITY);
+                *nearest = nearest.min(off);
+            });
+            let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+            let steps = (5.0 * length).ceil().max(1.0);
+            for step in 0..steps as u32 {
+                let part = f64::from(step) / steps;
+                let point = [0, 1].map(|axis| from[axis] + part * (to[axis] - from[axis]));
+                to_side.push(nearest_side(&sides, point));
             }
         }
     }
@@ -147,7 +162,7 @@ fn nearest_side(sides: &HashMap<(i64, i64), Vec<bool>>, [x, y]: [f64; 2]) -> f64
                     let begin = [cell_x as f64, cell_y as f64];
                     let end = if upright { [begin[0], begin[1] + 1.0] } else { [begin[0] + 1.0, begin[1]] };
                     let off = [x - x.clamp(begin[0], end[0]), y - y.clamp(begin[1], end[1])];
-                    nearest = nearest.min(off[0].hypot(off[1]));
+                    nearest = nearest.min(off[0].abs().max(off[1].abs()));
                 }
             }
         }
@@ -159,24 +174,27 @@ fn nearest_side(sides: &HashMap<(i64, i64), Vec<bool>>, [x, y]: [f64; 2]) -> f64
 }
 
 pub(super) fn table(text: &mut String, rows: &[Row]) -> std::fmt::Result {
-    writeln!(text, "\nCells and surfaces; distances in beads, for parts of one body:\n")?;
     writeln!(
         text,
-        "| part | mesh mm³ | voxels mm³ | ratio | cells to surface, greatest | surface to cells, 99 % of it | greatest |"
+        "\nCells and surfaces; distances in beads along the grid's axes, in the planes of the cuts:\n"
+    )?;
+    writeln!(
+        text,
+        "| part | solid mm³ | voxels mm³ | ratio | cells to surface, greatest | surface within half a bead of the cells | greatest |"
     )?;
     writeln!(text, "|---|---|---|---|---|---|---|")?;
-    let number = |value: f64| if value.is_nan() { "-".to_owned() } else { format!("{value:.3}") };
     for row in rows {
         writeln!(
             text,
-            "| {} | {:.1} | {:.1} | {:.4} | {} | {} | {} |",
+            "| {} | {:.1}{} | {:.1} | {:.4} | {:.3} | {:.2} % | {} |",
             row.part,
-            row.mesh_mm3,
+            row.solid_mm3,
+            if row.overlap { " (from outlines: bodies overlap)" } else { "" },
             row.voxels_mm3,
-            row.voxels_mm3 / row.mesh_mm3,
-            number(row.cells_off),
-            number(row.outline_off[0]),
-            number(row.outline_off[1])
+            row.voxels_mm3 / row.solid_mm3,
+            row.cells_off,
+            100.0 * row.outline_met,
+            row.outline_off.map_or_else(|| "beyond 16".to_owned(), |off| format!("{off:.3}"))
         )?;
     }
     Ok(())
