@@ -161,22 +161,21 @@ fn pipeline(
     for repeat in 0..=repeats {
         let begin = Instant::now();
         let mut model = read(format, bytes)?;
-        let read = begin.elapsed();
+        let read = begin.elapsed().as_secs_f64();
         repair(&mut model)?;
-        let repaired = begin.elapsed();
+        let repaired = begin.elapsed().as_secs_f64();
         let settings = Settings { layer_mm, pool: Some(pool), ..Settings::default() };
         let layers: Layers = slice(&model, &settings)?;
-        let all = begin.elapsed();
+        let all = begin.elapsed().as_secs_f64();
         let again = Instant::now();
         outlines(&model, layer_mm, Some(pool));
-        let outlined = again.elapsed();
+        let outlined = again.elapsed().as_secs_f64();
         let again = Instant::now();
         slice(&model, &Settings { pool: None, ..settings })?;
-        let alone = again.elapsed();
+        let alone = again.elapsed().as_secs_f64();
         // The first run does not count.
         if repeat > 0 {
-            let seconds =
-                [read, repaired - read, outlined, all, repaired + alone].map(|step| step.as_secs_f64());
+            let seconds = [read, repaired - read, outlined, all, repaired + alone];
             steps.iter_mut().zip(seconds).for_each(|(step, seconds)| step.push(seconds));
         }
         facts = json!({

@@ -167,7 +167,7 @@ impl Profile {
             match Print::new(title, layers, frame, &settings) {
                 Ok(print) => return Ok((print, settings)),
                 Err(error @ (SettingsError::TowerDepth { .. } | SettingsError::TowerWidth { .. })) => {
-                    refusal = Some(error)
+                    refusal = Some(error);
                 }
                 Err(error) => return Err(error.into()),
             }

@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 use std::path::Path;
-use std::time::Duration;
 
 use beadwork_search::plan::ToolPlan;
 use serde_json::{Value, json};
@@ -12,9 +11,9 @@ use crate::part::Part;
 
 /// How long the steps took.
 pub(super) struct Seconds {
-    pub(super) slice: Duration,
-    pub(super) plan: Duration,
-    pub(super) print: Duration,
+    pub(super) slice: f64,
+    pub(super) plan: f64,
+    pub(super) print: f64,
 }
 
 pub(super) struct Report<'a> {
@@ -65,9 +64,9 @@ impl Report<'_> {
                 "left_mm": tower.left_mm, "front_mm": tower.front_mm, "width_mm": tower.width_mm,
             })),
             "seconds": {
-                "slice": seconds.slice.as_secs_f64(),
-                "plan": seconds.plan.as_secs_f64(),
-                "print": seconds.print.as_secs_f64(),
+                "slice": seconds.slice,
+                "plan": seconds.plan,
+                "print": seconds.print,
             },
         });
         if let (Value::Object(value), Value::Object(more)) = (&mut value, more) {
@@ -84,34 +83,34 @@ impl Report<'_> {
     }
 
     fn write(&self, text: &mut String, out: Option<&Path>) -> std::fmt::Result {
-        let Self { part, plan, printed, seconds, .. } = self;
+        let Self { part, plan: planned, printed, seconds, .. } = self;
         let (frame, totals) = (&part.layers.frame, &printed.totals);
         let [x, y, z] = part.bounds.size_mm();
         writeln!(
             text,
             "{}: {x:.1} x {y:.1} x {z:.1} mm, {} layers of up to {} x {} cells, {}",
             part.name,
-            plan.layers.len(),
+            planned.layers.len(),
             frame.width,
             frame.height,
             count(printed.settings.tools.len() as u64, "material"),
         )?;
-        let bound = match &plan.order {
-            Some(order) if u64::from(order.least_changes) == plan.tool_changes() => {
+        let bound = match &planned.order {
+            Some(order) if u64::from(order.least_changes) == planned.tool_changes() => {
                 " (proven to be the fewest)".to_owned()
             }
             Some(order) => format!(" (at least {})", order.least_changes),
             None => String::new(),
         };
-        let optimal = plan.layers.iter().filter(|layer| layer.is_optimal()).count();
+        let optimal = planned.layers.iter().filter(|layer| layer.is_optimal()).count();
         writeln!(
             text,
             "{}{bound}, {}; {optimal} of {} layers proven optimal",
-            count(plan.tool_changes(), "tool change"),
-            count(plan.lifts, "lift"),
-            plan.layers.len(),
+            count(planned.tool_changes(), "tool change"),
+            count(planned.lifts, "lift"),
+            planned.layers.len(),
         )?;
-        if let Some(fixed) = plan.fixed.filter(|_| printed.settings.tools.len() > 1) {
+        if let Some(fixed) = planned.fixed.filter(|_| printed.settings.tools.len() > 1) {
             writeln!(
                 text,
                 "tool by tool in the same order every layer: {}",
@@ -136,12 +135,8 @@ impl Report<'_> {
                 beside.display()
             )?;
         }
-        let took = [seconds.slice, seconds.plan, seconds.print].map(|step| step.as_secs_f64());
-        writeln!(
-            text,
-            "{:.2} s to slice, {:.2} s to plan, {:.2} s to write and check",
-            took[0], took[1], took[2]
-        )
+        let Seconds { slice, plan, print } = seconds;
+        writeln!(text, "{slice:.2} s to slice, {plan:.2} s to plan, {print:.2} s to write and check")
     }
 }
 
