@@ -106,14 +106,17 @@ fn is_blank(character: char) -> bool {
 /// The command without blanks around it, without line number and checksum, and without comments before it.
 fn unnumbered<'a>(code: &'a str, asides: &mut Asides) -> &'a str {
     let mut code = code.trim_matches(is_blank);
+    // A line has one checksum; looking for it behind each of many numbers would take the square of the line's length.
+    let mut has_number = false;
     loop {
         if code.starts_with('(') {
             code = asides.take(code);
         } else if let Some(rest) = after_number(code) {
-            code = match rest.rsplit_once('*') {
+            code = match (!has_number).then(|| rest.rsplit_once('*')).flatten() {
                 Some((rest, sum)) if sum.bytes().all(|byte| byte.is_ascii_digit()) => rest,
                 _ => rest,
             };
+            has_number = true;
         } else {
             return code;
         }

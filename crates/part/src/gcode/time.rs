@@ -22,14 +22,19 @@ pub struct Limits {
     pub greatest_mm_s: f64,
 }
 
-/// Reckons the time of events as they come, in linear time; it holds the motions since the last stop.
+/// Reckons the time of events as they come, in linear time; it holds the motions since the last stop, but no more than
+/// about 65,000: of those before, nothing that comes changes the speed, unless none of them was long enough to brake in.
 #[derive(Clone, Debug)]
 pub struct Stopwatch {
     limits: Limits,
     chain: Vec<Leg>,
     /// Of what lies before the chain.
     seconds: f64,
+    most_legs: usize,
 }
+
+/// A program may go on without a stop, and an arc of a few letters be hundreds of motions: so many are held.
+const MOST_LEGS: usize = 1 << 16;
 
 /// A motion of the head on the way from one stop to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +62,7 @@ impl Program {
 impl Stopwatch {
     /// Begins at rest.
     pub fn new(limits: Limits) -> Self {
-        Self { limits, chain: Vec::new(), seconds: 0.0 }
+        Self { limits, chain: Vec::new(), seconds: 0.0, most_legs: MOST_LEGS }
     }
 
     /// The next event.
@@ -88,14 +93,36 @@ impl Stopwatch {
             leg.junction2 = before.junction2_to(&leg, self.limits.square_corner_mm_s);
         }
         self.chain.push(leg);
+        if self.chain.len() >= self.most_legs {
+            self.settle();
+        }
     }
 
     /// The head comes to rest.
     fn stop(&mut self) {
-        let speeds = speeds2(&self.chain);
-        let times = self.chain.iter().zip(speeds.windows(2)).map(|(leg, ends)| leg.seconds(ends[0], ends[1]));
-        self.seconds += times.sum::<f64>();
-        self.chain.clear();
+        let speeds = speeds2(&self.chain, 0.0);
+        self.pass(self.chain.len(), &speeds);
+    }
+
+    /// Lets go of the legs whose speeds are the same whatever comes.
+    ///
+    /// The speeds lie between those with a stop behind the last leg and those without any limit there. Where both agree they agree in all legs before too: what
+    /// slows down in one of them only would have to do so in every leg up to the last.
+    fn settle(&mut self) {
+        let (least, greatest) = (speeds2(&self.chain, 0.0), speeds2(&self.chain, f64::INFINITY));
+        let settled = least.iter().zip(&greatest).rposition(|(least, greatest)| least >= greatest);
+        // At least half of them, lest each leg be looked at again and again.
+        let settled = settled.unwrap_or(0).max(self.chain.len() / 2);
+        self.pass(settled, &least);
+        if let Some(first) = self.chain.first_mut() {
+            first.junction2 = least[settled];
+        }
+    }
+
+    /// Counts the time of the first legs, and lets go of them.
+    fn pass(&mut self, legs: usize, speeds: &[f64]) {
+        let passed = self.chain.drain(..legs).zip(speeds.windows(2));
+        self.seconds += passed.map(|(leg, ends)| leg.seconds(ends[0], ends[1])).sum::<f64>();
     }
 
     /// The time until the head rests after the last event, in s.
@@ -132,11 +159,11 @@ impl Leg {
     }
 }
 
-/// Squares of the speeds at the ends of the legs, from rest to rest: the greatest that break no limit.
+/// Squares of the speeds at the ends of the legs, from the first one's junction to `end2`: the greatest that break no limit.
 ///
 /// Backwards, each leg must be able to slow down to what follows; then forwards, to speed up from what comes before.
-fn speeds2(chain: &[Leg]) -> Vec<f64> {
-    let mut speeds: Vec<f64> = chain.iter().map(|leg| leg.junction2).chain([0.0]).collect();
+fn speeds2(chain: &[Leg], end2: f64) -> Vec<f64> {
+    let mut speeds: Vec<f64> = chain.iter().map(|leg| leg.junction2).chain([end2]).collect();
     for (at, leg) in chain.iter().enumerate().rev() {
         speeds[at] = speeds[at].min(speeds[at + 1] + leg.change2());
     }

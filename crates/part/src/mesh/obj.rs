@@ -13,11 +13,13 @@ use super::surface::Mesh;
 /// higher order are passed over, as are texture coordinates and normals.
 pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
     let mut reader = Reader { limits: *limits, ..Reader::default() };
-    // A backslash at the end of a line joins it to the next.
+    // A backslash at the end of a line joins it to the next; not one in a comment, which may end in the name of a folder.
     let mut joined = String::new();
+    let mut last = 0;
     for (line, text) in (1..).zip(bytes.split(|&byte| byte == b'\n')) {
+        last = line;
         let text = String::from_utf8_lossy(text);
-        let text = text.trim_end();
+        let text = text.split('#').next().unwrap_or_default().trim_end();
         if let Some(begun) = text.strip_suffix('\\') {
             joined.push_str(begun);
             joined.push(' ');
@@ -29,6 +31,7 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
             joined.clear();
         }
     }
+    reader.line(last, &joined)?;
     Ok(reader.finish())
 }
 
@@ -54,7 +57,6 @@ struct Reader {
 
 impl Reader {
     fn line(&mut self, line: usize, text: &str) -> Result<(), ReadError> {
-        let text = text.split('#').next().unwrap_or_default();
         let mut words = text.split_ascii_whitespace();
         match words.next() {
             Some("v") => self.vertices.push(point(line, words)?),
@@ -171,6 +173,15 @@ mod tests {
         assert_eq!(second.mesh.triangles(), [[0, 1, 2], [0, 3, 2]]);
         let names: Vec<_> = model.materials.iter().map(|material| material.name.as_str()).collect();
         assert_eq!(names, ["red", "blue"]);
+    }
+
+    #[test]
+    fn lines_are_joined_but_not_over_comments() {
+        let text = "# C:\\parts\\\nv 0 0 0 # \\\nv 1 0 0\nv 0 1 0\nf 1 2 \\\n3";
+        assert_eq!(read(text.as_bytes(), &Limits::default()).unwrap().triangles(), 1);
+        // The last line too, though nothing follows it.
+        let text = text.to_owned() + " \\";
+        assert_eq!(read(text.as_bytes(), &Limits::default()).unwrap().triangles(), 1);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The archive of a 3MF file: its parts, unpacked piece by piece and never beyond a limit.
 
-use std::borrow::Cow;
+use std::collections::HashMap;
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 
 use zip::ZipArchive;
@@ -11,6 +11,8 @@ use super::model::{Limits, ReadError};
 /// An archive, and how much of it may still be unpacked.
 pub(super) struct Package<'a> {
     archive: ZipArchive<Cursor<&'a [u8]>>,
+    /// Names of the parts by what they are found by.
+    names: HashMap<String, String>,
     left: u64,
     most: u64,
 }
@@ -21,15 +23,17 @@ impl<'a> Package<'a> {
             ZipError::InvalidArchive(_) => ReadError::Kind("not a 3MF file, which is a ZIP archive"),
             source => ReadError::Archive { part: "the archive".into(), source },
         })?;
-        Ok(Self { archive, left: limits.unpacked_bytes, most: limits.unpacked_bytes })
+        let mut names = HashMap::new();
+        for name in archive.file_names().flatten() {
+            // Of two names that differ in case only, the first.
+            names.entry(key(&name)).or_insert_with(|| name.into_owned());
+        }
+        Ok(Self { archive, names, left: limits.unpacked_bytes, most: limits.unpacked_bytes })
     }
 
-    /// Whether there is a part of that name, with or without a slash before it, in upper or lower case.
-    pub(super) fn find(&self, part: &str) -> Option<String> {
-        let wanted = part.trim_start_matches('/');
-        let names = self.archive.file_names().flatten();
-        let mut found = names.filter(|name| name.trim_start_matches('/').eq_ignore_ascii_case(wanted));
-        found.next().map(Cow::into_owned)
+    /// The part of that name, with or without a slash before it, in upper or lower case.
+    pub(super) fn find(&self, part: &str) -> Option<&str> {
+        self.names.get(&key(part)).map(String::as_str)
     }
 
     /// Unpacks a part while `read` reads it. What `read` makes of an error of the archive or the limit is replaced by that.
@@ -38,8 +42,8 @@ impl<'a> Package<'a> {
         part: &str,
         read: impl FnOnce(&mut dyn BufRead) -> Result<T, ReadError>,
     ) -> Result<T, ReadError> {
-        let name = self.find(part).ok_or_else(|| ReadError::NoPart(part.to_owned()))?;
-        let file = self.archive.by_name(&name);
+        let name = self.names.get(&key(part)).ok_or_else(|| ReadError::NoPart(part.to_owned()))?;
+        let file = self.archive.by_name(name);
         let file = file.map_err(|source| ReadError::Archive { part: part.to_owned(), source })?;
         let mut limited = Limited { inner: file, left: self.left, failure: None };
         let result = read(&mut BufReader::with_capacity(1 << 16, &mut limited));
@@ -52,6 +56,10 @@ impl<'a> Package<'a> {
             None => result,
         }
     }
+}
+
+fn key(part: &str) -> String {
+    part.trim_start_matches('/').to_ascii_lowercase()
 }
 
 /// Stops at the limit, and remembers why, for an XML reader tells of no more than "an error of the source".

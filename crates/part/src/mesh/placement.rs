@@ -163,7 +163,9 @@ impl Placement {
         }
         model.bodies.iter_mut().for_each(|body| turned.apply(&mut body.mesh));
         let bounds = model.bounds();
-        let size_mm = bounds.size_mm();
+        // Of infinities and what comes of them the box tells nothing.
+        let is_finite = model.bodies.iter().all(|body| body.mesh.is_finite());
+        let size_mm = if is_finite { bounds.size_mm() } else { [f64::INFINITY; 3] };
         if !size_mm.iter().all(|&side| side > 0.0) {
             return Err(PlaceError::Flat { size_mm });
         }
@@ -248,5 +250,8 @@ mod tests {
         let nan = Placement { turn_degrees: [0.0, f64::NAN, 0.0], ..Placement::default() };
         assert!(matches!(nan.apply(&mut model([5.0; 3])), Err(PlaceError::Value { .. })));
         assert!(matches!(Placement::default().apply(&mut Model::default()), Err(PlaceError::Flat { .. })));
+        // Beyond all numbers.
+        let beyond = Placement { scale: 1e308, turn_degrees: [0.0, 0.0, 45.0], ..Placement::default() };
+        assert!(matches!(beyond.apply(&mut model([1e3, 1e3, 1e-307])), Err(PlaceError::TooLarge { .. })));
     }
 }

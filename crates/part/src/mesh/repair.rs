@@ -3,10 +3,14 @@
 //! Every triangle's boundary is a closed circle, so what is left of all triangles' boundaries, once edges that are used both ways cancel out, is a set
 //! of closed loops too: the holes. Each of them can be filled by a fan, and then the surface is closed, whatever it looked like before.
 
+mod above;
+
 use thiserror::Error;
 
+use self::above::Above;
+
 use super::model::Body;
-use super::surface::{Bounds, Mesh, cross, dot, minus, spat_mm3};
+use super::surface::{Mesh, cross, dot, minus, spat_mm3};
 
 /// What a repair changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,8 +57,8 @@ pub enum RepairError {
     },
 }
 
-/// Ray tests for bodies within bodies are given up beyond so many triangles looked at.
-const MOST_LOOKS: usize = 2_000_000_000;
+/// Ray tests for bodies within bodies are given up beyond so many triangles looked at: some seconds.
+const MOST_LOOKS: usize = 500_000_000;
 
 /// Holes are small if the way around them is at most so much of the body's diagonal. Flat ones may be of any size.
 const SMALL_HOLE: f64 = 1.0;
@@ -67,7 +71,8 @@ impl Body {
     /// 1. Vertices at the same place become one; triangles that are left with two corners at one place are dropped.
     /// 2. Triangles are turned to agree with their neighbours: of each connected part the fewer.
     /// 3. Holes that are flat or small (no longer around than the body is across) are closed by fans.
-    /// 4. Connected parts that are inside out are turned over, unless they lie within another: those are cavities.
+    /// 4. Connected parts that are inside out are turned over, unless they lie within another: those are cavities. Of thousands of parts
+    ///    inside out, one above the other, some may be left as they are.
     ///
     /// Nearly linear in the triangles; needs about as much memory as the mesh itself, beside it.
     pub fn repair(&mut self) -> Result<Repaired, RepairError> {
@@ -90,7 +95,9 @@ impl Body {
         done.flipped_triangles += turn_outwards(&mut self.mesh, &mut parts);
         let bounds = self.mesh.bounds();
         // Less than a ten-thousandth of a layer over its whole size.
-        if self.mesh.volume_mm3().abs() < 1e-6 * bounds.diagonal_mm().powi(2) * 1e-3 {
+        let volume = self.mesh.volume_mm3().abs();
+        // Coordinates beyond all use make it no number.
+        if volume.is_nan() || volume < 1e-6 * bounds.diagonal_mm().powi(2) * 1e-3 {
             return Err(RepairError::NoVolume(triangles));
         }
         Ok(done)
@@ -338,8 +345,8 @@ fn loops(open: &[[u32; 3]]) -> Vec<Vec<usize>> {
     let mut loops = Vec::new();
     // Where on the walk a vertex was met.
     let mut met = std::collections::HashMap::new();
+    let mut walk: Vec<usize> = Vec::new();
     for begin in 0..open.len() {
-        let mut walk: Vec<usize> = Vec::new();
         let mut at = open[begin][0];
         loop {
             if let Some(since) = met.insert(at, walk.len())
@@ -361,7 +368,8 @@ fn loops(open: &[[u32; 3]]) -> Vec<Vec<usize>> {
             walk.push(edge);
             at = open[edge][1];
         }
-        met.clear();
+        // All that was walked is closed. To clear the map would take the time of the most it ever held, for each edge.
+        met.remove(&at);
     }
     loops
 }
@@ -403,11 +411,20 @@ fn turn_outwards(mesh: &mut Mesh, parts: &mut Parts) -> usize {
         return 0;
     }
     let mut outside: Vec<bool> = vec![false; count];
+    let above = Above::new(mesh);
     let mut looks = 0;
     for root in inverted {
-        looks += count;
+        if looks > MOST_LOOKS {
+            break;
+        }
         let point = mesh.vertices()[mesh.triangles()[root as usize][0] as usize];
-        outside[root as usize] = looks <= MOST_LOOKS && !is_within(mesh, &roots, root, point);
+        let mut winding = 0;
+        looks += above.each(point, |triangle| {
+            if roots[triangle as usize] != root {
+                winding += turn_above(mesh.corners(mesh.triangles()[triangle as usize]), point);
+            }
+        });
+        outside[root as usize] = winding == 0;
     }
     let (_, triangles) = mesh.parts_mut();
     let mut flipped = 0;
@@ -420,30 +437,19 @@ fn turn_outwards(mesh: &mut Mesh, parts: &mut Parts) -> usize {
     flipped
 }
 
-/// Whether a point of one part lies within the others: how often a ray upwards leaves them more than it enters.
-fn is_within(mesh: &Mesh, roots: &[u32], own: u32, point: [f64; 3]) -> bool {
-    let mut winding = 0_i32;
-    for (&triangle, &root) in mesh.triangles().iter().zip(roots) {
-        if root == own {
-            continue;
-        }
-        let corners = mesh.corners(triangle);
-        let mut bounds = Bounds::NONE;
-        corners.iter().for_each(|&corner| bounds.add(corner));
-        if (0..2).any(|axis| point[axis] < bounds.least[axis] || point[axis] > bounds.greatest[axis])
-            || point[2] > bounds.greatest[2]
-        {
-            continue;
-        }
-        let normal = cross(minus(corners[1], corners[0]), minus(corners[2], corners[0]));
-        if normal[2] != 0.0
-            && covers(corners, point)
-            && dot(normal, minus(corners[0], point)) * normal[2].signum() > 0.0
-        {
-            winding += if normal[2] > 0.0 { 1 } else { -1 };
-        }
+/// What a triangle adds to how often a ray upwards from a point leaves the body more than it enters it: 1, -1 or 0.
+fn turn_above(corners: [[f64; 3]; 3], point: [f64; 3]) -> i32 {
+    let normal = cross(minus(corners[1], corners[0]), minus(corners[2], corners[0]));
+    let is_above = normal[2] != 0.0
+        && covers(corners, point)
+        && dot(normal, minus(corners[0], point)) * normal[2].signum() > 0.0;
+    if !is_above {
+        0
+    } else if normal[2] > 0.0 {
+        1
+    } else {
+        -1
     }
-    winding != 0
 }
 
 /// Whether a triangle lies above or below a point; of triangles that share an edge exactly one does.

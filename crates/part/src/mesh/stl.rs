@@ -84,6 +84,8 @@ fn read_text(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
         let Some(keyword) = words.next() else { continue };
         match keyword.to_ascii_lowercase().as_str() {
             "solid" => name = words.collect::<Vec<_>>().join(" "),
+            // Nothing is no body: it could not be repaired.
+            "endsolid" if welder.len() == 0 => name.clear(),
             "endsolid" => {
                 push(&mut model, std::mem::take(&mut name), std::mem::take(&mut welder))?;
             }
@@ -194,6 +196,9 @@ mod tests {
         let names: Vec<_> = model.bodies.iter().map(|body| body.name.as_str()).collect();
         assert_eq!(names, ["left", "RIGHT"]);
         assert_eq!(model.bodies[0].mesh, model.bodies[1].mesh);
+        // But one of nothing is none.
+        let three = "solid nothing\nendsolid nothing\n".to_owned() + &two;
+        assert_eq!(read(three.as_bytes(), &Limits::default()).unwrap(), model);
     }
 
     #[test]

@@ -95,6 +95,11 @@ impl Mesh {
         Ok(Self { vertices, triangles })
     }
 
+    /// Whether a move has left all coordinates finite.
+    pub(super) fn is_finite(&self) -> bool {
+        self.vertices.iter().flatten().all(|value| value.is_finite())
+    }
+
     /// The vertices: x, y and z in mm.
     pub fn vertices(&self) -> &[[f64; 3]] {
         &self.vertices
@@ -140,6 +145,30 @@ impl Mesh {
     pub(super) fn parts_mut(&mut self) -> (&mut Vec<[f64; 3]>, &mut Vec<[u32; 3]>) {
         (&mut self.vertices, &mut self.triangles)
     }
+}
+
+/// Drops the vertices that no triangle uses if they are more than those that can be used: a mesh then takes no more than its triangles say, however
+/// often it is copied. Changes nothing if a triangle names a vertex that is not there.
+pub(super) fn keep_used(vertices: &mut Vec<[f64; 3]>, triangles: &mut [[u32; 3]]) {
+    if vertices.len() <= 3 * triangles.len() {
+        return;
+    }
+    let mut number_of = vec![u32::MAX; vertices.len()];
+    for &vertex in triangles.iter().flatten() {
+        match number_of.get_mut(vertex as usize) {
+            Some(number) => *number = 0,
+            None => return,
+        }
+    }
+    let mut kept = 0;
+    for (vertex, number) in number_of.iter_mut().enumerate().filter(|(_, number)| **number == 0) {
+        vertices[kept] = vertices[vertex];
+        *number = kept as u32;
+        kept += 1;
+    }
+    vertices.truncate(kept);
+    vertices.shrink_to_fit();
+    triangles.iter_mut().flatten().for_each(|vertex| *vertex = number_of[*vertex as usize]);
 }
 
 /// Signed volume of the tetrahedron between a triangle and the origin, in mm³.

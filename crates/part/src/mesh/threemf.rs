@@ -6,6 +6,7 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::io::BufRead;
+use std::rc::Rc;
 
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
@@ -14,7 +15,7 @@ use super::model::{Body, Limits, Material, Model, ReadError};
 use super::package::Package;
 use super::placement::Transform;
 use super::stl::number;
-use super::surface::Mesh;
+use super::surface::{Mesh, keep_used};
 
 /// The part that lists what the archive is about.
 const RELATIONSHIPS: &str = "_rels/.rels";
@@ -26,7 +27,7 @@ const DEEPEST: usize = 32;
 pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
     let mut package = Package::open(bytes, limits)?;
     let root = match package.find(RELATIONSHIPS) {
-        Some(part) => package.read(&part, |source| model_part(&part, source))?,
+        Some(_) => package.read(RELATIONSHIPS, |source| model_part(RELATIONSHIPS, source))?,
         None => None,
     };
     let root = root.unwrap_or_else(|| USUAL_MODEL.to_owned());
@@ -100,7 +101,7 @@ struct Reference {
 struct Builder<'a> {
     package: Package<'a>,
     limits: &'a Limits,
-    parts: HashMap<String, Part>,
+    parts: HashMap<String, Rc<Part>>,
     model: Model,
     /// Numbers in the model of the materials of a part.
     materials: HashMap<(String, Property), Option<usize>>,
@@ -109,23 +110,23 @@ struct Builder<'a> {
 
 impl Builder<'_> {
     fn build(&mut self, root: &str) -> Result<(), ReadError> {
-        self.load(root)?;
-        let items = std::mem::take(&mut self.parts.get_mut(root).expect("it was loaded").items);
-        let unit = Transform::scale(self.parts[root].mm);
-        for item in items {
-            let part = item.part.clone().unwrap_or_else(|| root.to_owned());
-            self.instance(&part, item.object, &item.transform.then(&unit), None, 0)?;
+        let said = self.load(root)?;
+        let unit = Transform::scale(said.mm);
+        for item in &said.items {
+            let part = item.part.as_deref().unwrap_or(root);
+            self.instance(part, item.object, &item.transform.then(&unit), None, 0)?;
         }
         Ok(())
     }
 
-    fn load(&mut self, part: &str) -> Result<(), ReadError> {
-        if !self.parts.contains_key(part) {
-            let limits = self.limits;
-            let read = self.package.read(part, |source| PartReader::read(part, source, limits))?;
-            self.parts.insert(part.to_owned(), read);
+    fn load(&mut self, part: &str) -> Result<Rc<Part>, ReadError> {
+        if let Some(known) = self.parts.get(part) {
+            return Ok(Rc::clone(known));
         }
-        Ok(())
+        let limits = self.limits;
+        let read = Rc::new(self.package.read(part, |source| PartReader::read(part, source, limits))?);
+        self.parts.insert(part.to_owned(), Rc::clone(&read));
+        Ok(read)
     }
 
     /// Adds the bodies of an object. `outer` is the material that the objects around it have.
@@ -141,23 +142,19 @@ impl Builder<'_> {
         if depth > DEEPEST {
             return Err(wrong(format!("object {number} is made of itself, or of objects {DEEPEST} deep")));
         }
-        self.load(part)?;
-        let object = self.parts[part].objects.get(&number);
+        let said = self.load(part)?;
+        let object = said.objects.get(&number);
         let object = object.ok_or_else(|| wrong(format!("there is no object {number}")))?;
         if !object.is_model {
             return Ok(());
         }
         let own = object.property;
         if let Content::Components(components) = &object.content {
-            let components: Vec<(Option<String>, u32, Transform)> = components
-                .iter()
-                .map(|component| {
-                    (component.part.clone(), component.object, component.transform.then(transform))
-                })
-                .collect();
             let outer = self.material(part, own)?.or(outer);
-            for (other, object, transform) in components {
-                self.instance(other.as_deref().unwrap_or(part), object, &transform, outer, depth + 1)?;
+            for component in components {
+                let other = component.part.as_deref().unwrap_or(part);
+                let transform = component.transform.then(transform);
+                self.instance(other, component.object, &transform, outer, depth + 1)?;
                 // Components without triangles cost time too, and there can be 2^32 of them.
                 self.count(1)?;
             }
@@ -166,13 +163,16 @@ impl Builder<'_> {
         let Content::Mesh { vertices, triangles, paint, properties } = &object.content else {
             unreachable!("it is not made of components")
         };
+        if triangles.is_empty() {
+            return Ok(());
+        }
         let name = object.name.clone();
         let mut mesh = Mesh::new(vertices.clone(), triangles.clone())
             .map_err(|source| ReadError::Mesh { body: named(&name, number), source })?;
-        let (paint, properties) = (paint.clone(), properties.clone());
         self.count(mesh.triangles().len())?;
         transform.apply(&mut mesh);
-        if !mesh.bounds().size_mm().iter().all(|side| side.is_finite() || *side == f64::NEG_INFINITY) {
+        let sides = mesh.bounds().size_mm();
+        if !mesh.is_finite() || !sides.iter().all(|side| side.is_finite()) {
             return Err(wrong(format!(
                 "the transform of object {number} leads to coordinates beyond all numbers"
             )));
@@ -358,7 +358,10 @@ impl PartReader {
         match name {
             "mesh" => self.in_mesh = false,
             "object" => {
-                if let Some((number, object)) = self.object.take() {
+                if let Some((number, mut object)) = self.object.take() {
+                    if let Content::Mesh { vertices, triangles, .. } = &mut object.content {
+                        keep_used(vertices, triangles);
+                    }
                     self.part.objects.insert(number, object);
                 }
                 self.in_mesh = false;

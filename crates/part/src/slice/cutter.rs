@@ -6,6 +6,8 @@
 //!
 //! Planes are swept upwards past triangles sorted by the plane they meet first, so a layer costs what it holds, not what the mesh holds.
 
+use std::ops::Range;
+
 use rayon::ThreadPool;
 
 use super::each::each;
@@ -34,12 +36,23 @@ pub fn cut(
     layers: usize,
     pool: Option<&ThreadPool>,
 ) -> Vec<Outline> {
+    cut_between(mesh, paint, layer_mm, 0..layers, pool)
+}
+
+/// The same for some layers only.
+pub(super) fn cut_between(
+    mesh: &Mesh,
+    paint: &[u8],
+    layer_mm: f64,
+    layers: Range<usize>,
+    pool: Option<&ThreadPool>,
+) -> Vec<Outline> {
     assert!(paint.is_empty() || paint.len() == mesh.triangles().len(), "one number a triangle");
-    let sweep = Sweep::new(mesh, layer_mm, layers);
+    let sweep = Sweep::new(mesh, layer_mm, layers.clone());
     // A few for each thread, for layers take unequal time; not many, for each looks at all triangles below it once.
     let threads = pool.map_or(1, ThreadPool::current_num_threads);
     let blocks = if threads == 1 { 1 } else { 4 * threads };
-    let bound = |block: usize| layers * block / blocks;
+    let bound = |block: usize| layers.len() * block / blocks;
     each(pool, blocks, |block| sweep.block(paint, bound(block)..bound(block + 1))).concat()
 }
 
@@ -47,6 +60,8 @@ pub fn cut(
 struct Sweep<'a> {
     mesh: &'a Mesh,
     layer_mm: f64,
+    /// Number of the first layer, from which layers are counted here.
+    first: usize,
     /// For each layer where the triangles that it meets first begin in `order`; one more for those
     /// that no plane meets, and their end.
     starts: Vec<u32>,
@@ -54,8 +69,10 @@ struct Sweep<'a> {
 }
 
 impl<'a> Sweep<'a> {
-    fn new(mesh: &'a Mesh, layer_mm: f64, layers: usize) -> Self {
-        let mut sweep = Self { mesh, layer_mm, starts: vec![0; layers + 2], order: Vec::new() };
+    fn new(mesh: &'a Mesh, layer_mm: f64, layers: Range<usize>) -> Self {
+        let Range { start: first, end } = layers;
+        let layers = end - first;
+        let mut sweep = Self { mesh, layer_mm, first, starts: vec![0; layers + 2], order: Vec::new() };
         let triangles = 0..mesh.triangles().len() as u32;
         let firsts: Vec<u32> = triangles.map(|triangle| sweep.first_layer(triangle, layers) as u32).collect();
         firsts.iter().for_each(|&layer| sweep.starts[layer as usize + 1] += 1);
@@ -74,7 +91,8 @@ impl<'a> Sweep<'a> {
     /// The lowest layer whose plane meets a triangle, or `layers` if none does.
     fn first_layer(&self, triangle: u32, layers: usize) -> usize {
         let (low, high) = self.range_mm(triangle);
-        let guess = (low / self.layer_mm - 0.5).ceil().clamp(0.0, layers as f64) as usize;
+        let guess = (low / self.layer_mm - 0.5).ceil() - self.first as f64;
+        let guess = guess.clamp(0.0, layers as f64) as usize;
         // The quotient may be off by its rounding; the plane itself decides.
         let near = guess.saturating_sub(1)..(guess + 2).min(layers);
         let first = near.into_iter().find(|&layer| self.plane_mm(layer) > low);
@@ -82,7 +100,7 @@ impl<'a> Sweep<'a> {
     }
 
     fn plane_mm(&self, layer: usize) -> f64 {
-        plane_mm(layer, self.layer_mm)
+        plane_mm(self.first + layer, self.layer_mm)
     }
 
     /// Least and greatest z of a triangle.
@@ -91,7 +109,7 @@ impl<'a> Sweep<'a> {
         (a.min(b).min(c), a.max(b).max(c))
     }
 
-    fn block(&self, paint: &[u8], layers: std::ops::Range<usize>) -> Vec<Outline> {
+    fn block(&self, paint: &[u8], layers: Range<usize>) -> Vec<Outline> {
         let started = |layer: usize| self.starts[layer] as usize;
         // Those from below that still reach in.
         let below = &self.order[..started(layers.start)];

@@ -6,7 +6,7 @@ use beadwork_grid::{Region, Zones};
 use rayon::ThreadPool;
 use thiserror::Error;
 
-use super::cutter::{cut, plane_mm};
+use super::cutter::{cut_between, plane_mm};
 use super::each::each;
 use super::outline::{FillRule, Outline};
 use super::paint::spread;
@@ -24,7 +24,7 @@ pub struct Settings<'a> {
     pub layer_mm: f64,
     /// What lies within a body whose surface runs into itself.
     pub rule: FillRule,
-    /// Most cells of all layers' planes together; two bytes each.
+    /// Most cells of all layers' planes together; two bytes each. A layer counts as no less than 64.
     pub most_cells: u64,
     /// Where to work; `None` for the calling thread alone. The result does not depend on it.
     pub pool: Option<&'a ThreadPool>,
@@ -141,15 +141,16 @@ pub fn slice(model: &Model, settings: &Settings<'_>) -> Result<Layers, SliceErro
         if is_cancelled() {
             return Err(SliceError::Cancelled);
         }
-        outlines.push(cut(&body.mesh, &body.paint, settings.layer_mm, count, settings.pool));
+        outlines.push(Cuts::new(body, settings, count));
     }
     let done = AtomicUsize::new(0);
     let layers = each(settings.pool, count, |number| {
         if is_cancelled() {
             return None;
         }
-        let bodies = model.bodies.iter().zip(&outlines).map(|(body, outlines)| (body, &outlines[number]));
-        let layer = fill(bodies, settings.rule, &frame);
+        let bodies = model.bodies.iter().zip(&outlines);
+        let layer =
+            fill(bodies.filter_map(|(body, cuts)| Some((body, cuts.layer(number)?))), settings.rule, &frame);
         if let Some(observer) = settings.observer {
             observer(Progress { done: done.fetch_add(1, Ordering::Relaxed) + 1, layers: count });
         }
@@ -163,6 +164,33 @@ pub fn slice(model: &Model, settings: &Settings<'_>) -> Result<Layers, SliceErro
     }
     Ok(Layers { frame, layers })
 }
+
+/// The outlines of a body in those layers that it reaches: of many small bodies, all layers' would take more memory than all cells.
+struct Cuts {
+    first: usize,
+    outlines: Vec<Outline>,
+}
+
+impl Cuts {
+    fn new(body: &Body, settings: &Settings<'_>, layers: usize) -> Self {
+        let bounds = body.mesh.bounds();
+        // One more at either end, for the quotients are rounded.
+        let layer = |z: f64, more: f64| (z / settings.layer_mm + more).clamp(0.0, layers as f64) as usize;
+        let range = layer(bounds.least[2], -2.0)..layer(bounds.greatest[2], 2.0);
+        let range = range.start.min(range.end)..range.end;
+        let first = range.start;
+        let outlines = cut_between(&body.mesh, &body.paint, settings.layer_mm, range, settings.pool);
+        Self { first, outlines }
+    }
+
+    /// `None` in a layer without any.
+    fn layer(&self, number: usize) -> Option<&Outline> {
+        self.outlines.get(number.checked_sub(self.first)?).filter(|outline| !outline.is_empty())
+    }
+}
+
+/// What a layer takes beside its cells, counted in cells.
+const LEAST_PLANE: f64 = 64.0;
 
 /// The plane of all layers, and how many there are.
 fn frame(model: &Model, settings: &Settings<'_>) -> Result<(Frame, usize), SliceError> {
@@ -192,7 +220,7 @@ fn frame(model: &Model, settings: &Settings<'_>) -> Result<(Frame, usize), Slice
         return Err(SliceError::Side { cell_mm, width, height });
     }
     let layers = (bounds.greatest[2] / layer_mm - 0.5).ceil().max(0.0);
-    if layers * width * height > most_cells as f64 {
+    if layers * (width * height).max(LEAST_PLANE) > most_cells as f64 {
         return Err(SliceError::Cells {
             layers,
             width: width as u32,
@@ -220,7 +248,7 @@ fn fill<'a>(
 ) -> Option<Layer> {
     let (width, height) = (frame.width as usize, frame.height as usize);
     let mut materials = vec![Zones::OUTSIDE; width * height];
-    for (body, outline) in bodies.filter(|(_, outline)| !outline.is_empty()) {
+    for (body, outline) in bodies {
         if body.paint.is_empty() {
             let material = body.material.expect("checked before") as u8;
             each_run(outline, rule, frame, |row, first, end| {
@@ -228,12 +256,7 @@ fn fill<'a>(
                 materials[row + first as usize..row + end as usize].fill(material);
             });
         } else {
-            let mut inside = vec![false; width * height];
-            each_run(outline, rule, frame, |row, first, end| {
-                let row = row as usize * width;
-                inside[row + first as usize..row + end as usize].fill(true);
-            });
-            spread(outline, frame, &inside, &mut materials);
+            spread(outline, rule, frame, &mut materials);
         }
     }
     let inside = materials.iter().map(|&material| material != Zones::OUTSIDE).collect();

@@ -98,6 +98,24 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
+    fn motions_that_are_let_go_take_the_same_time(
+        moves in prop::collection::vec((-20_i32..20, -20_i32..20, 600_u32..6000), 1..80),
+        most_legs in 6_usize..12,
+    ) {
+        // A few mm brake from any of these speeds: what was let go could not have been slowed down by what came later.
+        let line = |(x, y, feed): (i32, i32, u32)| format!("G1 X{} Y{y} F{feed}", if x == 0 { 1 } else { x });
+        let moves: Vec<String> = moves.into_iter().map(line).collect();
+        let program = Program::parse(&format!("M204 S3000\nG91\n{}", moves.join("\n"))).unwrap();
+        let mut watch = Stopwatch { most_legs, ..Stopwatch::new(LIMITS) };
+        for event in program.trace() {
+            watch.take(&event.unwrap());
+            prop_assert!(watch.chain.len() < most_legs);
+        }
+        let (held, all) = (watch.seconds(), program.print_seconds(LIMITS).unwrap());
+        prop_assert!((held - all).abs() <= 1e-9 * all, "{held}, not {all}");
+    }
+
+    #[test]
     fn two_passes_find_the_greatest_speeds(
         legs in prop::collection::vec((0.01..50.0, 100.0..3000.0, 1.0..200.0_f64, 0.0..1.0_f64), 1..30),
     ) {
@@ -108,7 +126,7 @@ proptest! {
             let (cruise2, junction2) = (cruise * cruise, junction * junction);
             Leg { length, acceleration, cruise2, junction2, direction: [1.0, 0.0, 0.0] }
         }).collect();
-        let (fast, slow) = (speeds2(&chain), slow_speeds2(&chain));
+        let (fast, slow) = (speeds2(&chain, 0.0), slow_speeds2(&chain));
         for (a, b) in fast.iter().zip(&slow) {
             prop_assert!((a - b).abs() <= 1e-9 * a.max(1.0));
         }

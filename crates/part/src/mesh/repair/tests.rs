@@ -147,3 +147,27 @@ proptest! {
         }
     }
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_triangle_above_a_point_is_missed(
+        corners in prop::collection::vec(prop::array::uniform3(-8_i32..8), 60),
+        points in prop::collection::vec(prop::array::uniform3(-8_i32..8), 8),
+        triangles in prop::collection::vec(prop::array::uniform3(0_u32..60), 1..200),
+    ) {
+        let vertices: Vec<[f64; 3]> = corners.iter().map(|corner| corner.map(f64::from)).collect();
+        let mesh = Mesh::new(vertices, triangles).unwrap();
+        let above = Above::new(&mesh);
+        for point in points.iter().map(|point| point.map(|value| f64::from(value) + 0.25)) {
+            let turn = |triangle: u32| turn_above(mesh.corners(mesh.triangles()[triangle as usize]), point);
+            let all = 0..mesh.triangles().len() as u32;
+            let mut found = Vec::new();
+            prop_assert!(above.each(point, |triangle| found.push(triangle)) <= mesh.triangles().len());
+            found.retain(|&triangle| turn(triangle) != 0);
+            found.sort_unstable();
+            prop_assert_eq!(found, all.filter(|&triangle| turn(triangle) != 0).collect::<Vec<_>>());
+        }
+    }
+}

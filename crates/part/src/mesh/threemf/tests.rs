@@ -117,6 +117,10 @@ fn what_is_wrong_is_named() {
         refused(&object, r#"<item objectid="1" transform="1 0 0"/>"#)
             .ends_with("a transform of 3 numbers, not 12")
     );
+    // 1e310 - 1e310: no vertex may become what is no number.
+    let beyond = format!(r#"<item objectid="1" transform="{0} 0 0 -{0} 1 0 0 0 1 0 0 0"/>"#, "1e308");
+    let large = object.replace("x=\"1\" y=\"0\"", "x=\"100\" y=\"100\"");
+    assert!(refused(&large, &beyond).ends_with("leads to coordinates beyond all numbers"));
     let round = r#"<object id="1"><components><component objectid="1"/><component objectid="1"/></components></object>"#;
     assert!(refused(round, item).ends_with("object 1 is made of itself, or of objects 32 deep"));
     let cut = model(&object, item);
@@ -127,6 +131,27 @@ fn what_is_wrong_is_named() {
     assert_eq!(read_parts(&[("a.txt", "")]).unwrap_err().to_string(), "the part 3D/3dmodel.model is missing");
     let error = Model::read(Format::ThreeMf, b"no archive at all", &Limits::default()).unwrap_err();
     assert_eq!(error.to_string(), "it is not a 3MF file, which is a ZIP archive");
+}
+
+#[test]
+fn what_belongs_to_no_triangle_is_left_out() {
+    let spare = TETRA.replace("</vertices>", &(r#"<vertex x="9" y="9" z="9"/>"#.repeat(20) + "</vertices>"));
+    let spare = spare.replace("<vertices>", &("<vertices>".to_owned() + r#"<vertex x="9" y="9" z="9"/>"#));
+    let shifted = [("4", "5"), ("3", "4"), ("2", "3"), ("1", "2"), ("0", "1")].iter().fold(
+        spare,
+        |text, (from, to)| {
+            (1..4).fold(text, |text, corner| {
+                text.replace(&format!("v{corner}=\"{from}\""), &format!("v{corner}=\"{to}\""))
+            })
+        },
+    );
+    let resources = format!(
+        r#"<object id="1">{TETRA}</object><object id="2">{shifted}</object><object id="3"><mesh></mesh></object>"#
+    );
+    let build = r#"<item objectid="1"/><item objectid="2"/><item objectid="3"/>"#;
+    let model = read_model(&resources, build).unwrap();
+    let [plain, spare] = &model.bodies[..] else { panic!("two bodies") };
+    assert_eq!(plain.mesh, spare.mesh);
 }
 
 #[test]

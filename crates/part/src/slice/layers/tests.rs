@@ -67,6 +67,29 @@ fn bodies_side_by_side_share_no_cell_and_later_ones_win() {
 }
 
 #[test]
+fn a_body_is_painted_alike_on_any_plane() {
+    let painted = |x: f64| {
+        let mut body = body(moved(&Shape::Sphere { radius_mm: 3.0, steps: 6 }, [x, 0.0, 3.0]), 0);
+        body.paint = (0..body.mesh.triangles().len()).map(|at| (at % 5) as u8).collect();
+        body
+    };
+    let [alone, both] = [vec![painted(0.0)], vec![painted(0.0), painted(40.0)]]
+        .map(|bodies| slice(&model(bodies), &Settings::default()).unwrap());
+    let count =
+        |layers: &Layers, zone: u8| layers.voxels().materials().iter().filter(|&&id| id == zone).count();
+    assert!(count(&alone, 4) > 0);
+    for zone in 0..5 {
+        assert_eq!(2 * count(&alone, zone), count(&both, zone));
+    }
+    let (small, large) = (alone.voxels(), both.voxels());
+    let same = |x: u32, y: u32, z: usize| large.material(x, y, z) == small.material(x, y, z);
+    assert!(
+        (0..alone.layers.len())
+            .all(|z| (0..alone.frame.height).all(|y| (0..alone.frame.width).all(|x| same(x, y, z))))
+    );
+}
+
+#[test]
 fn paint_reaches_the_nearest_cells() {
     // Triangles of a box in the order of Shape: the sides come after the ends, two triangles each, front first.
     let mut painted = body(moved(&Shape::Cuboid { size_mm: [10.0, 10.0, 1.0] }, [0.0; 3]), 0);
