@@ -150,7 +150,7 @@ impl PartArgs {
                     repaired.push((body.name.clone(), done));
                 }
             }
-            model.append(read);
+            model.append(read).with_context(|| format!("cannot add '{}'", path.display()))?;
         }
         model.assign(match self.materials {
             Rule::Stated => Materials::Stated,

@@ -78,6 +78,9 @@ impl Default for Limits {
     }
 }
 
+/// Paint has one byte for each triangle.
+pub(super) const MOST_MATERIALS: usize = 256;
+
 /// Why a file can't be read.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -182,15 +185,19 @@ impl Model {
         Ok(model)
     }
 
-    /// Takes over the bodies and the materials of another model in the same frame.
-    pub fn append(&mut self, other: Self) {
+    /// Takes over the bodies and the materials of another model in the same frame. Together they have at most 256 materials.
+    pub fn append(&mut self, other: Self) -> Result<(), ReadError> {
         let before = self.materials.len();
+        if before + other.materials.len() > MOST_MATERIALS {
+            return Err(ReadError::TooLarge { most: MOST_MATERIALS as u64, what: "materials" });
+        }
         self.materials.extend(other.materials);
         self.bodies.extend(other.bodies.into_iter().map(|mut body| {
             body.material = body.material.map(|material| material + before);
-            body.paint.iter_mut().for_each(|material| *material = material.saturating_add(before as u8));
+            body.paint.iter_mut().for_each(|material| *material += before as u8);
             body
         }));
+        Ok(())
     }
 
     /// Gives every body a material, by a rule, and drops what is then not used.

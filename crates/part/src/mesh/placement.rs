@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::model::Model;
-use super::surface::Mesh;
+use super::surface::{Bounds, Mesh};
 
 /// A map of space onto itself that keeps lines straight: turning, scaling, mirroring, moving.
 ///
@@ -144,7 +144,7 @@ pub enum PlaceError {
 }
 
 impl Placement {
-    /// Turns, scales and moves a model; its lowest point comes to lie on the bed.
+    /// Turns, scales and moves a model; its lowest point comes to lie on the bed. A model that is refused stays as it was.
     pub fn apply(&self, model: &mut Model) -> Result<(), PlaceError> {
         let positive = |what, value: f64| {
             let is_right = value > 0.0 && value.is_finite();
@@ -161,10 +161,16 @@ impl Placement {
         for (axis, &degrees) in self.turn_degrees.iter().enumerate() {
             turned = turned.then(&Transform::turn(axis, degrees));
         }
-        model.bodies.iter_mut().for_each(|body| turned.apply(&mut body.mesh));
-        let bounds = model.bounds();
+        let mut bounds = Bounds::NONE;
+        let mut is_finite = true;
+        for mesh in model.bodies.iter().map(|body| &body.mesh) {
+            for &vertex in mesh.triangles().iter().flatten() {
+                let point = turned.point(mesh.vertices()[vertex as usize]);
+                is_finite &= point.iter().all(|value| value.is_finite());
+                bounds.add(point);
+            }
+        }
         // Of infinities and what comes of them the box tells nothing.
-        let is_finite = model.bodies.iter().all(|body| body.mesh.is_finite());
         let size_mm = if is_finite { bounds.size_mm() } else { [f64::INFINITY; 3] };
         if !size_mm.iter().all(|&side| side > 0.0) {
             return Err(PlaceError::Flat { size_mm });
@@ -179,8 +185,8 @@ impl Placement {
             return Err(PlaceError::TooLarge { size_mm, least_mm, bed_mm: self.bed_mm });
         }
         let [x, y, z] = bounds.least;
-        let shift = Transform::shift([least_mm[0] - x, least_mm[1] - y, -z]);
-        model.bodies.iter_mut().for_each(|body| shift.apply(&mut body.mesh));
+        let placed = turned.then(&Transform::shift([least_mm[0] - x, least_mm[1] - y, -z]));
+        model.bodies.iter_mut().for_each(|body| placed.apply(&mut body.mesh));
         Ok(())
     }
 }
@@ -236,6 +242,7 @@ mod tests {
     fn what_does_not_fit_is_refused() {
         let mut part = model([300.0, 20.0, 30.0]);
         let error = Placement::default().apply(&mut part).unwrap_err();
+        assert_eq!(part, model([300.0, 20.0, 30.0]));
         assert!(
             error.to_string().starts_with("the part is 300.0 x 20.0 x 30.0 mm and does not fit"),
             "{error}"

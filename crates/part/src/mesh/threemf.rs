@@ -11,7 +11,7 @@ use std::rc::Rc;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 
-use super::model::{Body, Limits, Material, Model, ReadError};
+use super::model::{Body, Limits, MOST_MATERIALS, Material, Model, ReadError};
 use super::package::Package;
 use super::placement::Transform;
 use super::stl::number;
@@ -220,8 +220,8 @@ impl Builder<'_> {
                     byte: 0,
                     what: format!("group {} has no material {index}", property.0),
                 })?;
-                if self.model.materials.len() > usize::from(u8::MAX) {
-                    return Err(ReadError::TooLarge { most: 256, what: "materials" });
+                if self.model.materials.len() == MOST_MATERIALS {
+                    return Err(ReadError::TooLarge { most: MOST_MATERIALS as u64, what: "materials" });
                 }
                 self.model.materials.push(material.clone());
                 Some(self.model.materials.len() - 1)
