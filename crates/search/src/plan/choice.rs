@@ -35,13 +35,16 @@ pub(super) struct Chosen {
 
 /// The choice of least weight; `None` if some layer has no way, or the first none that begins with `first`.
 ///
-/// What follows a layer depends on its last tool alone. O(l (w + t²)) steps for l layers of w ways with t tools at their ends.
+/// What follows a layer depends on its last tool alone. O(l w t) steps for l layers of w ways with t tools at their ends.
 pub(super) fn choose(
     layers: &[Vec<Way>],
     costs: &ToolCosts,
     first: Option<u8>,
     weights: Weights,
 ) -> Option<Chosen> {
+    if layers.iter().any(Vec::is_empty) {
+        return None;
+    }
     // Forwards: for each layer and each of its ways the least weight up to its end, and the way before.
     let mut table: Vec<Vec<(u128, usize)>> = Vec::with_capacity(layers.len());
     for (number, ways) in layers.iter().enumerate() {
@@ -72,7 +75,7 @@ pub(super) fn choose(
     let mut ways = vec![0; layers.len()];
     for number in (0..layers.len()).rev() {
         ways[number] = if number + 1 == layers.len() {
-            (0..table[number].len()).min_by_key(|&at| table[number][at].0)?
+            (0..table[number].len()).min_by_key(|&at| table[number][at].0).expect("every layer has a way")
         } else {
             table[number + 1][ways[number + 1]].1
         };
@@ -91,7 +94,8 @@ pub(super) fn choose(
 /// Points of a frontier beyond which no more are sought.
 const MOST_POINTS: usize = 256;
 
-/// All choices that are the cheapest at some price of a lift, from few lifts to cheap tools: the corners of the convex hull.
+/// The choices that are the cheapest at some price of a lift, from few lifts to cheap tools: the corners of the convex hull, up to 256 of
+/// them.
 pub(super) fn frontier(layers: &[Vec<Way>], costs: &ToolCosts, first: Option<u8>) -> Vec<Chosen> {
     // So much more than the other that only ties are left to it.
     let more = 1 << 40;
@@ -177,6 +181,15 @@ mod tests {
             let chosen = choose(&layers, &costs, first, weights);
             assert_eq!(chosen.map(|chosen| weight(chosen.cost, chosen.lifts)), best);
         }
+    }
+
+    #[test]
+    fn a_layer_without_ways_has_no_choice() {
+        let way = Way { first: 0, last: 0, cost: 0, lifts: 0 };
+        let weights = Weights { tools: 1, lifts: 1 };
+        let costs = ToolCosts::uniform(1);
+        assert_eq!(choose(&[vec![way], vec![], vec![way]], &costs, None, weights), None);
+        assert_eq!(choose(&[vec![way], vec![way]], &costs, None, weights).map(|chosen| chosen.cost), Some(0));
     }
 
     #[test]

@@ -64,7 +64,7 @@ pub(super) fn blocks(pieces: &[&[Cell]], zones: &Zones, costs: &ToolCosts) -> Ve
 
 /// For each tool to begin and each to end with, the cheapest sequence of all blocks.
 ///
-/// Exact for up to 10 blocks, in O(2^n n² t) steps for t tools; beyond, one sequence for each tool to begin with, of steps to the cheapest block
+/// The pieces of one tool stay together. Exact but for that for up to 10 blocks, in O(2^n n² t) steps for t tools; beyond, one sequence for each tool to begin with, of steps to the cheapest block
 /// left.
 pub(super) fn sequences(blocks: &[Block], costs: &ToolCosts) -> Vec<Sequence> {
     let mut firsts: Vec<u8> = blocks.iter().flat_map(|block| block.ends).collect();
@@ -84,6 +84,11 @@ impl Block {
     /// Whether it is of one tool, and its pieces may be printed in any order.
     pub(super) fn is_plain(&self) -> bool {
         self.is_plain
+    }
+
+    /// What the changes inside cost, in a direction.
+    pub(super) fn inside(&self, turned: bool) -> u64 {
+        self.inside[usize::from(turned)]
     }
 
     /// The tools it begins and ends with, and its cost, in a direction: 0 forwards, 1 backwards.

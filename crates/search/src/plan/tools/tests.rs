@@ -1,5 +1,7 @@
 //! Plans of small parts, judged from their paths alone.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use beadwork_grid::{Layout, LayoutSpec, Region, Shape, Zones, verify};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -56,6 +58,24 @@ fn judge(plan: &ToolPlan, layers: &Sliced, costs: &ToolCosts) {
         let crossings = steps.filter(|step| zones.id(step[0]) != zones.id(step[1])).count();
         assert_eq!(crossings, layer.crossings as usize);
         assert_eq!(layer.kept_links.is_some(), number > 0);
+        // The pieces of the cover, told apart again where two of them met.
+        let zone = |cell: u32| zones.id(cell);
+        let uncrossed: Vec<&[u32]> =
+            layer.path.iter_pieces().flat_map(|piece| piece.chunk_by(|&a, &b| zone(a) == zone(b))).collect();
+        let step = |pair: &[u32]| u64::from(costs.cost(zone(pair[0]), zone(pair[1])));
+        let all_crossings: u64 = layer.path.iter_pieces().flat_map(|piece| piece.windows(2)).map(step).sum();
+        match layer.crossing_cost {
+            None => assert!(layer.pieces as usize >= uncrossed.len()),
+            // Pieces that met add crossings to the path, but none to the cover.
+            Some([cost, bound]) if layer.pieces == layer.path.pieces() => {
+                assert_eq!(cost, all_crossings);
+                assert!(bound <= cost);
+            }
+            Some([cost, bound]) => {
+                assert!(layer.pieces > layer.path.pieces() && bound <= cost && cost <= all_crossings);
+            }
+        }
+        assert!(layer.piece_bound <= layer.pieces);
         visits.extend(order.iter().map(|&cell| zones.id(cell)));
         lifts += u64::from(layer.path.pieces()) - 1;
     }
@@ -139,6 +159,50 @@ fn constraints_are_obeyed() {
     }
 }
 
+/// Layers of one row of cells, each with the tools given.
+fn rows(tools: &[&[u8]]) -> Sliced {
+    let row = |tools: &&[u8]| {
+        let inside = (0..8).map(|x| x < tools.len()).collect();
+        let region = Region::from_mask(8, 1, inside).unwrap();
+        let ids = (0..8).map(|x| tools.get(x).copied().unwrap_or(Zones::OUTSIDE)).collect();
+        let zones = Zones::new(&region, ids).unwrap();
+        (region, zones)
+    };
+    tools.iter().map(row).collect()
+}
+
+#[test]
+fn one_order_for_all_layers_is_one_even_where_others_cost_as_little() {
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(3);
+    let known: Vec<Vec<u8>> =
+        vec![vec![0, 1, 2, 3], vec![3, 6], vec![1, 2], vec![1, 5], vec![1, 2], vec![1, 5]];
+    let drawn = (0..300).map(|_| {
+        let layer = |rng: &mut Xoshiro256PlusPlus| {
+            let tools: Vec<u8> = (0..7).filter(|_| rng.random_bool(0.5)).collect();
+            if tools.is_empty() { vec![0] } else { tools }
+        };
+        (0..rng.random_range(2..7)).map(|_| layer(&mut rng)).collect::<Vec<_>>()
+    });
+    for sets in std::iter::once(known).chain(drawn) {
+        let layers = rows(&sets.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let costs = ToolCosts::uniform(7);
+        let constraints = Constraints { same_order: true, ..Constraints::default() };
+        let plan = tools_plan(&refs(&layers), &Settings::new(&costs, &constraints)).unwrap();
+        judge(&plan, &layers, &costs);
+        let order = plan.order.as_ref().unwrap();
+        assert_eq!(plan.tool_cost, order.cost);
+        let permutation = order.permutation.as_ref().unwrap();
+        for ((_, zones), layer) in layers.iter().zip(&plan.layers) {
+            let places = layer
+                .path
+                .order()
+                .iter()
+                .map(|&cell| permutation.iter().position(|&tool| tool == zones.id(cell)));
+            assert!(places.is_sorted());
+        }
+    }
+}
+
 /// A disc that moves: layers that differ at their rims, of three zones.
 fn leaning(layers: u32) -> Sliced {
     let layer = |number: u32| {
@@ -214,6 +278,16 @@ fn impossible_plans_are_refused() {
     assert_eq!(refused(&layers, &costs, Mode::Continuous, &same), PlanError::Constraint);
     let dear = ToolCosts::new(&[vec![0, 1, 1], vec![1, 0, 20_000], vec![1, 1, 0]]).unwrap();
     assert!(matches!(refused(&layers, &dear, Mode::Continuous, &none), PlanError::Costs(_)));
+    // Without crossings they cost what they may.
+    let free = Settings { mode: Mode::Free, ..Settings::new(&dear, &none) };
+    assert!(tools_plan(&layers, &free).is_ok());
+    let other = (
+        Region::rectangle(3, 2).unwrap(),
+        Zones::new(&Region::rectangle(3, 2).unwrap(), vec![0; 6]).unwrap(),
+    );
+    let planes = [layers[0], LayerRef { region: &other.0, zones: &other.1 }];
+    let expected = PlanError::Plane { layer: 1, expected: [24, 24], got: [3, 2] };
+    assert_eq!(refused(&planes, &costs, Mode::Free, &none), expected);
     let cancel = AtomicBool::new(true);
     let settings = Settings { cancel: Some(&cancel), ..Settings::new(&costs, &none) };
     assert_eq!(tools_plan(&layers, &settings).unwrap_err(), PlanError::Cancelled);
