@@ -35,7 +35,8 @@ fn a_part_becomes_gcode_with_totals_beside_it() {
     assert!(summary.contains("read again and checked: 76800 cells"), "{summary}");
     assert!(fs::read_to_string(&svg).unwrap().contains("layer 5"));
 
-    let totals: Value = serde_json::from_slice(&fs::read(folder.path().join("logo.json")).unwrap()).unwrap();
+    let totals: Value =
+        serde_json::from_slice(&fs::read(folder.path().join("logo.gcode.json")).unwrap()).unwrap();
     assert_eq!(totals["tool_changes"], 4);
     assert_eq!(totals["bounds"]["tool_changes"], 4);
     assert_eq!(totals["layers"], 8);
@@ -58,6 +59,13 @@ fn a_part_becomes_gcode_with_totals_beside_it() {
     assert!((part_mm - 38_400.0).abs() < 1.0, "{part_mm}");
     assert!((totals["extrusion_mm"].as_f64().unwrap() - part_mm).abs() < 1.0);
 
+    // To a pipe goes the G-code alone.
+    #[cfg(unix)]
+    assert!(
+        run(&["plan", "example:u-shape", "--objective", "tools", "--out", "/dev/stdout"])
+            .starts_with("; generated")
+    );
+
     // Again, on one thread: the same bytes.
     let again = folder.path().join("again.gcode");
     run(&["plan", "example:logo-plate", "--objective", "tools", "--out", text(&again), "--threads", "1"]);
@@ -75,7 +83,7 @@ fn modes_constraints_and_flavours_are_obeyed() {
     let continuous = plan(&["--mode", "continuous"]);
     assert_eq!((&continuous["lifts"], &continuous["continuous_layers"]), (&0.into(), &8.into()));
     assert_eq!(free["fixed_order"]["tool_changes"], 95);
-    let same = plan(&["--same-order", "--first-tool", "3", "--before", "5:4"]);
+    let same = plan(&["--same-order", "--first-tool", "2", "--before", "4:3"]);
     assert_eq!(same["tool_changes"], 95);
 
     let folder = tempfile::tempdir().unwrap();
@@ -94,6 +102,13 @@ fn profiles_are_read_and_their_faults_named() {
     let value = json(&[&plan[..], &[text(&example)]].concat());
     assert_eq!(value["materials"], serde_json::json!(["white ABS", "black ABS"]));
     assert_eq!(value["tool_cost"], 2 * 90 + 2 * 180);
+    let tower = folder.path().join("tower.toml");
+    let place = "[purge]\nvolume_mm3 = [[0, 90], [180, 0]]\ntower = { left_mm = 10, front_mm = 20, width_mm = 40, depth_mm = 80 }\n";
+    fs::write(&tower, place).unwrap();
+    for purge in [&[][..], &["--purge", "70"]] {
+        let value = json(&[&plan[..], &[text(&tower)], purge].concat());
+        assert_eq!(value["tower"]["front_mm"], 20.0, "{purge:?}");
+    }
     let wrong = folder.path().join("wrong.toml");
     fs::write(&wrong, "[printer]\nspeed = 3\n").unwrap();
     let error = fail_lines(&[&plan[..], &[text(&wrong)]].concat());
@@ -118,11 +133,12 @@ fn bad_input_is_named_and_leaves_nothing_behind() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out.gcode");
     let refused = |name: &str, bytes: &[u8], more: &[&str]| {
-        let file = folder.path().join(name);
+        let input = tempfile::tempdir().unwrap();
+        let file = input.path().join(name);
         fs::write(&file, bytes).unwrap();
         let arguments = [&["plan", text(&file), "--objective", "tools", "--out", text(&out)], more].concat();
         let error = fail(&arguments);
-        assert!(!out.exists() && !out.with_extension("json").exists(), "{name}: something was written");
+        assert!(fs::read_dir(folder.path()).unwrap().next().is_none(), "{name}: something was written");
         error
     };
     let error = refused("empty.stl", b"", &[]);
@@ -146,7 +162,7 @@ fn bad_input_is_named_and_leaves_nothing_behind() {
     assert!(plan(&["--scale", "10"]).contains("the part is 600.0 x 450.0 x 20.0 mm and does not fit"));
     assert!(plan(&["--bed", "70,60,50"]).contains("no side of the part has room for a purge tower"));
     assert!(plan(&["--tower", "100,80,30,30"]).ends_with("purge.tower overlaps the part"));
-    assert!(plan(&["--first-tool", "13"]).ends_with("tool 12 has no costs, which are given for 12 tools"));
+    assert!(plan(&["--first-tool", "12"]).ends_with("tool 12 has no costs, which are given for 12 tools"));
     assert!(plan(&["--mode", "continuous", "--same-order"]).contains("they can't obey an order"));
     assert!(!out.exists());
     assert!(fail(&["plan", "example:cube", "--objective", "tools"]).contains("unknown example 'cube'"));
@@ -154,10 +170,16 @@ fn bad_input_is_named_and_leaves_nothing_behind() {
         fail(&["plan", "/no/such/file.stl", "--objective", "tools"])
             .contains("cannot read '/no/such/file.stl'")
     );
+    assert!(
+        fail(&["plan", "example:u-shape", "--objective", "tools", "--out", text(folder.path())])
+            .ends_with("is a folder")
+    );
+    let twice = ["plan", "example:u-shape", "--objective", "tools", "--out", text(&out), "--svg", text(&out)];
+    assert!(misused(&twice).contains("the same file"));
     assert!(misused(&["plan", "example:palette"]).contains("--objective"));
     assert!(misused(&["plan", "--objective", "tools"]).contains("PART"));
     assert!(misused(&["plan", "x.stl", "--objective", "tools", "--rotate", "90"]).contains("give 3 numbers"));
-    assert!(misused(&["plan", "x.stl", "--objective", "tools", "--before", "2"]).contains("numbered from 1"));
+    assert!(misused(&["plan", "x.stl", "--objective", "tools", "--before", "2"]).contains("numbered from 0"));
 }
 
 #[test]

@@ -4,11 +4,13 @@ mod drawing;
 mod profile;
 mod report;
 
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use beadwork_part::gcode::{self, Layer, Print, Program};
 use beadwork_part::slice::{self, Layers};
 use beadwork_search::plan::{
@@ -34,7 +36,7 @@ Examples:
   beadwork plan example:logo-plate --objective tools --out logo.gcode
   beadwork plan yin_yang.3mf --rotate 90,0,0 --objective tools --out yin_yang.gcode --svg layers.svg
   beadwork plan body.stl inlay.stl --objective tools --mode free --flavour klipper --out badge.gcode
-  beadwork plan plate.3mf --objective tools --lift-cost 50 --purge 90 --before 2:1 --json
+  beadwork plan plate.3mf --objective tools --lift-cost 50 --purge 90 --before 1:0 --json
   beadwork plan part.obj --unit in --bead 0.45 --layer 0.2 --profile printer.toml --objective tools --out part.gcode")]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -49,11 +51,12 @@ pub(crate) struct Args {
     /// What a lift costs, in mm³ of purged material.
     #[arg(long, value_name = "MM3", default_value_t = 2)]
     lift_cost: u32,
-    /// A pair of tools, from 1: in every layer that uses both, the first one comes first. May be given several times.
+    /// A pair of tools, numbered from 0 as in the G-code: in every layer that uses both, the first one comes first. May be
+    /// given several times.
     #[arg(long, value_name = "A:B")]
     before: Vec<Pair>,
-    /// The tool, from 1, that begins the print.
-    #[arg(long, value_name = "TOOL", value_parser = clap::value_parser!(u8).range(1..))]
+    /// The tool, numbered from 0 as in the G-code, that begins the print.
+    #[arg(long, value_name = "TOOL")]
     first_tool: Option<u8>,
     /// Use the tools in the same order in every layer.
     #[arg(long)]
@@ -64,7 +67,7 @@ pub(crate) struct Args {
     stacking: Option<StackingName>,
     #[command(flatten)]
     profile: ProfileArgs,
-    /// G-code to write; a JSON file with the totals is written beside it.
+    /// G-code to write; a JSON file with the totals is written beside it, under the same name and .json.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Draw some layers with their paths.
@@ -102,7 +105,7 @@ enum StackingName {
     Break,
 }
 
-/// Two tools, numbered from 1 as people do.
+/// Two tools.
 #[derive(Clone, Copy)]
 struct Pair(u8, u8);
 
@@ -110,14 +113,15 @@ impl FromStr for Pair {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let tool = |text: &str| text.trim().parse().ok().and_then(|tool: u8| tool.checked_sub(1));
+        let tool = |text: &str| text.trim().parse().ok();
         let pair = text.split_once(':').and_then(|(a, b)| Some(Self(tool(a)?, tool(b)?)));
-        pair.ok_or_else(|| "give two tools, numbered from 1, as 2:1".to_owned())
+        pair.ok_or_else(|| "give two tools, numbered from 0, as 1:0".to_owned())
     }
 }
 
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let Objective::Tools = args.objective;
+    let files = args.files()?;
     let profile = args.profile.load()?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
     let begin = Instant::now();
@@ -125,12 +129,21 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     for (body, repaired) in &part.repaired {
         eprintln!("beadwork: repaired {body}: {}", crate::part::describe(repaired));
     }
+    if let Some(layer) = part.layers.gap() {
+        bail!("layer {} has no cells: what lies above it would be printed in the air", layer + 1);
+    }
+    if part.layers.empty_below() > 0 {
+        let count = report::count(part.layers.empty_below() as u64, "layer");
+        eprintln!(
+            "beadwork: the part is lowered by {count}, which have no cells: its tip is thinner than a bead"
+        );
+    }
     let settings = profile.complete(&part.model.materials)?;
     let costs = tool_costs(settings.purge.as_ref().expect("complete settings have volumes"))?;
     let sliced = begin.elapsed().as_secs_f64();
     let constraints = Constraints {
         before: args.before.iter().map(|&Pair(a, b)| (a, b)).collect(),
-        first: args.first_tool.map(|tool| tool - 1),
+        first: args.first_tool,
         same_order: args.same_order,
     };
     let bar = progress::bar(0, "plan");
@@ -163,14 +176,48 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let done = begin.elapsed().as_secs_f64();
     let seconds = Seconds { slice: sliced, plan: planned - sliced, print: done - planned };
     let report = Report { part: &part, plan: &plan, printed: &printed, lift_cost: args.lift_cost, seconds };
+    if cancel::token()?.load(Ordering::Relaxed) {
+        bail!("stopped; nothing was written");
+    }
     if let Some(path) = &args.svg {
         output::file(path, &drawing::draw(&part, &plan, &printed.settings))?;
     }
     if let Some(path) = &args.out {
         output::file(path, &printed.text)?;
-        output::file(&path.with_extension("json"), &format!("{:#}\n", report.json()))?;
     }
-    if args.json { output::json(&report.json()) } else { output::text(&report.summary(args.out.as_deref())) }
+    if let Some(path) = &files.totals {
+        output::file(path, &format!("{:#}\n", report.json()))?;
+    }
+    if args.json { output::json(&report.json()) } else { output::text(&report.summary(&files)) }
+}
+
+/// What is written.
+struct Files<'a> {
+    gcode: Option<&'a Path>,
+    /// Beside the G-code; not where that is a terminal or a pipe.
+    totals: Option<PathBuf>,
+}
+
+impl Args {
+    /// The files to write; refuses, before any work, those that can't all be.
+    fn files(&self) -> anyhow::Result<Files<'_>> {
+        let gcode = self.out.as_deref();
+        let is_file = |path: &&Path| fs::metadata(path).map_or(true, |metadata| metadata.is_file());
+        for path in [gcode, self.svg.as_deref()].into_iter().flatten() {
+            if path.is_dir() {
+                bail!("'{}' is a folder", path.display());
+            }
+        }
+        let totals = gcode.filter(is_file).map(|path| {
+            let mut name = path.as_os_str().to_owned();
+            name.push(".json");
+            PathBuf::from(name)
+        });
+        if self.svg.is_some() && (self.svg.as_deref() == gcode || self.svg == totals) {
+            output::wrong_use("--svg and --out name the same file");
+        }
+        Ok(Files { gcode, totals })
+    }
 }
 
 /// Layers with cells, as the planner takes them.
@@ -195,8 +242,8 @@ pub(crate) fn print(
     profile: &Profile,
     settings: gcode::Settings,
 ) -> anyhow::Result<Printed> {
-    let numbered =
-        part.layers.layers.iter().enumerate().filter_map(|(number, layer)| Some((number, layer.as_ref()?)));
+    let layers = part.layers.layers.iter().skip(part.layers.empty_below()).enumerate();
+    let numbered = layers.filter_map(|(number, layer)| Some((number, layer.as_ref()?)));
     let layers: Vec<Layer<'_>> = numbered
         .zip(&plan.layers)
         .map(|((number, layer), planned)| Layer {

@@ -140,7 +140,10 @@ impl Profile {
                 let volume_mm3 = purge.volume_mm3.into_iter().take(count).map(cut).collect();
                 Some(Purge { volume_mm3, tower: tower.or(purge.tower) })
             }
-            (_, purge) => Some(Purge::uniform(count, purge.unwrap_or(USUAL_PURGE_MM3), tower)),
+            (given, purge) => {
+                let tower = tower.or(given.and_then(|given| given.tower));
+                Some(Purge::uniform(count, purge.unwrap_or(USUAL_PURGE_MM3), tower))
+            }
         };
         if matches!(self.tower, TowerPlace::None) {
             settings.purge.iter_mut().for_each(|purge| purge.tower = None);

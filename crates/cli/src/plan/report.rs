@@ -1,12 +1,11 @@
 //! What a plan comes to, for people and for programs.
 
 use std::fmt::Write;
-use std::path::Path;
 
 use beadwork_search::plan::ToolPlan;
 use serde_json::{Value, json};
 
-use super::Printed;
+use super::{Files, Printed};
 use crate::part::Part;
 
 /// How long the steps took.
@@ -76,13 +75,13 @@ impl Report<'_> {
     }
 
     /// A few lines.
-    pub(super) fn summary(&self, out: Option<&Path>) -> String {
+    pub(super) fn summary(&self, files: &Files<'_>) -> String {
         let mut text = String::new();
-        self.write(&mut text, out).expect("a string takes all text");
+        self.write(&mut text, files).expect("a string takes all text");
         text
     }
 
-    fn write(&self, text: &mut String, out: Option<&Path>) -> std::fmt::Result {
+    fn write(&self, text: &mut String, files: &Files<'_>) -> std::fmt::Result {
         let Self { part, plan: planned, printed, seconds, .. } = self;
         let (frame, totals) = (&part.layers.frame, &printed.totals);
         let [x, y, z] = part.bounds.size_mm();
@@ -125,14 +124,14 @@ impl Report<'_> {
             totals.extrusion_mm / 1000.0,
             totals.travel_mm / 1000.0,
         )?;
-        if let Some(out) = out {
-            let beside = out.with_extension("json");
+        if let Some(gcode) = files.gcode {
+            let cells = printed.checked.cells;
+            let beside =
+                files.totals.as_ref().map_or_else(String::new, |totals| format!(" and {}", totals.display()));
             writeln!(
                 text,
-                "wrote {} (read again and checked: {} cells, each once, with the tool of its material) and {}",
-                out.display(),
-                printed.checked.cells,
-                beside.display()
+                "wrote {} (read again and checked: {cells} cells, each once, with the tool of its material){beside}",
+                gcode.display()
             )?;
         }
         let Seconds { slice, plan, print } = seconds;

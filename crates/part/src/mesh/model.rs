@@ -72,7 +72,7 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// 1 GiB unpacked, 32 million triangles: together they take no more than a few GB.
+    /// 1 GiB unpacked, 32 million triangles: what is read takes at most some ten times what was unpacked.
     fn default() -> Self {
         Self { unpacked_bytes: 1 << 30, triangles: 32_000_000 }
     }
@@ -203,6 +203,9 @@ impl Model {
     /// Gives every body a material, by a rule, and drops what is then not used.
     ///
     /// Materials of the same name and colour become one. Those that are left keep their order; bodies without one get theirs after them.
+    ///
+    /// # Panics
+    /// If a body or its paint names a material that is not there.
     pub fn assign(&mut self, rule: Materials) {
         let stated = std::mem::take(&mut self.materials);
         let own = |number: usize, body: &Body| {

@@ -8,8 +8,8 @@ use super::surface::Mesh;
 
 /// Reads a file.
 ///
-/// An `o` or `g` begins a body, unless it comes before the first face of the last one; polygons are cut into fans. Each `usemtl` names a
-/// material; a body of several is painted. Colours stand in another file (`mtllib`) and are not read; curves and surfaces of
+/// An `o` begins a body, unless it comes before the first face of the last one; groups (`g`) are stretches of one surface as often as bodies, so they only
+/// name what has no other name. Polygons are cut into fans. Each `usemtl` names a material; a body of several is painted. Colours stand in another file (`mtllib`) and are not read; curves and surfaces of
 /// higher order are passed over, as are texture coordinates and normals.
 pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
     let mut reader = Reader { limits: *limits, ..Reader::default() };
@@ -19,7 +19,7 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
     for (line, text) in (1..).zip(bytes.split(|&byte| byte == b'\n')) {
         last = line;
         let text = String::from_utf8_lossy(text);
-        let text = text.split('#').next().unwrap_or_default().trim_end();
+        let text = without_comment(&text).trim_end();
         if let Some(begun) = text.strip_suffix('\\') {
             joined.push_str(begun);
             joined.push(' ');
@@ -33,6 +33,14 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
     }
     reader.line(last, &joined)?;
     Ok(reader.finish())
+}
+
+/// A line up to its comment. A `#` within a word is part of a name.
+fn without_comment(text: &str) -> &str {
+    let begins = |&(at, _): &(usize, &str)| {
+        at == 0 || text[..at].ends_with(|before: char| before.is_ascii_whitespace())
+    };
+    text.match_indices('#').find(begins).map_or(text, |(at, _)| &text[..at])
 }
 
 /// A body of which the faces are being read; its triangles name the vertices of the whole file.
@@ -61,12 +69,13 @@ impl Reader {
         match words.next() {
             Some("v") => self.vertices.push(point(line, words)?),
             Some("f") => self.face(line, words)?,
-            Some("o" | "g") => {
+            Some("o") => {
                 if !self.faces.triangles.is_empty() {
                     self.done.push(std::mem::take(&mut self.faces));
                 }
                 self.faces.name = words.collect::<Vec<_>>().join(" ");
             }
+            Some("g") if self.faces.name.is_empty() => self.faces.name = words.collect::<Vec<_>>().join(" "),
             Some("usemtl") => {
                 self.material = Some(self.material(line, &words.collect::<Vec<_>>().join(" "))?);
             }
@@ -182,6 +191,16 @@ mod tests {
         // The last line too, though nothing follows it.
         let text = text.to_owned() + " \\";
         assert_eq!(read(text.as_bytes(), &Limits::default()).unwrap().triangles(), 1);
+    }
+
+    #[test]
+    fn groups_are_no_bodies_and_names_may_hold_a_hash() {
+        let text = "g front\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl paint#1\nf 1 2 3\ng back\nusemtl paint#2 # the other\nf 1 3 2\n";
+        let model = read(text.as_bytes(), &Limits::default()).unwrap();
+        assert_eq!((model.bodies.len(), model.bodies[0].name.as_str()), (1, "front"));
+        assert_eq!(model.bodies[0].paint, [0, 1]);
+        let names: Vec<_> = model.materials.iter().map(|material| material.name.as_str()).collect();
+        assert_eq!(names, ["paint#1", "paint#2"]);
     }
 
     #[test]

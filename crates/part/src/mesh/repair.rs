@@ -62,6 +62,9 @@ const MOST_LOOKS: usize = 500_000_000;
 
 /// Holes are small if the way around them is at most so much of the body's diagonal. Flat ones may be of any size.
 const SMALL_HOLE: f64 = 1.0;
+/// A body has a volume if it is thicker than this over its whole size, in mm.
+const THINNEST_MM: f64 = 1e-6;
+
 /// A hole is flat if no corner lies further from its plane than so much of the body's diagonal.
 const FLAT_HOLE: f64 = 1e-3;
 
@@ -93,11 +96,9 @@ impl Body {
         done.closed_holes = close_holes(self, &edges, &mut parts)?;
         drop(edges);
         done.flipped_triangles += turn_outwards(&mut self.mesh, &mut parts);
-        let bounds = self.mesh.bounds();
-        // Less than a ten-thousandth of a layer over its whole size.
         let volume = self.mesh.volume_mm3().abs();
         // Coordinates beyond all use make it no number.
-        if volume.is_nan() || volume < 1e-6 * bounds.diagonal_mm().powi(2) * 1e-3 {
+        if volume.is_nan() || volume < THINNEST_MM * self.mesh.bounds().diagonal_mm().powi(2) {
             return Err(RepairError::NoVolume(triangles));
         }
         Ok(done)
@@ -406,9 +407,16 @@ fn turn_outwards(mesh: &mut Mesh, parts: &mut Parts) -> usize {
         let corners = mesh.corners(mesh.triangles()[triangle]).map(|corner| minus(corner, origin));
         volumes[root as usize] += spat_mm3(corners);
     }
+    // A body that is inside out as a whole has cavities that look like bodies.
+    let is_inverted = volumes.iter().sum::<f64>() < 0.0;
+    if is_inverted {
+        mesh.parts_mut().1.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        volumes.iter_mut().for_each(|volume| *volume = -*volume);
+    }
+    let mut flipped = if is_inverted { count } else { 0 };
     let inverted: Vec<u32> = (0..count as u32).filter(|&root| volumes[root as usize] < 0.0).collect();
     if inverted.is_empty() {
-        return 0;
+        return flipped;
     }
     let mut outside: Vec<bool> = vec![false; count];
     let above = Above::new(mesh);
@@ -427,11 +435,10 @@ fn turn_outwards(mesh: &mut Mesh, parts: &mut Parts) -> usize {
         outside[root as usize] = winding == 0;
     }
     let (_, triangles) = mesh.parts_mut();
-    let mut flipped = 0;
     for (triangle, &root) in triangles.iter_mut().zip(&roots) {
         if outside[root as usize] {
             triangle.swap(1, 2);
-            flipped += 1;
+            flipped = if is_inverted { flipped - 1 } else { flipped + 1 };
         }
     }
     flipped

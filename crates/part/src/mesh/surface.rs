@@ -8,7 +8,7 @@ use thiserror::Error;
 /// Triangles over shared vertices, in mm.
 ///
 /// Invariant: every coordinate is finite and every index names a vertex. Seen from outside the body, the vertices of a
-/// triangle run counter-clockwise; [`Mesh::repair`] sees to that, and that the surface is closed.
+/// triangle run counter-clockwise; [`Body::repair`](super::Body::repair) sees to that, and that the surface is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     vertices: Vec<[f64; 3]>,
@@ -126,7 +126,12 @@ impl Mesh {
 
     /// The volume it encloses in mm³, negative if it is turned inside out. Meaningless for a surface with holes.
     pub fn volume_mm3(&self) -> f64 {
-        self.triangles.iter().map(|&triangle| spat_mm3(self.corners(triangle))).sum()
+        // Seen from a point of the body, it is no difference of large numbers.
+        let Some(&[first, ..]) = self.triangles.first() else { return 0.0 };
+        let origin = self.vertices[first as usize];
+        let spat =
+            |&triangle: &[u32; 3]| spat_mm3(self.corners(triangle).map(|corner| minus(corner, origin)));
+        self.triangles.iter().map(spat).sum()
     }
 
     /// Memory of its vertices and triangles, in bytes.

@@ -23,6 +23,8 @@ const RELATIONSHIPS: &str = "_rels/.rels";
 const USUAL_MODEL: &str = "3D/3dmodel.model";
 /// Objects made of objects made of objects: deeper than any program writes them, and no circle ends before.
 const DEEPEST: usize = 32;
+/// Names are cut after so many characters.
+const LONGEST_NAME: usize = 200;
 
 pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
     let mut package = Package::open(bytes, limits)?;
@@ -316,7 +318,9 @@ impl PartReader {
                 self.object = Some((
                     number,
                     Object {
-                        name: attribute(start, "name")?.map(Cow::into_owned).unwrap_or_default(),
+                        // Every instance has a copy.
+                        name: attribute(start, "name")?
+                            .map_or_else(String::new, |name| name.chars().take(LONGEST_NAME).collect()),
                         is_model: kind.is_none_or(|kind| kind == "model" || kind == "solidsupport"),
                         property: property.transpose().map_err(|error: String| error)?,
                         content: Content::Mesh {

@@ -279,6 +279,17 @@ impl Layers {
         Voxels::new(self.frame, self.layers.len(), materials)
     }
 
+    /// Layers at the bottom that have no cells, as those of a tip have, where it is thinner than a bead.
+    pub fn empty_below(&self) -> usize {
+        self.layers.iter().take_while(|layer| layer.is_none()).count()
+    }
+
+    /// The lowest layer without cells that has some above and below it: what lies above hangs in the air.
+    pub fn gap(&self) -> Option<usize> {
+        let last = self.layers.iter().rposition(Option::is_some)?;
+        (self.empty_below()..last).find(|&layer| self.layers[layer].is_none())
+    }
+
     /// Height of the middle of a layer in mm: where it was cut.
     pub fn cut_mm(&self, layer: usize) -> f64 {
         plane_mm(layer, self.frame.layer_mm)

@@ -63,6 +63,15 @@ fn a_cavity_stays_and_a_body_in_a_cavity_is_turned() {
 }
 
 #[test]
+fn a_hollow_body_that_is_inside_out_stays_hollow() {
+    let cube = |side: f64| Shape::Cuboid { size_mm: [side; 3] };
+    let inverted = [(cube(10.0), [0.0; 3], true), (cube(6.0), [2.0; 3], false), (cube(2.0), [4.0; 3], true)];
+    let mut inverted = body(parts(&inverted));
+    assert_eq!(inverted.repair().unwrap().flipped_triangles, 36);
+    assert!((inverted.mesh.volume_mm3() - (1000.0 - 216.0 + 8.0)).abs() < 1e-9);
+}
+
+#[test]
 fn a_missing_triangle_is_filled() {
     let mut open = body(Shape::Cuboid { size_mm: [10.0; 3] }.mesh());
     open.mesh.parts_mut().1.pop();

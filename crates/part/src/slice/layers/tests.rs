@@ -53,6 +53,18 @@ fn a_box_is_its_cells() {
 }
 
 #[test]
+fn empty_layers_are_told() {
+    let cube = |z: f64| body(moved(&Shape::Cuboid { size_mm: [2.0, 2.0, 1.0] }, [0.0, 0.0, z]), 0);
+    let layers = |bodies| slice(&model(bodies), &Settings::default()).unwrap();
+    let sound = layers(vec![cube(0.0), cube(1.0)]);
+    assert_eq!((sound.empty_below(), sound.gap()), (0, None));
+    let hovering = layers(vec![cube(0.5)]);
+    assert_eq!((hovering.empty_below(), hovering.gap()), (2, None));
+    let apart = layers(vec![cube(0.5), cube(3.0)]);
+    assert_eq!((apart.empty_below(), apart.gap()), (2, Some(6)));
+}
+
+#[test]
 fn bodies_side_by_side_share_no_cell_and_later_ones_win() {
     let left = moved(&Shape::Cuboid { size_mm: [1.3, 4.0, 1.0] }, [0.0; 3]);
     let right = moved(&Shape::Cuboid { size_mm: [2.7, 4.0, 1.0] }, [1.3, 0.0, 0.0]);
