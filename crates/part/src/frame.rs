@@ -2,7 +2,8 @@
 
 /// The place and the size of all layers' planes, in the printer's coordinates: x right, y to the back, z up, in mm.
 ///
-/// All layers of a part share one plane. Row 0 of it lies at the back, so that a layer printed as a picture looks as it does from above.
+/// All layers of a part share one plane. Row 0 of it lies at the back, so that a layer printed as a picture looks as it
+/// does from above.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// x of the left side of column 0, in mm.

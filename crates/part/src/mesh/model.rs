@@ -185,7 +185,8 @@ impl Model {
         Ok(model)
     }
 
-    /// Takes over the bodies and the materials of another model in the same frame. Together they have at most 256 materials.
+    /// Takes over the bodies and the materials of another model in the same frame. Together they have at most 256
+    /// materials.
     pub fn append(&mut self, other: Self) -> Result<(), ReadError> {
         let before = self.materials.len();
         if before + other.materials.len() > MOST_MATERIALS {
@@ -202,7 +203,8 @@ impl Model {
 
     /// Gives every body a material, by a rule, and drops what is then not used.
     ///
-    /// Materials of the same name and colour become one. Those that are left keep their order; bodies without one get theirs after them.
+    /// Materials of the same name and colour become one. Those that are left keep their order; bodies without one get
+    /// theirs after them.
     ///
     /// # Panics
     /// If a body or its paint names a material that is not there.

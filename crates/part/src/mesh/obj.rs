@@ -8,9 +8,10 @@ use super::surface::Mesh;
 
 /// Reads a file.
 ///
-/// An `o` begins a body, unless it comes before the first face of the last one; groups (`g`) are stretches of one surface as often as bodies, so they only
-/// name what has no other name. Polygons are cut into fans. Each `usemtl` names a material; a body of several is painted. Colours stand in another file (`mtllib`) and are not read; curves and surfaces of
-/// higher order are passed over, as are texture coordinates and normals.
+/// An `o` begins a body, unless it comes before the first face of the last one; groups (`g`) are stretches of one
+/// surface as often as bodies, so they only name what has no other name. Polygons are cut into fans. Each `usemtl`
+/// names a material; a body of several is painted. Colours stand in another file (`mtllib`) and are not read; curves
+/// and surfaces of higher order are passed over, as are texture coordinates and normals.
 pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
     let mut reader = Reader { limits: *limits, ..Reader::default() };
     // A backslash at the end of a line joins it to the next; not one in a comment, which may end in the name of a folder.

@@ -1,7 +1,8 @@
 //! Makes the surface of a body closed and turns it outwards, and says what it had to change.
 //!
-//! Every triangle's boundary is a closed circle, so what is left of all triangles' boundaries, once edges that are used both ways cancel out, is a set
-//! of closed loops too: the holes. Each of them can be filled by a fan, and then the surface is closed, whatever it looked like before.
+//! Every triangle's boundary is a closed circle, so what is left of all triangles' boundaries, once edges that are used
+//! both ways cancel out, is a set of closed loops too: the holes. Each of them can be filled by a fan, and then the
+//! surface is closed, whatever it looked like before.
 
 mod above;
 
@@ -71,10 +72,10 @@ const FLAT_HOLE: f64 = 1e-3;
 impl Body {
     /// Repairs the surface.
     ///
-    /// 1. Vertices at the same place become one; triangles that are left with two corners at one place are dropped.
-    /// 2. Triangles are turned to agree with their neighbours: of each connected part the fewer.
-    /// 3. Holes that are flat or small (no longer around than the body is across) are closed by fans.
-    /// 4. Connected parts that are inside out are turned over, unless they lie within another: those are cavities. Of thousands of parts
+    /// 1. Vertices at the same place become one; triangles that are left with two corners at one place are dropped. 2.
+    /// Triangles are turned to agree with their neighbours: of each connected part the fewer. 3. Holes that are flat or
+    /// small (no longer around than the body is across) are closed by fans. 4. Connected parts that are inside out are
+    /// turned over, unless they lie within another: those are cavities. Of thousands of parts
     ///    inside out, one above the other, some may be left as they are.
     ///
     /// Nearly linear in the triangles; needs about as much memory as the mesh itself, beside it.
@@ -207,7 +208,8 @@ fn is_rising(mesh: &Mesh, half: u32) -> bool {
     corners[corner] < corners[(corner + 1) % 3]
 }
 
-/// Triangles joined over edges that two of them share, each part a tree; a bit says whether a triangle faces against its parent.
+/// Triangles joined over edges that two of them share, each part a tree; a bit says whether a triangle faces against
+/// its parent.
 struct Parts {
     parents: Vec<u32>,
     against: Vec<bool>,
@@ -254,7 +256,8 @@ impl Parts {
         }
     }
 
-    /// Joins what meets at an edge of more than two triangles too. How they face no longer matters: each part can only be turned as a whole.
+    /// Joins what meets at an edge of more than two triangles too. How they face no longer matters: each part can only
+    /// be turned as a whole.
     fn join_all(&mut self, edges: &Edges) {
         for (_, group) in edges.groups() {
             for pair in group.windows(2) {
@@ -337,8 +340,8 @@ fn close_holes(body: &mut Body, edges: &Edges, parts: &mut Parts) -> Result<usiz
 
 /// Splits directed edges, sorted by their start, into simple loops, each a list of their numbers in order.
 ///
-/// As many edges lead to a vertex as from it, so a walk can only end where it began. A vertex that comes twice closes a loop at once: two holes that
-/// touch are two.
+/// As many edges lead to a vertex as from it, so a walk can only end where it began. A vertex that comes twice closes a
+/// loop at once: two holes that touch are two.
 fn loops(open: &[[u32; 3]]) -> Vec<Vec<usize>> {
     let first_from = |vertex: u32| open.partition_point(|edge| edge[0] < vertex);
     // For the first edge of each vertex, how many of its edges were walked.

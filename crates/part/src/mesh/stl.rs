@@ -68,7 +68,8 @@ fn push(model: &mut Model, name: String, welder: Welder) -> Result<(), ReadError
     Ok(())
 }
 
-/// Text: keywords in any case, one to a line. Normals are not read, for the corners' order says the same and is right more often.
+/// Text: keywords in any case, one to a line. Normals are not read, for the corners' order says the same and is right
+/// more often.
 fn read_text(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
     let mut model = Model::default();
     let mut welder = Welder::default();

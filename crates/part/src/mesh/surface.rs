@@ -152,8 +152,8 @@ impl Mesh {
     }
 }
 
-/// Drops the vertices that no triangle uses if they are more than those that can be used: a mesh then takes no more than its triangles say, however
-/// often it is copied. Changes nothing if a triangle names a vertex that is not there.
+/// Drops the vertices that no triangle uses if they are more than those that can be used: a mesh then takes no more
+/// than its triangles say, however often it is copied. Changes nothing if a triangle names a vertex that is not there.
 pub(super) fn keep_used(vertices: &mut Vec<[f64; 3]>, triangles: &mut [[u32; 3]]) {
     if vertices.len() <= 3 * triangles.len() {
         return;
@@ -195,10 +195,12 @@ pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 /// Collects triangles whose corners are given as points, each point once.
 ///
-/// Points are one vertex if all bits of their coordinates are equal (0 and -0 too): what touches belongs together, and nothing is moved.
+/// Points are one vertex if all bits of their coordinates are equal (0 and -0 too): what touches belongs together, and
+/// nothing is moved.
 #[derive(Default)]
 pub(super) struct Welder {
-    /// Numbers of vertices by the hash of their coordinates, which stand in `vertices` alone: as keys they would take more memory than the mesh.
+    /// Numbers of vertices by the hash of their coordinates, which stand in `vertices` alone: as keys they would take
+    /// more memory than the mesh.
     numbers: HashTable<u32>,
     vertices: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,

@@ -1,7 +1,7 @@
 //! 3MF files: every object that the build names, with its transforms, units and materials.
 //!
-//! Core specification 1.3, with the colour groups of the materials extension and the references to other parts of the production extension. What
-//! else an extension adds is passed over.
+//! Core specification 1.3, with the colour groups of the materials extension and the references to other parts of the
+//! production extension. What else an extension adds is passed over.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -207,7 +207,8 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// The number in the model of a material of a part; `None` also for textures and other groups that are no materials.
+    /// The number in the model of a material of a part; `None` also for textures and other groups that are no
+    /// materials.
     fn material(&mut self, part: &str, property: Option<Property>) -> Result<Option<usize>, ReadError> {
         let Some(property @ (group, index)) = property else { return Ok(None) };
         let key = (part.to_owned(), property);

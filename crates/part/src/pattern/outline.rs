@@ -1,8 +1,8 @@
 //! The outlines of a region, walked around along the cracks between its cells and what lies outside.
 //!
-//! A **crack** is a side of a cell of the region that has no cell of the region on its other side. Followed with the region on the
-//! left hand, cracks close in loops, each crack in one of them; where two loops meet at a corner, each turns left. The cells on the
-//! left, and those passed at inner corners, are the outline.
+//! A **crack** is a side of a cell of the region that has no cell of the region on its other side. Followed with the
+//! region on the left hand, cracks close in loops, each crack in one of them; where two loops meet at a corner, each
+//! turns left. The cells on the left, and those passed at inner corners, are the outline.
 
 use beadwork_grid::{Cell, Region};
 

@@ -1,10 +1,12 @@
 //! Cuts a surface by the horizontal planes through the middle of every layer.
 //!
-//! Nothing is compared with a tolerance. A vertex on a plane counts as above it, so a plane meets a triangle in nothing or in one segment between
-//! two of its edges; segments are linked by the edges they end on, which are the same for both triangles there. On a closed surface every link is
-//! found, and outlines close, however bad the triangles are: needles, overlaps, edges with four triangles.
+//! Nothing is compared with a tolerance. A vertex on a plane counts as above it, so a plane meets a triangle in nothing
+//! or in one segment between two of its edges; segments are linked by the edges they end on, which are the same for
+//! both triangles there. On a closed surface every link is found, and outlines close, however bad the triangles are:
+//! needles, overlaps, edges with four triangles.
 //!
-//! Planes are swept upwards past triangles sorted by the plane they meet first, so a layer costs what it holds, not what the mesh holds.
+//! Planes are swept upwards past triangles sorted by the plane they meet first, so a layer costs what it holds, not
+//! what the mesh holds.
 
 use std::ops::Range;
 
@@ -21,11 +23,11 @@ pub(super) fn plane_mm(layer: usize, layer_mm: f64) -> f64 {
 
 /// The outlines of a closed surface in `layers` layers of `layer_mm`, from z = 0 upwards; one for each layer.
 ///
-/// `paint` holds one number for each triangle, which its part of an outline takes over, or nothing. Outlines of a surface that is not closed
-/// ([`crate::mesh::Body::repair`] sees to that) may miss lines.
+/// `paint` holds one number for each triangle, which its part of an outline takes over, or nothing. Outlines of a
+/// surface that is not closed ([`crate::mesh::Body::repair`] sees to that) may miss lines.
 ///
-/// Works in `pool`, or in the calling thread alone; the result does not depend on it. For n triangles, and s segments in all layers: O(n + s log s)
-/// time; beside the outlines 8 bytes a triangle, and 4 more for each thread.
+/// Works in `pool`, or in the calling thread alone; the result does not depend on it. For n triangles, and s segments
+/// in all layers: O(n + s log s) time; beside the outlines 8 bytes a triangle, and 4 more for each thread.
 ///
 /// # Panics
 /// If there is paint, but not for every triangle.
@@ -62,8 +64,8 @@ struct Sweep<'a> {
     layer_mm: f64,
     /// Number of the first layer, from which layers are counted here.
     first: usize,
-    /// For each layer where the triangles that it meets first begin in `order`; one more for those
-    /// that no plane meets, and their end.
+    /// For each layer where the triangles that it meets first begin in `order`; one more for those that no plane meets,
+    /// and their end.
     starts: Vec<u32>,
     order: Vec<u32>,
 }

@@ -35,7 +35,8 @@ pub struct Settings<'a> {
 }
 
 impl Default for Settings<'_> {
-    /// Beads of 0.5 mm in layers of 0.25 mm (*Kim et al. 2026*, section on the domain), up to 2^30 cells, on one thread.
+    /// Beads of 0.5 mm in layers of 0.25 mm (*Kim et al. 2026*, section on the domain), up to 2^30 cells, on one
+    /// thread.
     fn default() -> Self {
         Self {
             cell_mm: 0.5,
@@ -128,11 +129,12 @@ pub enum SliceError {
 
 /// Cuts a model into layers of cells.
 ///
-/// The bodies stand on z = 0 ([`crate::mesh::Placement`]), are closed ([`Body::repair`]) and have materials ([`Model::assign`]); where they overlap, the later
-/// one fills the place. A layer lies where its middle is within the part; a cell where its centre is: the surface of the part is met to half a bead and
-/// half a layer. The cells' plane is the smallest around the part, with the part in its middle.
+/// The bodies stand on z = 0 ([`crate::mesh::Placement`]), are closed ([`Body::repair`]) and have materials
+/// ([`Model::assign`]); where they overlap, the later one fills the place. A layer lies where its middle is within the
+/// part; a cell where its centre is: the surface of the part is met to half a bead and half a layer. The cells' plane
+/// is the smallest around the part, with the part in its middle.
 ///
-/// Time and memory are those of [`cut()`], and beside it linear in the cells of all planes.
+/// Time and memory are those of [`cut()`](super::cut()), and beside it linear in the cells of all planes.
 pub fn slice(model: &Model, settings: &Settings<'_>) -> Result<Layers, SliceError> {
     let (frame, count) = frame(model, settings)?;
     let is_cancelled = || settings.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed));
@@ -165,7 +167,8 @@ pub fn slice(model: &Model, settings: &Settings<'_>) -> Result<Layers, SliceErro
     Ok(Layers { frame, layers })
 }
 
-/// The outlines of a body in those layers that it reaches: of many small bodies, all layers' would take more memory than all cells.
+/// The outlines of a body in those layers that it reaches: of many small bodies, all layers' would take more memory
+/// than all cells.
 struct Cuts {
     first: usize,
     outlines: Vec<Outline>,

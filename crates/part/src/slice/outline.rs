@@ -22,7 +22,8 @@ impl FillRule {
     }
 }
 
-/// Closed loops of straight lines, the body on the left of each: outer ones run counter-clockwise seen from above, holes clockwise.
+/// Closed loops of straight lines, the body on the left of each: outer ones run counter-clockwise seen from above,
+/// holes clockwise.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outline {
     points: Vec<[f64; 2]>,

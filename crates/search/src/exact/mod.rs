@@ -1,16 +1,17 @@
 //! Fewest pieces, then fewest crossings, with a proof.
 //!
 //! # Idea
-//! A path through n cells in p pieces is a set of n - p links, at most two at each cell. The cheapest set of so many links, a
-//! 2-matching, is a minimum cost flow, for the grid is bipartite; it bounds the crossings from below. It consists of paths and
-//! cycles, and where the bound is tight it only has to be made one path, without a link more across zones:
+//! A path through n cells in p pieces is a set of n - p links, at most two at each cell. The cheapest set of so many
+//! links, a 2-matching, is a minimum cost flow, for the grid is bipartite; it bounds the crossings from below. It
+//! consists of paths and cycles, and where the bound is tight it only has to be made one path, without a link more
+//! across zones:
 //!
-//! 1. ladders inside the zones, then the cheapest 2-matching by shortest alternating paths;
-//! 2. links from groups of zones that nothing leaves, the cheapest first;
-//! 3. cycles joined by switches, and what is left by exchanges along short alternating cycles.
+//! 1. ladders inside the zones, then the cheapest 2-matching by shortest alternating paths; 2. links from groups of
+//! zones that nothing leaves, the cheapest first; 3. cycles joined by switches, and what is left by exchanges along
+//! short alternating cycles.
 //!
-//! An attempt is made anew, with other ladders and other random choices, until the crossings meet the bound. If the first one
-//! does not, the bound is raised by what must be paid to hold everything together.
+//! An attempt is made anew, with other ladders and other random choices, until the crossings meet the bound. If the
+//! first one does not, the bound is raised by what must be paid to hold everything together.
 //!
 //! # Example
 //! ```
@@ -66,14 +67,16 @@ pub struct Settings<'a> {
     pub start: Terminal,
     /// Where the last piece has to end.
     pub end: Terminal,
-    /// Whether the first attempt lays its ladders along the columns, not the rows: paths of layers in turn then cross each other.
+    /// Whether the first attempt lays its ladders along the columns, not the rows: paths of layers in turn then cross
+    /// each other.
     pub columns_first: bool,
-    /// A path of the layer below, on a plane of the same size: the first attempts take over its links inside the zones, as far as both layers have the
-    /// cells, and look for the rest only.
+    /// A path of the layer below, on a plane of the same size: the first attempts take over its links inside the zones,
+    /// as far as both layers have the cells, and look for the rest only.
     pub below: Option<&'a Path>,
     /// Stops the search soon after it turns true.
     pub cancel: Option<&'a AtomicBool>,
-    /// Asked now and then; the search stops soon after it gives true. The best plan so far is returned, or one made in haste.
+    /// Asked now and then; the search stops soon after it gives true. The best plan so far is returned, or one made in
+    /// haste.
     pub time_is_up: Option<&'a (dyn Fn() -> bool + Sync)>,
     /// Told after each attempt how far the search has come.
     pub observer: Option<&'a (dyn Fn(Progress) + Sync)>,
@@ -100,7 +103,8 @@ pub enum Stage {
 }
 
 impl Default for Settings<'_> {
-    /// Seed 0, 50 attempts, crossings that cost 1, free ends, ladders along the rows, no layer below, nothing that stops it.
+    /// Seed 0, 50 attempts, crossings that cost 1, free ends, ladders along the rows, no layer below, nothing that
+    /// stops it.
     fn default() -> Self {
         Self {
             seed: 0,
@@ -214,8 +218,8 @@ pub enum SolveError {
 
 /// Covers a region in few pieces, and of such covers finds one of low cost, with proven bounds of both.
 ///
-/// The same seed and attempts give the same plan on every machine; what stops the search early does not. An attempt is nearly
-/// linear in the cells. The attempts that a part needs to meet the bound are few: one on most parts.
+/// The same seed and attempts give the same plan on every machine; what stops the search early does not. An attempt is
+/// nearly linear in the cells. The attempts that a part needs to meet the bound are few: one on most parts.
 pub fn solve(region: &Region, zones: &Zones, settings: &Settings<'_>) -> Result<Plan, SolveError> {
     check(region, zones, settings)?;
     let uniform = ZoneCosts::uniform(zones.count());

@@ -34,7 +34,8 @@ pub(super) struct Part {
 /// Attempts in vain after which a number of pieces is given up.
 const ATTEMPTS_AT_PIECES: u32 = 12;
 
-/// Attempts before the bound is raised in small steps: most layers need no more attempts, and an attempt takes less time.
+/// Attempts before the bound is raised in small steps: most layers need no more attempts, and an attempt takes less
+/// time.
 const ATTEMPTS_BEFORE_STEPS: u32 = 3;
 
 /// Attempts that begin with the path of the layer below, where there is one, before others forget it.
@@ -151,7 +152,8 @@ struct Search<'a> {
     /// The path of the layer below, to begin with; `None` once that was tried often enough.
     below: Option<&'a Path>,
     rng: Xoshiro256PlusPlus,
-    /// What has to hang together: the zone components, or finer once it is known what the cheapest 2-matchings leave apart.
+    /// What has to hang together: the zone components, or finer once it is known what the cheapest 2-matchings leave
+    /// apart.
     graph: ZoneGraph,
     paths: Paths,
     /// The cells that the present attempt keeps for the beginning and the end.
@@ -210,8 +212,8 @@ impl Search<'_> {
         self.best.as_ref().is_some_and(|best| best.pieces == self.target && best.cost <= self.bound)
     }
 
-    /// The cheapest 2-matching for so many pieces that has room at the cells where the path must begin and end; and, if these
-    /// could be chosen, one without that.
+    /// The cheapest 2-matching for so many pieces that has room at the cells where the path must begin and end; and, if
+    /// these could be chosen, one without that.
     ///
     /// Raises the number of pieces, and their bound, as far as the cells' colours and the ends demand.
     fn cheapest<'b>(&mut self, board: &'b Board, grain: Grain) -> (Option<Matching<'b>>, Matching<'b>) {
@@ -285,8 +287,8 @@ impl Search<'_> {
         matching
     }
 
-    /// Bounds from the graph of zone components, in units of the cheapest crossing; and the flow's with costs whose directions are
-    /// more alike.
+    /// Bounds from the graph of zone components, in units of the cheapest crossing; and the flow's with costs whose
+    /// directions are more alike.
     fn bound_by_zones(&mut self) {
         let need = vec![1; self.graph.count() as usize];
         let crossings = segments::cover(&need, self.target)
@@ -416,7 +418,8 @@ impl Search<'_> {
         Cover { pieces: pieces.len() as u32, cost: total, last_piece, order: pieces.concat() }
     }
 
-    /// After attempts in vain: shows that the pieces are too few, or gives them up. True if others are tried for from now on.
+    /// After attempts in vain: shows that the pieces are too few, or gives them up. True if others are tried for from
+    /// now on.
     fn reconsider_pieces(&mut self, attempts: u32) -> bool {
         let Some(found) = self.best.as_ref().map(|best| best.pieces) else { return false };
         if found <= self.target {
@@ -440,8 +443,8 @@ impl Search<'_> {
         self.graph = ZoneGraph::new(self.board);
     }
 
-    /// Whether no cover has as few pieces as are tried for: if crossings cost nothing a cover would cost nothing, but closed
-    /// sets of cells cost something even then.
+    /// Whether no cover has as few pieces as are tried for: if crossings cost nothing a cover would cost nothing, but
+    /// closed sets of cells cost something even then.
     fn is_refuted(&mut self) -> bool {
         let free = self.board.without_zones();
         let mut matching = Matching::inside_zones(&free, Grain::default());
@@ -470,7 +473,8 @@ impl Search<'_> {
     }
 }
 
-/// Brings pieces into the order and the directions that the ends ask for; cuts one in two if it holds both and must not.
+/// Brings pieces into the order and the directions that the ends ask for; cuts one in two if it holds both and must
+/// not.
 fn order_pieces(pieces: &mut Vec<Vec<Node>>, first: Option<Node>, last: Option<Node>, apart: bool) {
     // The topmost, leftmost piece first, so that the lifts between them stay short.
     pieces.sort_unstable_by_key(|piece| piece.iter().min().copied());

@@ -18,11 +18,13 @@ pub(crate) fn back(dir: Dir) -> Dir {
 
 /// Cells in a frame of empty ones, so that a step in any direction needs no check.
 ///
-/// The rows are an odd number of nodes apart: hence a node is black, in a chessboard colouring, exactly if its number is even.
+/// The rows are an odd number of nodes apart: hence a node is black, in a chessboard colouring, exactly if its number
+/// is even.
 #[derive(Clone)]
 pub(crate) struct Board {
     stride: usize,
-    /// 2^[`Board::SHIFT`] divided by the stride, rounded up: division by multiplication, for places are asked for all the time.
+    /// 2^[`Board::SHIFT`] divided by the stride, rounded up: division by multiplication, for places are asked for all
+    /// the time.
     inverse: u64,
     /// Column and row, in the region's plane, of the node at column 1 and row 1; the column may be -1.
     origin: (i64, i64),

@@ -11,10 +11,10 @@ use crate::union::Union;
 
 /// A set of links of a board, at most two at each cell; the cheapest of its size until links are locked or paid for.
 ///
-/// Black cells send, white cells receive: a link is a unit of flow. The proof of its optimality is a **potential** for each
-/// cell, such that every residual step has a reduced cost of at least 0: cost + potential(from) - potential(to), where a step
-/// from black to white puts a link in and costs what it costs, and one from white to black takes a link out and gives that
-/// back. Each black cell draws from one source, each white one drains into one sink.
+/// Black cells send, white cells receive: a link is a unit of flow. The proof of its optimality is a **potential** for
+/// each cell, such that every residual step has a reduced cost of at least 0: cost + potential(from) - potential(to),
+/// where a step from black to white puts a link in and costs what it costs, and one from white to black takes a link
+/// out and gives that back. Each black cell draws from one source, each white one drains into one sink.
 #[derive(Clone)]
 pub(crate) struct Matching<'a> {
     pub(crate) board: &'a Board,
@@ -103,7 +103,8 @@ impl<'a> Matching<'a> {
         self.board.cells.iter().map(cost_of).sum()
     }
 
-    /// Reduced cost of putting in the link from a cell, of either colour, in a direction; its negative for taking it out.
+    /// Reduced cost of putting in the link from a cell, of either colour, in a direction; its negative for taking it
+    /// out.
     #[inline]
     pub(crate) fn reduced(&self, node: Node, dir: Dir) -> i32 {
         let other = self.board.step(node, dir);
@@ -134,8 +135,8 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Adds to the cost of every link inside a set of cells, and to the potentials so that few reduced costs change. The
-    /// caller has to [`repair`](super::Paths::repair) the optimum.
+    /// Adds to the cost of every link inside a set of cells, and to the potentials so that few reduced costs change.
+    /// The caller has to [`repair`](super::Paths::repair) the optimum.
     pub(crate) fn raise_inside(&mut self, members: &[Node], by: i32) {
         let board = self.board;
         self.extra.resize(board.nodes(), [0; 2]);
@@ -164,10 +165,10 @@ impl<'a> Matching<'a> {
 
     /// Adds links along cheapest alternating paths until the spare room is down to `spare`, or no path is left.
     ///
-    /// Successive shortest paths after Busacker and Gowen (1961) with the potentials of Edmonds and Karp (1972), all paths of
-    /// one length in one round. There are few rounds, for the lengths, small multiples of the costs, only grow. A round is
-    /// linear in the cells, and in what its searches look at: strips between cells with room, and once what they find
-    /// without a way out.
+    /// Successive shortest paths after Busacker and Gowen (1961) with the potentials of Edmonds and Karp (1972), all
+    /// paths of one length in one round. There are few rounds, for the lengths, small multiples of the costs, only
+    /// grow. A round is linear in the cells, and in what its searches look at: strips between cells with room, and once
+    /// what they find without a way out.
     pub(crate) fn grow(&mut self, spare: u32) {
         if self.spare <= spare {
             return;
@@ -194,7 +195,8 @@ struct Label {
     round: u32,
     /// Reduced length of the shortest path from it to a white cell with room.
     length: i32,
-    /// The white cell, as an index of the sinks, that the path leads to; with [`Label::OPEN`] while the length can still fall.
+    /// The white cell, as an index of the sinks, that the path leads to; with [`Label::OPEN`] while the length can
+    /// still fall.
     sink: u32,
 }
 
@@ -215,8 +217,8 @@ struct Trace {
     back: u8,
 }
 
-/// Nodes to go on from, with the steps that lead to them: those whose steps and distance to a goal sum to the least come first,
-/// of these the last one.
+/// Nodes to go on from, with the steps that lead to them: those whose steps and distance to a goal sum to the least
+/// come first, of these the last one.
 #[derive(Default)]
 struct Open {
     /// By the sum.
@@ -294,8 +296,8 @@ impl Rounds {
         }
     }
 
-    /// Dijkstra backwards from all white cells with room to the nearest black one, whose path it makes free of reduced cost;
-    /// false if there is none of at most that reduced length.
+    /// Dijkstra backwards from all white cells with room to the nearest black one, whose path it makes free of reduced
+    /// cost; false if there is none of at most that reduced length.
     fn label(&mut self, matching: &mut Matching<'_>, longest: i32) -> bool {
         self.round += 1;
         self.reached.clear();
@@ -383,8 +385,8 @@ impl Rounds {
 
     /// A search of the kind A* for a path from one black cell with room, towards the nearest white ones.
     ///
-    /// Paths need not be short, but short ones leave more of the ladders as they are. What a search in vain has seen leads
-    /// nowhere for the rest of the round: no path enters it, so none opens a way out of it.
+    /// Paths need not be short, but short ones leave more of the ladders as they are. What a search in vain has seen
+    /// leads nowhere for the rest of the round: no path enters it, so none opens a way out of it.
     fn reach(&mut self, matching: &mut Matching<'_>, source: Node) -> bool {
         if !self.choose_goals(matching, source) {
             return false;
@@ -416,8 +418,8 @@ impl Rounds {
         false
     }
 
-    /// The nearest white cells with room that a source might reach; false if there are none. A few do, for they only say where
-    /// to look first.
+    /// The nearest white cells with room that a source might reach; false if there are none. A few do, for they only
+    /// say where to look first.
     fn choose_goals(&mut self, matching: &Matching<'_>, source: Node) -> bool {
         const MOST: usize = 4;
         const MOST_LOOKED_AT: usize = 1000;

@@ -35,7 +35,8 @@ pub(super) struct Chosen {
 
 /// The choice of least weight; `None` if some layer has no way, or the first none that begins with `first`.
 ///
-/// What follows a layer depends on its last tool alone. O(l w t) steps for l layers of w ways with t tools at their ends.
+/// What follows a layer depends on its last tool alone. O(l w t) steps for l layers of w ways with t tools at their
+/// ends.
 pub(super) fn choose(
     layers: &[Vec<Way>],
     costs: &ToolCosts,
@@ -94,8 +95,8 @@ pub(super) fn choose(
 /// Points of a frontier beyond which no more are sought.
 const MOST_POINTS: usize = 256;
 
-/// The choices that are the cheapest at some price of a lift, from few lifts to cheap tools: the corners of the convex hull, up to 256 of
-/// them.
+/// The choices that are the cheapest at some price of a lift, from few lifts to cheap tools: the corners of the convex
+/// hull, up to 256 of them.
 pub(super) fn frontier(layers: &[Vec<Way>], costs: &ToolCosts, first: Option<u8>) -> Vec<Chosen> {
     // So much more than the other that only ties are left to it.
     let more = 1 << 40;

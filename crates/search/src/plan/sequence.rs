@@ -64,8 +64,8 @@ pub(super) fn blocks(pieces: &[&[Cell]], zones: &Zones, costs: &ToolCosts) -> Ve
 
 /// For each tool to begin and each to end with, the cheapest sequence of all blocks.
 ///
-/// The pieces of one tool stay together. Exact but for that for up to 10 blocks, in O(2^n n² t) steps for t tools; beyond, one sequence for each tool to begin with, of steps to the cheapest block
-/// left.
+/// The pieces of one tool stay together. Exact but for that for up to 10 blocks, in O(2^n n² t) steps for t tools;
+/// beyond, one sequence for each tool to begin with, of steps to the cheapest block left.
 pub(super) fn sequences(blocks: &[Block], costs: &ToolCosts) -> Vec<Sequence> {
     let mut firsts: Vec<u8> = blocks.iter().flat_map(|block| block.ends).collect();
     firsts.sort_unstable();

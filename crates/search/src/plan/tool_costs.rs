@@ -4,9 +4,9 @@ use thiserror::Error;
 
 /// The cost of a change for each ordered pair of tools, in any one unit: the volume to purge in mm³, say, or seconds.
 ///
-/// From b to a need not cost what from a to b does, and a detour over a third tool may be cheaper than the direct change. Tools are
-/// numbered from 0. Invariant: one cost for each ordered pair, staying with a tool costs nothing, and there are at most
-/// [`ToolCosts::MAX_TOOLS`].
+/// From b to a need not cost what from a to b does, and a detour over a third tool may be cheaper than the direct
+/// change. Tools are numbered from 0. Invariant: one cost for each ordered pair, staying with a tool costs nothing, and
+/// there are at most [`ToolCosts::MAX_TOOLS`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ToolCosts {
     tools: usize,

@@ -33,7 +33,8 @@ pub enum Mode {
 pub enum Stacking {
     /// The one that has more links in common with the layer below: seams are stacked, and surfaces alike.
     Keep,
-    /// The one that has fewer: beads cross those below and bind the layers. Straight stretches run along rows and columns in turn.
+    /// The one that has fewer: beads cross those below and bind the layers. Straight stretches run along rows and
+    /// columns in turn.
     Break,
 }
 
@@ -48,13 +49,15 @@ pub struct Settings<'a> {
     pub mode: Mode,
     /// What the order of the tools has to obey; [`Mode::Continuous`] can only obey [`Constraints::first`].
     pub constraints: &'a Constraints,
-    /// Whether to try for each layer the path of the one below too, and what then decides. `None`: each layer by itself.
+    /// Whether to try for each layer the path of the one below too, and what then decides. `None`: each layer by
+    /// itself.
     pub stacking: Option<Stacking>,
     /// Seed of all random choices.
     pub seed: u64,
     /// Most attempts at each connected part of a layer.
     pub attempts: u32,
-    /// Where to work; `None` for the calling thread alone. The plan does not depend on it. With [`Settings::stacking`] layers wait for the one below.
+    /// Where to work; `None` for the calling thread alone. The plan does not depend on it. With [`Settings::stacking`]
+    /// layers wait for the one below.
     pub pool: Option<&'a ThreadPool>,
     /// Stops the work soon after it turns true.
     pub cancel: Option<&'a AtomicBool>,
@@ -93,7 +96,8 @@ pub struct Progress {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct LayerPlan {
-    /// Its path: every cell once, piece after piece. Where a piece of the cover happens to end beside the next one, they are one.
+    /// Its path: every cell once, piece after piece. Where a piece of the cover happens to end beside the next one,
+    /// they are one.
     pub path: Path,
     /// Whether its pieces run on across zones.
     pub is_continuous: bool,
@@ -103,8 +107,8 @@ pub struct LayerPlan {
     pub piece_bound: u32,
     /// Steps of the path between two zones.
     pub crossings: u32,
-    /// Of a continuous layer: what the crossings within its pieces cost as they are printed, and what those of any cover in so many
-    /// pieces cost at least, in the unit of the tool costs. The bound is proven.
+    /// Of a continuous layer: what the crossings within its pieces cost as they are printed, and what those of any
+    /// cover in so many pieces cost at least, in the unit of the tool costs. The bound is proven.
     pub crossing_cost: Option<[u64; 2]>,
     /// Links that it has in common with the layer below; `None` in the first layer.
     pub kept_links: Option<u32>,
@@ -129,7 +133,8 @@ pub struct FrontierPoint {
     pub lifts: u64,
     /// Cost of its tool changes.
     pub tool_cost: u64,
-    /// The price of a lift up to which this point is as cheap as any, in units of tool cost, as a fraction; `None` for any price.
+    /// The price of a lift up to which this point is as cheap as any, in units of tool cost, as a fraction; `None` for
+    /// any price.
     pub up_to_price: Option<[u64; 2]>,
 }
 
@@ -145,12 +150,15 @@ pub struct ToolPlan {
     pub tool_cost: u64,
     /// Lifts within layers.
     pub lifts: u64,
-    /// What the order of tools could be if no piece ran across zones, with its bounds; `None` in [`Mode::Continuous`] with more than 12
-    /// tools in a layer. Its [`bound`](ToolOrder::bound) holds for the tool changes of *every* plan, whatever its mode.
+    /// What the order of tools could be if no piece ran across zones, with its bounds; `None` in [`Mode::Continuous`]
+    /// with more than 12 tools in a layer. Its [`bound`](ToolOrder::bound) holds for the tool changes of *every* plan,
+    /// whatever its mode.
     pub order: Option<ToolOrder>,
-    /// What printing the tools of every layer by rising number costs, for comparison; `None` with more than 12 tools in a layer.
+    /// What printing the tools of every layer by rising number costs, for comparison; `None` with more than 12 tools in
+    /// a layer.
     pub fixed: Option<FixedOrder>,
-    /// Lifts against tool changes, from few lifts to cheap tools, up to 256 points; one unless the mode is [`Mode::Cheapest`].
+    /// Lifts against tool changes, from few lifts to cheap tools, up to 256 points; one unless the mode is
+    /// [`Mode::Cheapest`].
     pub frontier: Vec<FrontierPoint>,
 }
 
@@ -211,17 +219,21 @@ pub enum PlanError {
     Cancelled,
 }
 
-/// Plans a part for as few and as cheap tool changes, and as few lifts, as can be: the least sum of purge costs and of lifts times their price.
+/// Plans a part for as few and as cheap tool changes, and as few lifts, as can be: the least sum of purge costs and of
+/// lifts times their price.
 ///
-/// 1. Each layer is covered in one or two ways ([`Mode`]) by [`crate::exact`]: in the fewest pieces, with the cheapest crossings; or zone by zone. Layers
+/// 1. Each layer is covered in one or two ways ([`Mode`]) by [`crate::exact`]: in the fewest pieces, with the cheapest
+/// crossings; or zone by zone. Layers
 ///    that are equal are covered once, unless layers are stacked.
-/// 2. For each way, the cheapest order of its pieces from each tool to each other; the pieces of one tool together, and zone by zone up to 12 tools
+/// 2. For each way, the cheapest order of its pieces from each tool to each other; the pieces of one tool together, and
+/// zone by zone up to 12 tools
 ///    a layer.
 /// 3. A shortest way through the layers, over the last tool of each, chooses among them all.
 ///
-/// Step 3 is exact for what step 2 gives it, and step 2 with up to 10 blocks of pieces a layer, but for what keeping the pieces of a tool together may
-/// cost where a detour over another tool is cheaper than the direct change. What any plan must pay for tools is bounded in [`ToolPlan::order`]. All layers
-/// lie on planes of one size. Time is that of [`crate::exact::solve`] for each different layer, and that of [`order`].
+/// Step 3 is exact for what step 2 gives it, and step 2 with up to 10 blocks of pieces a layer, but for what keeping
+/// the pieces of a tool together may cost where a detour over another tool is cheaper than the direct change. What any
+/// plan must pay for tools is bounded in [`ToolPlan::order`]. All layers lie on planes of one size. Time is that of
+/// [`crate::exact::solve`] for each different layer, and that of [`order`].
 pub fn tools_plan(layers: &[LayerRef<'_>], settings: &Settings<'_>) -> Result<ToolPlan, PlanError> {
     let Settings { costs, mode, constraints, .. } = *settings;
     check(layers, settings)?;

@@ -20,7 +20,8 @@ pub(super) struct Row {
     voxels_mm3: f64,
     /// From the sides of the cells to the outlines, in beads: the greatest distance.
     cells_off: f64,
-    /// Share of the outlines' length that has a side of a cell within half a bead. The rest lies where the part, or a gap, is thinner than a bead.
+    /// Share of the outlines' length that has a side of a cell within half a bead. The rest lies where the part, or a
+    /// gap, is thinner than a bead.
     outline_met: f64,
     /// From points of the outlines to the sides of the cells, in beads: the greatest distance, `None` beyond 16.
     outline_off: Option<f64>,
@@ -77,7 +78,8 @@ fn area_mm2(border: &[[f64; 2]]) -> f64 {
     border.iter().zip(next).map(|(a, b)| (a[0] * b[1] - b[0] * a[1]) / 2.0).sum()
 }
 
-/// In beads: from the middle of each side of a cell to the outlines along its normal, and from points along the outlines to the nearest side.
+/// In beads: from the middle of each side of a cell to the outlines along its normal, and from points along the
+/// outlines to the nearest side.
 fn distances(layer: &Layer, borders: &[&[[f64; 2]]], frame: &Frame) -> (Vec<f64>, Vec<f64>) {
     // In units of cells, from the left and from the back.
     let place = |[x, y]: [f64; 2]| [(x - frame.left_mm) / frame.cell_mm, (frame.back_mm - y) / frame.cell_mm];

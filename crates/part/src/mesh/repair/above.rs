@@ -4,11 +4,12 @@ use crate::mesh::surface::{Bounds, Mesh};
 
 /// A tree of boxes around triangles, halved by their middles along x and y in turn.
 ///
-/// At most 14 bytes a triangle. A search looks at the triangles whose boxes a ray upwards from the point meets, and a few beside them.
+/// At most 14 bytes a triangle. A search looks at the triangles whose boxes a ray upwards from the point meets, and a
+/// few beside them.
 pub(super) struct Above {
     order: Vec<u32>,
-    /// Around the triangles of each node, as far as a ray upwards can tell: least and greatest x and y, greatest z. The children of node `n` are
-    /// `2 n + 1` and `2 n + 2`.
+    /// Around the triangles of each node, as far as a ray upwards can tell: least and greatest x and y, greatest z. The
+    /// children of node `n` are `2 n + 1` and `2 n + 2`.
     boxes: Vec<[f64; 5]>,
 }
 

@@ -1,8 +1,8 @@
 //! One permutation of all tools that every layer follows.
 //!
-//! Built from the front, tool by tool. What the tools placed so far mean for the rest is little: which they are, the last one of each
-//! kind of layer that is not yet complete, and of those that follow each other the ends that still wait for the other. Of
-//! all beginnings that agree in that (a **label**) only the cheapest matters.
+//! Built from the front, tool by tool. What the tools placed so far mean for the rest is little: which they are, the
+//! last one of each kind of layer that is not yet complete, and of those that follow each other the ends that still
+//! wait for the other. Of all beginnings that agree in that (a **label**) only the cheapest matters.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -126,7 +126,8 @@ impl<'a> Shared<'a> {
         u64::from(self.costs.cost(self.tools[from], self.tools[to]))
     }
 
-    /// All tools, each after those that must come earlier, otherwise by rising `key`; `None` if they go round in a circle.
+    /// All tools, each after those that must come earlier, otherwise by rising `key`; `None` if they go round in a
+    /// circle.
     fn sorted<K: Ord>(&self, earlier: &[Vec<usize>], key: impl Fn(usize) -> K) -> Option<Vec<usize>> {
         let mut placed = vec![false; self.tools.len()];
         let mut order = Vec::with_capacity(self.tools.len());
@@ -140,7 +141,8 @@ impl<'a> Shared<'a> {
         Some(order)
     }
 
-    /// Why no permutation obeys all pairs, which alone make no circle: one of the first layer's tools must come before its first.
+    /// Why no permutation obeys all pairs, which alone make no circle: one of the first layer's tools must come before
+    /// its first.
     fn contradiction(&self, layers: &Layers, constraints: &Constraints) -> OrderError {
         let first = constraints.first.expect("without a first tool there is no circle");
         let start = self.number(first);

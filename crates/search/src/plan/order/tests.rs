@@ -77,8 +77,8 @@ fn followed(layers: &[Vec<u8>], permutation: &[u8]) -> Vec<Vec<u8>> {
     layers.iter().map(follow).collect()
 }
 
-/// The least cost of any plan, tools used as often as it likes: the nearest of all states by Dijkstra's method. A state is a layer, the
-/// tools used in it, and the tool in use; `before` holds for first visits.
+/// The least cost of any plan, tools used as often as it likes: the nearest of all states by Dijkstra's method. A state
+/// is a layer, the tools used in it, and the tool in use; `before` holds for first visits.
 fn slow_bound(layers: &[Vec<u8>], costs: &ToolCosts, constraints: &Constraints) -> Option<u64> {
     let tools = costs.tools() as u8;
     let visit = |layer: usize, used: u16, tool: u8| -> Option<u16> {
