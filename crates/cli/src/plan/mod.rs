@@ -134,9 +134,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     }
     if part.layers.empty_below() > 0 {
         let count = report::count(part.layers.empty_below() as u64, "layer");
-        eprintln!(
-            "beadwork: the part is lowered by {count}, which have no cells: its tip is thinner than a bead"
-        );
+        eprintln!("beadwork: the part is lowered by {count} without cells: its tip is thinner than a bead");
     }
     let settings = profile.complete(&part.model.materials)?;
     let costs = tool_costs(settings.purge.as_ref().expect("complete settings have volumes"))?;
