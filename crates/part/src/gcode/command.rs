@@ -56,12 +56,12 @@ pub enum Command {
     Tool(u8),
     /// Heats the nozzle, `M104`, or waits until it is hot, `M109`.
     NozzleTemperature {
-        /// `S`, in degrees Celsius.
+        /// `S` or `R`, in degrees Celsius.
         celsius: Number,
         /// `T`: of which tool; the present one, if none is named.
         tool: Option<u8>,
-        /// Whether to wait.
-        wait: bool,
+        /// What to wait for.
+        wait: Wait,
     },
     /// Heats the bed, `M140`, or waits until it is hot, `M190`.
     BedTemperature {
@@ -112,6 +112,17 @@ pub enum Command {
     },
     /// Anything else: macros, and codes that are not typed here.
     Other(Verbatim),
+}
+
+/// What the printer waits for when a nozzle gets another temperature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Wait {
+    /// Nothing: it goes on at once, `M104 S`.
+    No,
+    /// Until the nozzle is as hot, `M109 S`: Marlin goes on at once if it is hotter, Klipper waits then too.
+    Heating,
+    /// Until the nozzle is as hot or as cool, `M109 R`, which Marlin knows and Klipper does not.
+    Both,
 }
 
 /// A straight move, `G0` or `G1`. Coordinates in mm.
@@ -232,12 +243,12 @@ impl Command {
                 push_tool(out, tool);
             }
             Self::NozzleTemperature { celsius, tool, wait } => {
-                out.push_str(if wait { "M109" } else { "M104" });
+                out.push_str(if wait == Wait::No { "M104" } else { "M109" });
                 if let Some(tool) = tool {
                     out.push_str(" T");
                     push_tool(out, tool);
                 }
-                push_words(out, [('S', Some(celsius))]);
+                push_words(out, [(if wait == Wait::Both { 'R' } else { 'S' }, Some(celsius))]);
             }
             Self::BedTemperature { celsius, wait } => {
                 out.push_str(if wait { "M190" } else { "M140" });

@@ -49,6 +49,7 @@ mod arc;
 mod check;
 mod command;
 mod feature;
+mod header;
 mod layer;
 mod number;
 mod parse;
@@ -61,14 +62,16 @@ mod tower;
 mod trace;
 
 pub use check::{CheckError, Place, Report};
-pub use command::{Arc, Command, Move, Verbatim, VerbatimError};
+pub use command::{Arc, Command, Move, Verbatim, VerbatimError, Wait};
 pub use feature::Feature;
 pub use layer::Layer;
 pub use number::{Number, NumberError};
 pub use parse::{ParseError, ParseFault};
 pub use print::{Print, Title};
 pub use program::{CommentError, Line, Program};
-pub use settings::{CrossSection, Flavour, Printer, Process, Purge, Settings, SettingsError, Tool, Tower};
+pub use settings::{
+    CrossSection, Flavour, Nozzles, Printer, Process, Purge, Settings, SettingsError, Tool, Tower,
+};
 pub use time::{Limits, Stopwatch};
 pub use totals::{ToolUse, Totals};
 pub use trace::{Event, Motion, Trace, TraceError};

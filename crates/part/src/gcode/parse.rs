@@ -8,7 +8,7 @@
 use thiserror::Error;
 
 use super::command::{ACCELERATION, SQUARE_CORNER_VELOCITY, VELOCITY, VELOCITY_LIMIT};
-use super::{Arc, Command, Line, Move, Number, NumberError, Program, Verbatim};
+use super::{Arc, Command, Line, Move, Number, NumberError, Program, Verbatim, Wait};
 
 /// A command that can't be read.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -185,12 +185,11 @@ fn typed<'a>(code: &'a str, asides: &mut Asides) -> Result<Option<Command>, Brok
             let full = Number::whole(255);
             read("S", "")?.only(|words| Some(Command::Fan(Some(words.value('S').unwrap_or(full)))))
         }
-        (b'M', 104 | 109) => read("ST", "")?.only(|words| {
-            let tool = match words.value('T') {
-                Some(number) => Some(whole_byte(number)?),
-                None => None,
-            };
-            Some(Command::NozzleTemperature { celsius: words.value('S')?, tool, wait: number == 109 })
+        (b'M', 104) => read("ST", "")?.only(|words| nozzle(words, 'S', Wait::No)),
+        (b'M', 109) => read("STR", "")?.only(|words| match (words.has('S'), words.has('R')) {
+            (true, false) => nozzle(words, 'S', Wait::Heating),
+            (false, true) => nozzle(words, 'R', Wait::Both),
+            _ => None,
         }),
         (b'M', 140 | 190) => read("S", "")?
             .only(|words| Some(Command::BedTemperature { celsius: words.value('S')?, wait: number == 190 })),
@@ -212,6 +211,14 @@ fn typed<'a>(code: &'a str, asides: &mut Asides) -> Result<Option<Command>, Brok
         },
         _ => None,
     })
+}
+
+fn nozzle(words: &Words, letter: char, wait: Wait) -> Option<Command> {
+    let tool = match words.value('T') {
+        Some(number) => Some(whole_byte(number)?),
+        None => None,
+    };
+    Some(Command::NozzleTemperature { celsius: words.value(letter)?, tool, wait })
 }
 
 fn whole_byte(number: Number) -> Option<u8> {

@@ -76,8 +76,9 @@ fn each_command_has_its_type() {
         ("G10", Command::Retract),
         ("G11", Command::Unretract),
         ("T007", Command::Tool(7)),
-        ("M104 S215", hot(None, false)),
-        ("M109 T1 S215", hot(Some(1), true)),
+        ("M104 S215", hot(None, Wait::No)),
+        ("M109 T1 S215", hot(Some(1), Wait::Heating)),
+        ("m109 r215 T2", hot(Some(2), Wait::Both)),
         ("M190 S60", Command::BedTemperature { celsius: number("60"), wait: true }),
         ("M106", Command::Fan(Some(number("255")))),
         ("M106 S127.5", Command::Fan(Some(number("127.5")))),
@@ -94,7 +95,9 @@ fn each_command_has_its_type() {
     for text in [
         "G10 P1 S200",
         "G92.1",
-        "M109 R200",
+        "M109 S200 R200",
+        "M104 R200",
+        "M109 T1",
         "M106 P2 S255",
         "M104",
         "M104 S200 T256",
@@ -155,7 +158,8 @@ fn commands() -> impl Strategy<Value = Command> {
             Command::Arc(Box::new(Arc { clockwise, x, y, z, i, j, r, e, f }))
         },
     );
-    let heat = (some_number(), prop::option::of(any::<u8>()), any::<bool>());
+    let wait = prop::sample::select(vec![Wait::No, Wait::Heating, Wait::Both]);
+    let heat = (some_number(), prop::option::of(any::<u8>()), wait);
     let plain = prop::sample::select(vec![
         Command::Absolute,
         Command::Relative,
