@@ -203,7 +203,7 @@ const FILAMENT_MM: f64 = 2e-5;
 const VOLUME: f64 = 0.01;
 
 impl Program {
-    /// Checks that the program prints these layers, whose numbers rise, and nothing else.
+    /// Checks that the program prints these layers, which are numbered from 0 without a gap, and nothing else.
     ///
     /// Each cell is printed once, in the order of the path, with the tool of its zone and as much as the settings say, by motions from edge to
     /// edge along the middles of the cells; outside the
@@ -336,9 +336,8 @@ impl<'a> Checker<'a> {
             return Err(CheckError::Slope { line, from_mm, to_mm });
         }
         let number = (to_mm / self.frame.layer_mm - 1.0).round();
-        let last = self.layers.last().map_or(0, |layer| layer.number);
         let layer = number as usize;
-        if number < 0.0 || layer > last || (self.frame.top_mm(layer) - to_mm).abs() > PLACE_MM {
+        if number < 0.0 || layer >= self.layers.len() || (self.frame.top_mm(layer) - to_mm).abs() > PLACE_MM {
             return Err(CheckError::Height { line, z_mm: to_mm });
         }
         if layer < self.begun {
@@ -379,9 +378,6 @@ impl<'a> Checker<'a> {
             self.close()?;
         }
         let layer = self.layers[self.at];
-        if layer.number != number {
-            return Err(CheckError::Height { line, z_mm: motion.to_mm[2] });
-        }
         let off = || CheckError::OffCentre {
             line,
             layer: number,

@@ -49,7 +49,7 @@ const END_LIFT_MM: f64 = 10.0;
 const JUNCTION_DEVIATIONS_MM: [f64; 2] = [0.01, 0.3];
 
 impl Print {
-    /// Writes the program of these layers, whose numbers rise. Linear in the cells.
+    /// Writes the program of these layers, which are numbered from 0 without a gap. Linear in the cells.
     ///
     /// Every tool is taken to begin with its filament drawn back by `retract_mm`, as the end of a print leaves it.
     pub fn new(
@@ -64,14 +64,8 @@ impl Print {
         let first = layers[0].zones.id(layers[0].path.order()[0]);
         let mut writer = Writer::new(frame, settings, first, used(layers, settings));
         writer.start();
-        let mut parts = layers.iter().peekable();
-        let last = layers[layers.len() - 1].number;
-        for number in 0..=last {
-            let part = parts.next_if(|layer| layer.number == number);
-            let tower = tower.as_ref().filter(|tower| number <= tower.last_layer);
-            if part.is_some() || tower.is_some() {
-                writer.layer(number, part, tower);
-            }
+        for part in layers {
+            writer.layer(part, tower.as_ref().filter(|tower| part.number <= tower.last_layer));
         }
         writer.end();
         let body = Program { lines: writer.lines };
@@ -203,7 +197,12 @@ impl<'a> Writer<'a> {
         let square_corner = Some(number(printer.square_corner_mm_s, PLACE_DECIMALS));
         match printer.flavour {
             Flavour::Marlin => {
-                self.command(Command::Acceleration { print: acceleration, travel: acceleration, all: None });
+                self.command(Command::Acceleration {
+                    print: acceleration,
+                    travel: acceleration,
+                    retract: None,
+                    all: None,
+                });
                 // Each Marlin knows one of the two, as it was built. The deviation gives the same corners as Klipper's square corner velocity.
                 let corner2 = printer.square_corner_mm_s * printer.square_corner_mm_s;
                 let deviation = corner2 * (std::f64::consts::SQRT_2 - 1.0) / printer.acceleration_mm_s2;
@@ -233,8 +232,9 @@ impl<'a> Writer<'a> {
         self.modes();
     }
 
-    fn layer(&mut self, index: usize, part: Option<&Layer<'_>>, tower: Option<&TowerPlan>) {
+    fn layer(&mut self, part: &Layer<'_>, tower: Option<&TowerPlan>) {
         let process = self.process();
+        let index = part.number;
         self.top_mm = self.frame.top_mm(index);
         self.print_mm_s = if index == 0 { process.first_layer_mm_s } else { process.print_mm_s };
         self.comment("LAYER_CHANGE".to_owned());
@@ -246,13 +246,12 @@ impl<'a> Writer<'a> {
             self.command(Command::Fan(Some(number(255.0 * process.fan, 0))));
         }
         if let Some(tower) = tower {
-            let purged = part.map_or(0, |part| self.purged_rows(part, tower));
+            let purged = self.purged_rows(part, tower);
             self.tower_bead(tower, &tower.outline());
             let rest =
                 if index == 0 { tower.solid(purged, tower.rows() - purged) } else { tower.sparse(purged) };
             self.tower_bead(tower, &rest);
         }
-        let Some(part) = part else { return };
         let mut rows = 0;
         for run in part.runs() {
             if run.zone != self.tool {

@@ -342,6 +342,12 @@ pub enum SettingsError {
         /// Number of the one before it.
         before: usize,
     },
+    /// A layer would be printed in the air.
+    #[error("layer {layer} has nothing to rest on: the one below has no cells")]
+    Gap {
+        /// Number of the layer.
+        layer: usize,
+    },
     /// There is nothing to print.
     #[error("there are no layers")]
     NoLayers,

@@ -7,7 +7,8 @@
 //! velocity s: δ = s² (√2 - 1) / a. Marlin's junction deviation (`M205 J`) is the same rule.
 //!
 //! Not reckoned with: smoothing of short moves (Klipper's minimum cruise ratio and its limit of short moves at corners), pressure advance, limits of
-//! single axes, heating, and what macros and changes of tool take.
+//! single axes (`M203`), what a program says of corners and of the greatest speed (`M205`, and all of `SET_VELOCITY_LIMIT` but `ACCEL`: [`Limits`] holds
+//! throughout), acceleration of filament alone (`M204 R`) and Klipper's limit of speed where the flow changes, heating, and what macros and changes of tool take.
 
 use super::{Event, Motion, Program, TraceError};
 

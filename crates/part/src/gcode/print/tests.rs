@@ -55,7 +55,7 @@ fn settings(flavour: Flavour) -> Settings {
 
 fn print(settings: &Settings) -> Result<Print, SettingsError> {
     let [first, second] = parts();
-    Print::new(TITLE, &[first.layer(0), second.layer(2)], &FRAME, settings)
+    Print::new(TITLE, &[first.layer(0), second.layer(1)], &FRAME, settings)
 }
 
 /// Compares with a file beside this one; with the variable `BEADWORK_BLESS` set, writes it anew.
@@ -189,7 +189,7 @@ fn each_broken_setting_is_named() {
         }),
         ("the nozzle would rise to 1.25 mm, and printer.bed_mm allows 1", |s| {
             s.printer.bed_mm[2] = 1.0;
-            s.process.z_hop_mm = 0.5;
+            s.process.z_hop_mm = 0.75;
         }),
         ("purge.tower reaches beyond the bed", |s| tower(s).left_mm = 245.0),
         ("purge.tower overlaps the part", |s| tower(s).left_mm = 101.0),
@@ -215,8 +215,11 @@ fn layers_are_checked() {
     assert_eq!(error(&[], &FRAME), SettingsError::NoLayers);
     let twice = [first.layer(1), second.layer(1)];
     assert_eq!(error(&twice, &FRAME), SettingsError::LayerOrder { layer: 1, before: 1 });
+    for (layers, layer) in [(vec![first.layer(1)], 1), (vec![first.layer(0), second.layer(2)], 2)] {
+        assert_eq!(error(&layers, &FRAME), SettingsError::Gap { layer });
+    }
     let wide = Frame { width: 5, ..FRAME };
-    assert!(matches!(error(&[first.layer(3)], &wide), SettingsError::Layer { layer: 3, .. }));
+    assert!(matches!(error(&[first.layer(0)], &wide), SettingsError::Layer { layer: 0, .. }));
     let path = cover(&second.region);
     let mixed = Layer { path: &path, ..first.layer(0) };
     assert!(matches!(error(&[mixed], &FRAME), SettingsError::Layer { layer: 0, .. }));
