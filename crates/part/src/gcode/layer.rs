@@ -152,7 +152,7 @@ fn check_place(last: usize, frame: &Frame, settings: &Settings) -> Result<(), Se
 }
 
 /// Left, front, right and back of the plane of all layers, in mm.
-pub(super) fn plane_mm(frame: &Frame) -> [f64; 4] {
+fn plane_mm(frame: &Frame) -> [f64; 4] {
     let (width, depth) = (f64::from(frame.width) * frame.cell_mm, f64::from(frame.height) * frame.cell_mm);
     [frame.left_mm, frame.back_mm - depth, frame.left_mm + width, frame.back_mm]
 }

@@ -2,7 +2,7 @@
 //!
 //! - [`Program`]: the lines of a file. [`Program::parse`] reads real files, [`Program::emit`] writes them; numbers are exact ([`Number`]), so that
 //!   reading what was written gives the same program.
-//! - [`Program::trace`]: what the head does, one [`Event`] after the other, whichever slicer wrote the program: motions, changes of tool, pauses.
+//! - [`Program::trace`]: what the head does, one [`Event`] after the other, whichever slicer wrote the program: motions, changes of tool, heat, pauses.
 //! - [`Program::print_seconds`]: how long that takes, with acceleration and corners.
 //! - [`Print::new`]: the program of planned [`Layer`]s, and its [`Totals`].
 //! - [`Program::check`]: whether a program, from its text alone, prints the layers it is to print.
@@ -74,4 +74,4 @@ pub use settings::{
 };
 pub use time::{Limits, Stopwatch};
 pub use totals::{ToolUse, Totals};
-pub use trace::{Event, Motion, Trace, TraceError};
+pub use trace::{Event, Heater, Motion, Trace, TraceError};

@@ -10,7 +10,7 @@
 //! single axes (`M203`), what a program says of corners and of the greatest speed (`M205`, and all of `SET_VELOCITY_LIMIT` but `ACCEL`: [`Limits`] holds
 //! throughout), acceleration of filament alone (`M204 R`) and Klipper's limit of speed where the flow changes, heating, and what macros and changes of tool take.
 
-use super::{Event, Motion, Program, TraceError};
+use super::{Event, Motion, Program, TraceError, Wait};
 
 /// What the printer can do, where a program does not say.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +70,11 @@ impl Stopwatch {
     pub fn take(&mut self, event: &Event) {
         match event {
             Event::Motion(motion) => self.motion(motion),
-            Event::ToolChange { .. } => self.stop(),
+            Event::Heat { wait: Wait::No, .. } => {}
+            Event::ToolChange { .. }
+            | Event::Heat { .. }
+            | Event::HeatersOff { .. }
+            | Event::MotorsOff { .. } => self.stop(),
             Event::Pause { seconds, .. } => {
                 self.stop();
                 self.seconds += seconds;

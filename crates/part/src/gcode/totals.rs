@@ -67,7 +67,7 @@ impl Totals {
                 }
                 Event::Motion(motion) => totals.travel_mm += motion.length_mm(),
                 Event::ToolChange { from, .. } => totals.tool_changes += usize::from(from.is_some()),
-                Event::Pause { .. } => {}
+                _ => {}
             }
         }
         totals.print_seconds = watch.seconds();

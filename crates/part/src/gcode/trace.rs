@@ -1,4 +1,4 @@
-//! What a program makes the head do: its motions, changes of tool and pauses.
+//! What a program makes the printer do: motions, changes of tool, heat and pauses.
 //!
 //! The printer is one of plastic as Marlin and Klipper drive them. At the beginning it stands at 0, takes coordinates as places and lengths of
 //! filament as counted from the start, and has the first tool. `G28` puts the named axes to 0 without a motion. Filament is counted from move to
@@ -12,7 +12,7 @@ use thiserror::Error;
 
 use super::arc::Chords;
 use super::feature::Note;
-use super::{Command, Feature, Line, Move, Number, Program, parse};
+use super::{Command, Feature, Line, Move, Number, Program, Wait, parse};
 
 /// A straight motion, or filament pushed or drawn back in place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,8 +51,27 @@ impl Motion {
     }
 }
 
+/// What can be heated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Heater {
+    /// The nozzle of a tool, or the one nozzle while it has that tool's filament.
+    Nozzle(u8),
+    /// The bed.
+    Bed,
+}
+
+impl std::fmt::Display for Heater {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Nozzle(tool) => write!(f, "nozzle of tool {tool}"),
+            Self::Bed => f.write_str("bed"),
+        }
+    }
+}
+
 /// What happens in a program.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Event {
     /// The head or the filament moves.
     Motion(Motion),
@@ -62,6 +81,27 @@ pub enum Event {
         from: Option<u8>,
         /// The tool after.
         to: u8,
+        /// Number of the line, from 1.
+        line: usize,
+    },
+    /// Something gets another temperature.
+    Heat {
+        /// What.
+        heater: Heater,
+        /// The temperature, in degrees Celsius.
+        celsius: f64,
+        /// What is waited for; [`Wait::Heating`] if it is the bed.
+        wait: Wait,
+        /// Number of the line, from 1.
+        line: usize,
+    },
+    /// All heaters are switched off, Klipper's `TURN_OFF_HEATERS`.
+    HeatersOff {
+        /// Number of the line, from 1.
+        line: usize,
+    },
+    /// The motors let go, `M84` or `M18`: where the head is then is not certain.
+    MotorsOff {
         /// Number of the line, from 1.
         line: usize,
     },
@@ -250,9 +290,15 @@ impl Trace<'_> {
             }
             Command::VelocityLimit { acceleration: value, .. } => self.accelerate(value, line)?,
             Command::Other(ref text) => return self.other(text.as_str(), line),
-            Command::NozzleTemperature { .. }
-            | Command::BedTemperature { .. }
-            | Command::Fan(_)
+            Command::NozzleTemperature { celsius, tool, wait } => {
+                let heater = Heater::Nozzle(tool.or(self.tool).unwrap_or(0));
+                return Ok(Some(Event::Heat { heater, celsius: celsius.to_f64(), wait, line }));
+            }
+            Command::BedTemperature { celsius, wait } => {
+                let wait = if wait { Wait::Heating } else { Wait::No };
+                return Ok(Some(Event::Heat { heater: Heater::Bed, celsius: celsius.to_f64(), wait, line }));
+            }
+            Command::Fan(_)
             | Command::Jerk { .. }
             | Command::Progress { .. }
             | Command::Retract
@@ -269,6 +315,16 @@ impl Trace<'_> {
         }
         if is("G18") || is("G19") {
             return Err(TraceError::Plane { line });
+        }
+        let mut words = text.split_ascii_whitespace();
+        let name = words.next().unwrap_or(text);
+        if name.eq_ignore_ascii_case("TURN_OFF_HEATERS") {
+            return Ok(Some(Event::HeatersOff { line }));
+        }
+        // With S it says when to switch off motors that rest.
+        let switches = ["M84", "M18"].iter().any(|known| name.eq_ignore_ascii_case(known));
+        if switches && !words.any(|word| word.starts_with(['S', 's'])) {
+            return Ok(Some(Event::MotorsOff { line }));
         }
         // With words that its type does not hold it still limits what follows.
         self.accelerate(parse::acceleration(text), line)?;

@@ -184,6 +184,26 @@ fn the_first_tool_needs_no_selection() {
 }
 
 #[test]
+fn heat_and_motors() {
+    let heat = |heater, celsius, wait, line| Event::Heat { heater, celsius, wait, line };
+    let text =
+        "M104 S200\nT2\nM109 R190\nM104 T1 S0\nM140 S60\nM190 S61\nturn_off_heaters\nM84 S30\nM18\nM84 X Y";
+    let expected = [
+        heat(Heater::Nozzle(0), 200.0, Wait::No, 1),
+        Event::ToolChange { from: None, to: 2, line: 2 },
+        heat(Heater::Nozzle(2), 190.0, Wait::Both, 3),
+        heat(Heater::Nozzle(1), 0.0, Wait::No, 4),
+        heat(Heater::Bed, 60.0, Wait::No, 5),
+        heat(Heater::Bed, 61.0, Wait::Heating, 6),
+        Event::HeatersOff { line: 7 },
+        Event::MotorsOff { line: 9 },
+        Event::MotorsOff { line: 10 },
+    ];
+    assert_eq!(events(text), expected);
+    assert_eq!(Heater::Nozzle(1).to_string(), "nozzle of tool 1");
+}
+
+#[test]
 fn pauses_in_either_unit() {
     let seconds: Vec<_> = events("G4 P500\nG4 S2 P1\nG4\nG4 S-1")
         .into_iter()
