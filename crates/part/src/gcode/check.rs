@@ -4,16 +4,16 @@
 //! to be printed. A cell is two halves, from the side the path enters by to the middle and on to the side it leaves by, so that straight beads and
 //! corners alike make one cell each.
 
-use self::heat::Heaters;
-use super::{Event, Feature, Layer, Motion, Program, Settings, Tower, layer};
-use crate::Frame;
-use beadwork_grid::Cell;
-
 mod error;
 mod heat;
 mod modes;
 
+use beadwork_grid::Cell;
+
 pub use self::error::CheckError;
+use self::heat::Heaters;
+use super::{Event, Feature, Layer, Motion, Program, Settings, Tower, layer};
+use crate::Frame;
 
 /// What a checked print holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -59,7 +59,7 @@ pub struct Printer {
     pub acceleration_mm_s2: f64,
     /// Speed through a right angle, in mm/s.
     pub square_corner_mm_s: f64,
-    /// The greatest speed of the head, in mm/s; it is not written to the file, but no speed of the process may be higher.
+    /// The greatest speed of the head, in mm/s; it is not written to the file, but no speed of the head in the process may be higher.
     pub greatest_mm_s: f64,
 }
 
