@@ -4,11 +4,15 @@
 //! to be printed. A cell is two halves, from the side the path enters by to the middle and on to the side it leaves by, so that straight beads and
 //! corners alike make one cell each.
 
-use beadwork_grid::Cell;
-use thiserror::Error;
+mod error;
+mod heat;
+mod modes;
 
-use super::layer::plane_mm;
-use super::{Event, Feature, Layer, Motion, Program, Settings, SettingsError, TraceError, layer};
+use beadwork_grid::Cell;
+
+pub use self::error::CheckError;
+use self::heat::Heaters;
+use super::{Event, Feature, Layer, Motion, Program, Settings, Tower, layer};
 use crate::Frame;
 
 /// What a checked print holds.
@@ -43,173 +47,31 @@ impl std::fmt::Display for Place {
     }
 }
 
-/// What is wrong with a print; lines are numbered from 1.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[non_exhaustive]
-pub enum CheckError {
-    /// The program makes no sense.
-    #[error(transparent)]
-    Trace(#[from] TraceError),
-    /// The layers, the frame and the settings don't belong together.
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
-    /// It extrudes at a height where no layer has its top.
-    #[error("line {line}: extrudes at a height of {z_mm} mm, where no layer is")]
-    Height {
-        /// Number of the line.
-        line: usize,
-        /// The height, in mm.
-        z_mm: f64,
-    },
-    /// It extrudes while it rises or sinks.
-    #[error("line {line}: extrudes from {from_mm} to {to_mm} mm of height")]
-    Slope {
-        /// Number of the line.
-        line: usize,
-        /// z at the beginning, in mm.
-        from_mm: f64,
-        /// z at the end, in mm.
-        to_mm: f64,
-    },
-    /// It extrudes in a layer below one that is begun.
-    #[error("line {line}: extrudes in layer {layer} after layer {begun}")]
-    Order {
-        /// Number of the line.
-        line: usize,
-        /// The layer.
-        layer: usize,
-        /// The highest layer so far.
-        begun: usize,
-    },
-    /// It extrudes neither along the middles of a row nor of a column.
-    #[error("line {line}, layer {layer}: extrudes from ({}, {}) to ({}, {}) mm, off the middles of the cells",
-        from_mm[0], from_mm[1], to_mm[0], to_mm[1])]
-    OffCentre {
-        /// Number of the line.
-        line: usize,
-        /// The layer.
-        layer: usize,
-        /// x and y at the beginning, in mm.
-        from_mm: [f64; 2],
-        /// x and y at the end, in mm.
-        to_mm: [f64; 2],
-    },
-    /// It extrudes outside the region.
-    #[error("line {line}: {place} does not belong to the part")]
-    Outside {
-        /// Number of the line.
-        line: usize,
-        /// The cell.
-        place: Place,
-    },
-    /// A cell is printed with the tool of another zone.
-    #[error("line {line}: {place} is printed with tool {got} instead of {expected}")]
-    WrongTool {
-        /// Number of the line.
-        line: usize,
-        /// The cell.
-        place: Place,
-        /// Its zone.
-        expected: u8,
-        /// The tool.
-        got: u8,
-    },
-    /// A cell is printed twice.
-    #[error("line {line}: {place} is printed again")]
-    Again {
-        /// Number of the line.
-        line: usize,
-        /// The cell.
-        place: Place,
-    },
-    /// The beads don't follow the path.
-    #[error("line {line}: the head comes to {place} where the path has it in cell ({}, {})", expected[0], expected[1])]
-    Path {
-        /// Number of the line.
-        line: usize,
-        /// The cell that is printed; the expected one, if it is printed in another direction.
-        place: Place,
-        /// Column and row of the cell that is next on the path.
-        expected: [u32; 2],
-    },
-    /// A cell is not printed, or not wholly.
-    #[error("{place} is printed to {share} of it")]
-    Missing {
-        /// The cell.
-        place: Place,
-        /// How much of it is, from 0 to 1.
-        share: f64,
-    },
-    /// A motion extrudes too much or too little.
-    #[error("line {line}: extrudes {got_mm3} mm³ where the cells take {expected_mm3}")]
-    Volume {
-        /// Number of the line.
-        line: usize,
-        /// What the cells take, in mm³.
-        expected_mm3: f64,
-        /// What is extruded, in mm³.
-        got_mm3: f64,
-    },
-    /// A bead begins while the filament is drawn back, more is pushed out in place than was drawn back, or a tool is put aside with its
-    /// filament not drawn back as the settings say.
-    #[error("line {line}: the filament of tool {tool} is drawn back by {drawn_mm} mm")]
-    Drawn {
-        /// Number of the line.
-        line: usize,
-        /// The tool.
-        tool: u8,
-        /// By how much, in mm; less than 0 if too much was pushed out.
-        drawn_mm: f64,
-    },
-    /// The part goes on before enough is purged.
-    #[error("line {line}: {got_mm3} mm³ are purged from tool {from} to {to}, of {asked_mm3}")]
-    Purge {
-        /// Number of the line where the part goes on.
-        line: usize,
-        /// The tool before.
-        from: u8,
-        /// The tool after.
-        to: u8,
-        /// What is to be purged, in mm³.
-        asked_mm3: f64,
-        /// What is purged, in mm³.
-        got_mm3: f64,
-    },
-    /// The tower is printed where the part may be.
-    #[error("line {line}: the tower is printed into the plane of the part")]
-    Tower {
-        /// Number of the line.
-        line: usize,
-    },
-    /// A tool has no settings.
-    #[error("line {line}: tool {tool} is not among the {tools} of the settings")]
-    Tool {
-        /// Number of the line.
-        line: usize,
-        /// The tool.
-        tool: u8,
-        /// How many tools there are.
-        tools: usize,
-    },
-}
-
 /// Places have three decimals: what may be lost at each end, in mm.
 const PLACE_MM: f64 = 0.001;
 
 /// Filament has five decimals: what may be lost or kept from the motions before, in mm.
 const FILAMENT_MM: f64 = 2e-5;
 
+/// Speeds have three decimals in mm/min: what may be lost, in mm/s.
+const SPEED_MM_S: f64 = 1e-4;
+
 /// Share by which volumes may differ.
 const VOLUME: f64 = 0.01;
 
 impl Program {
-    /// Checks that the program prints these layers, whose numbers rise, and nothing else.
+    /// Checks that the program prints these layers, which are numbered from 0 without a gap, and nothing else.
     ///
-    /// Each cell is printed once, in the order of the path, with the tool of its zone and as much as the settings say, by motions from edge to
-    /// edge along the middles of the cells; outside the
-    /// region only the tower is, and the tower only outside the plane. Layers are printed upwards. After a change of tools the
-    /// part goes on when the tower has taken the volume the settings ask for. Filament is drawn back before a
-    /// tool is put aside, and pushed out again before a bead. Linear in the motions and cells.
+    /// - Each cell is printed once, in the order of the path, with the tool of its zone and as much as the settings say, by motions from edge to
+    ///   edge along the middles of the cells, no faster than the settings say. Layers are printed upwards.
+    /// - Beside the part only the tower is printed, within its place and with beads like the part's, in each layer up to its last. After a
+    ///   change of tools the part goes on when the tower has taken the volume the settings ask for.
+    /// - Once anything is printed, the head stays above the highest layer begun; it never leaves the bed.
+    /// - Filament is drawn back before a tool is put aside, and pushed out again before a bead. Marlin and Klipper count it alike.
+    /// - Whatever prints was set to its temperature, and waited for, as was the bed; the motors hold until the last bead.
+    ///
+    /// Not checked are the speed of travel, the fan, the shape of the tower, and travel across the layer that is being printed. Linear in the motions
+    /// and cells.
     pub fn check(
         &self,
         layers: &[Layer<'_>],
@@ -220,7 +82,9 @@ impl Program {
         layer::check(layers, frame, settings)?;
         let mut checker = Checker::new(layers, frame, settings);
         for event in self.trace() {
-            match event? {
+            let event = event?;
+            checker.heaters.take(&event);
+            match event {
                 Event::Motion(motion) => checker.motion(&motion)?,
                 Event::ToolChange { from: Some(from), to, line } => {
                     checker.tool(to, line)?;
@@ -230,9 +94,10 @@ impl Program {
                     checker.purged_mm3 = 0.0;
                 }
                 Event::ToolChange { from: None, to, line } => _ = checker.tool(to, line)?,
-                Event::Pause { .. } => {}
+                _ => {}
             }
         }
+        modes::check(self)?;
         checker.finish()
     }
 }
@@ -244,7 +109,9 @@ struct Checker<'a> {
     /// Index of the layer that is printed.
     at: usize,
     /// Number of the highest layer that anything was printed in.
-    begun: usize,
+    begun: Option<usize>,
+    /// Number of the highest layer that has any of the tower.
+    tower: Option<usize>,
     /// For each cell of the plane, which ways from its middle to its sides were printed in this layer, as bits; two make a cell.
     halves: Vec<u8>,
     /// How many halves of cells were printed in this layer.
@@ -255,6 +122,7 @@ struct Checker<'a> {
     purge: Option<(u8, u8)>,
     /// What went into the tower since.
     purged_mm3: f64,
+    heaters: Heaters<'a>,
     report: Report,
 }
 
@@ -265,12 +133,14 @@ impl<'a> Checker<'a> {
             frame,
             settings,
             at: 0,
-            begun: 0,
+            begun: None,
+            tower: None,
             halves: vec![0; frame.width as usize * frame.height as usize],
             printed: 0,
             drawn_mm: vec![settings.process.retract_mm; settings.tools.len()],
             purge: None,
             purged_mm3: 0.0,
+            heaters: Heaters::new(settings),
             report: Report { layers: layers.len(), ..Report::default() },
         }
     }
@@ -294,6 +164,7 @@ impl<'a> Checker<'a> {
 
     fn motion(&mut self, motion: &Motion) -> Result<(), CheckError> {
         let Motion { line, tool, .. } = *motion;
+        self.room(motion)?;
         if !motion.is_stroke() {
             // A tool without settings matters once it extrudes.
             if let Some(drawn_mm) = self.drawn_mm.get_mut(usize::from(tool)) {
@@ -309,15 +180,19 @@ impl<'a> Checker<'a> {
         if drawn_mm.abs() > FILAMENT_MM {
             return Err(CheckError::Drawn { line, tool, drawn_mm });
         }
+        self.heaters.check(tool, line)?;
         let layer = self.layer(motion)?;
+        self.speed(motion, layer)?;
         let volume = motion.extruded_mm * filament_mm2;
-        if motion.feature == Feature::PrimeTower {
+        let in_tower = motion.feature == Feature::PrimeTower;
+        if in_tower {
             self.purged_mm3 += volume;
             self.report.tower_mm3 += volume;
-            return self.tower(motion);
+            self.tower_stroke(motion, layer)?;
+        } else {
+            self.report.part_mm3 += volume;
+            self.purged(line)?;
         }
-        self.report.part_mm3 += volume;
-        self.purged(line)?;
         let expected_mm3 = motion.length_mm() * self.settings.process.bead_mm2(self.frame);
         // Both ends and the filament were rounded.
         let rounding =
@@ -325,7 +200,30 @@ impl<'a> Checker<'a> {
         if (volume - expected_mm3).abs() > VOLUME * expected_mm3 + rounding {
             return Err(CheckError::Volume { line, expected_mm3, got_mm3: volume });
         }
-        self.stroke(motion, layer)
+        if in_tower { Ok(()) } else { self.stroke(motion, layer) }
+    }
+
+    /// The head must neither hit what is printed nor leave the bed.
+    fn room(&self, motion: &Motion) -> Result<(), CheckError> {
+        let Motion { line, from_mm, to_mm: place_mm, .. } = *motion;
+        let bed_mm = self.settings.printer.bed_mm;
+        if (0..3).any(|axis| !(-PLACE_MM..=bed_mm[axis] + PLACE_MM).contains(&place_mm[axis])) {
+            return Err(CheckError::OffBed { line, place_mm });
+        }
+        let top_mm = self.begun.map_or(0.0, |layer| self.frame.top_mm(layer));
+        let z_mm = from_mm[2].min(place_mm[2]);
+        if z_mm < top_mm - PLACE_MM { Err(CheckError::Low { line, z_mm, top_mm }) } else { Ok(()) }
+    }
+
+    fn speed(&self, motion: &Motion, layer: usize) -> Result<(), CheckError> {
+        let process = &self.settings.process;
+        let most_mm_s = if layer == 0 { process.first_layer_mm_s } else { process.print_mm_s };
+        let got_mm_s = motion.feed_mm_s;
+        // Rounded in mm/min.
+        if got_mm_s <= most_mm_s + SPEED_MM_S {
+            return Ok(());
+        }
+        Err(CheckError::Speed { line: motion.line, got_mm_s, most_mm_s })
     }
 
     /// Number of the layer a motion extrudes in.
@@ -336,29 +234,33 @@ impl<'a> Checker<'a> {
             return Err(CheckError::Slope { line, from_mm, to_mm });
         }
         let number = (to_mm / self.frame.layer_mm - 1.0).round();
-        let last = self.layers.last().map_or(0, |layer| layer.number);
         let layer = number as usize;
-        if number < 0.0 || layer > last || (self.frame.top_mm(layer) - to_mm).abs() > PLACE_MM {
+        if number < 0.0 || layer >= self.layers.len() || (self.frame.top_mm(layer) - to_mm).abs() > PLACE_MM {
             return Err(CheckError::Height { line, z_mm: to_mm });
         }
-        if layer < self.begun {
-            return Err(CheckError::Order { line, layer, begun: self.begun });
-        }
-        self.begun = layer;
+        // It is none below, or the head would be too low.
+        self.begun = Some(layer);
         Ok(layer)
     }
 
-    fn tower(&self, motion: &Motion) -> Result<(), CheckError> {
-        // In a motion beside or beyond the plane, some side of the plane has both ends on its far side; a motion across a corner of it
-        // fails this too, and no tower needs one.
-        let [left, front, right, back] = plane_mm(self.frame);
-        let (a, b) = (motion.from_mm, motion.to_mm);
+    fn tower_stroke(&mut self, motion: &Motion, layer: usize) -> Result<(), CheckError> {
+        let line = motion.line;
+        let tower = self.settings.purge.as_ref().and_then(|purge| purge.tower);
+        let Tower { left_mm, front_mm, width_mm, depth_mm } = tower.ok_or(CheckError::Tower { line })?;
         let half = self.frame.cell_mm / 2.0 - PLACE_MM;
-        let apart = a[0].max(b[0]) + half <= left
-            || a[0].min(b[0]) - half >= right
-            || a[1].max(b[1]) + half <= front
-            || a[1].min(b[1]) - half >= back;
-        if apart { Ok(()) } else { Err(CheckError::Tower { line: motion.line }) }
+        let sides = [(left_mm, left_mm + width_mm), (front_mm, front_mm + depth_mm)];
+        let is_within = |place: [f64; 3]| {
+            let mut sides = sides.iter().zip(place);
+            sides.all(|(&(low, high), at)| low + half <= at && at <= high - half)
+        };
+        if !is_within(motion.from_mm) || !is_within(motion.to_mm) {
+            return Err(CheckError::Tower { line });
+        }
+        if self.tower.map_or(0, |below| below + 1) < layer {
+            return Err(CheckError::Air { line, layer });
+        }
+        self.tower = Some(layer);
+        Ok(())
     }
 
     /// The part goes on: enough must have been purged.
@@ -379,9 +281,6 @@ impl<'a> Checker<'a> {
             self.close()?;
         }
         let layer = self.layers[self.at];
-        if layer.number != number {
-            return Err(CheckError::Height { line, z_mm: motion.to_mm[2] });
-        }
         let off = || CheckError::OffCentre {
             line,
             layer: number,

@@ -52,16 +52,16 @@ pub enum Command {
     Retract,
     /// The printer undoes that, `G11`.
     Unretract,
-    /// Selects a tool, `T0` and so on.
+    /// Selects a tool, `T0` and so on, below 255: `T255` unloads in some printers, and is kept word for word when read.
     Tool(u8),
     /// Heats the nozzle, `M104`, or waits until it is hot, `M109`.
     NozzleTemperature {
-        /// `S`, in degrees Celsius.
+        /// `S` or `R`, in degrees Celsius.
         celsius: Number,
         /// `T`: of which tool; the present one, if none is named.
         tool: Option<u8>,
-        /// Whether to wait.
-        wait: bool,
+        /// What to wait for.
+        wait: Wait,
     },
     /// Heats the bed, `M140`, or waits until it is hot, `M190`.
     BedTemperature {
@@ -72,16 +72,18 @@ pub enum Command {
     },
     /// Speed of the fan, 0 to 255, `M106`; off, `M107`.
     Fan(Option<Number>),
-    /// Acceleration in mm/s², `M204`.
+    /// Acceleration in mm/s², `M204`. Klipper takes `S`, or else the lesser of `P` and `T`, for all moves; the trace takes each for its own.
     Acceleration {
         /// `P`: of printing moves.
         print: Option<Number>,
         /// `T`: of travel.
         travel: Option<Number>,
-        /// `S`: of both.
+        /// `R`: of filament that is drawn back or pushed out in place.
+        retract: Option<Number>,
+        /// `S`: of printing moves and travel.
         all: Option<Number>,
     },
-    /// Klipper's `SET_VELOCITY_LIMIT`.
+    /// Klipper's `SET_VELOCITY_LIMIT`, if it has no other words than these; else it is kept word for word, and only its `ACCEL` counts.
     VelocityLimit {
         /// `VELOCITY`: greatest speed, in mm/s.
         velocity: Option<Number>,
@@ -112,6 +114,17 @@ pub enum Command {
     },
     /// Anything else: macros, and codes that are not typed here.
     Other(Verbatim),
+}
+
+/// What the printer waits for when a nozzle gets another temperature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Wait {
+    /// Nothing: it goes on at once, `M104 S`.
+    No,
+    /// Until the nozzle is as hot, `M109 S`: Marlin goes on at once if it is hotter, Klipper waits then too.
+    Heating,
+    /// Until the nozzle is as hot or as cool, `M109 R`, which Marlin knows and Klipper does not.
+    Both,
 }
 
 /// A straight move, `G0` or `G1`. Coordinates in mm.
@@ -232,12 +245,12 @@ impl Command {
                 push_tool(out, tool);
             }
             Self::NozzleTemperature { celsius, tool, wait } => {
-                out.push_str(if wait { "M109" } else { "M104" });
+                out.push_str(if wait == Wait::No { "M104" } else { "M109" });
                 if let Some(tool) = tool {
                     out.push_str(" T");
                     push_tool(out, tool);
                 }
-                push_words(out, [('S', Some(celsius))]);
+                push_words(out, [(if wait == Wait::Both { 'R' } else { 'S' }, Some(celsius))]);
             }
             Self::BedTemperature { celsius, wait } => {
                 out.push_str(if wait { "M190" } else { "M140" });
@@ -248,9 +261,9 @@ impl Command {
                 out.push_str("M106");
                 push_words(out, [('S', speed)]);
             }
-            Self::Acceleration { print, travel, all } => {
+            Self::Acceleration { print, travel, retract, all } => {
                 out.push_str("M204");
-                push_words(out, [('P', print), ('T', travel), ('S', all)]);
+                push_words(out, [('P', print), ('R', retract), ('T', travel), ('S', all)]);
             }
             Self::VelocityLimit { velocity, acceleration, square_corner } => {
                 out.push_str(VELOCITY_LIMIT);
@@ -312,7 +325,9 @@ mod tests {
             "T?",
             "T1000",
             "é",
-            "M204 R5",
+            "M204 X5",
+            "T255",
+            "SET_VELOCITY_LIMIT ACCEL=5 MINIMUM_CRUISE_RATIO=0.5",
         ] {
             assert_eq!(Verbatim::new(text).unwrap().as_str(), text);
         }

@@ -7,13 +7,13 @@ pub enum Feature {
     /// Nothing was said so far.
     #[default]
     Unknown,
-    /// The outermost bead of a wall.
+    /// The outermost bead of a wall, and a wall of a single bead.
     OuterWall,
-    /// Other beads of a wall, and those that hang over.
+    /// Other beads of a wall, those that hang over, and those between walls.
     InnerWall,
     /// Sparse filling.
     Infill,
-    /// Solid filling: what beadwork prints parts of.
+    /// Solid filling: what beadwork prints parts of. Bridges and ironing are of its kind.
     SolidInfill,
     /// What holds up overhangs, and where it meets them.
     Support,
@@ -49,12 +49,16 @@ impl Feature {
             "Top solid infill",
             "Bottom surface",
             "Top surface",
+            "Bridge",
+            "Bridge infill",
+            "Internal Bridge",
+            "Ironing",
             "SKIN",
         ]) {
             Self::SolidInfill
         } else if is(&["Internal infill", "Sparse infill", "FILL"]) {
             Self::Infill
-        } else if is(&["External perimeter", "Outer wall", "WALL-OUTER"]) {
+        } else if is(&["External perimeter", "Outer wall", "Thin wall", "WALL-OUTER"]) {
             Self::OuterWall
         } else if is(&[
             "Perimeter",
@@ -62,6 +66,7 @@ impl Feature {
             "Overhang perimeter",
             "Overhang wall",
             "Gap fill",
+            "Gap infill",
             "WALL-INNER",
         ]) {
             Self::InnerWall
@@ -89,7 +94,7 @@ impl Feature {
             Self::SolidInfill => "Solid infill",
             Self::Support => "Support material",
             Self::Skirt => "Skirt/Brim",
-            Self::PrimeTower => "Prime tower",
+            Self::PrimeTower => "Wipe tower",
             Self::Custom => "Custom",
             Self::Unknown | Self::Other => "Unknown",
         }
@@ -127,11 +132,17 @@ mod tests {
             ("FILL", Infill),
             ("PRIME-TOWER", PrimeTower),
             ("wipe tower ", PrimeTower),
+            ("Prime tower", PrimeTower),
             ("SKIN", SolidInfill),
+            ("Bridge", SolidInfill),
+            ("bridge infill", SolidInfill),
+            ("Ironing", SolidInfill),
+            ("Gap infill", InnerWall),
+            ("Thin wall", OuterWall),
         ] {
             assert_eq!(Feature::from_name(name), feature);
         }
-        assert_eq!(Feature::from_name("Ironing"), Feature::Other);
+        assert_eq!(Feature::from_name("Mystery"), Feature::Other);
     }
 
     #[test]

@@ -5,10 +5,10 @@ use beadwork_grid::{Cell, Path, Region, Zones};
 use super::{Settings, SettingsError};
 use crate::Frame;
 
-/// A layer with its path. A part's layer without cells is left out; its number then is missing.
+/// A layer with its path. A print has them from the bed up, none left out: each rests on the one below.
 #[derive(Clone, Copy, Debug)]
 pub struct Layer<'a> {
-    /// Its number from 0, counted from the bed.
+    /// Its number from 0, counted from the bed; [`Motion::layer`](super::Motion::layer) is the same number in a program that was read.
     pub number: usize,
     /// Its cells.
     pub region: &'a Region,
@@ -97,6 +97,9 @@ pub(super) fn check(layers: &[Layer<'_>], frame: &Frame, settings: &Settings) ->
     if let Some(pair) = layers.windows(2).find(|pair| pair[0].number >= pair[1].number) {
         return Err(SettingsError::LayerOrder { layer: pair[1].number, before: pair[0].number });
     }
+    if let Some((layer, _)) = layers.iter().enumerate().find(|&(number, layer)| layer.number != number) {
+        return Err(SettingsError::Gap { layer: layers[layer].number });
+    }
     for layer in layers {
         let Layer { number, region, zones, path } = *layer;
         let odd = |what| Err(SettingsError::Layer { layer: number, what });
@@ -149,7 +152,7 @@ fn check_place(last: usize, frame: &Frame, settings: &Settings) -> Result<(), Se
 }
 
 /// Left, front, right and back of the plane of all layers, in mm.
-pub(super) fn plane_mm(frame: &Frame) -> [f64; 4] {
+fn plane_mm(frame: &Frame) -> [f64; 4] {
     let (width, depth) = (f64::from(frame.width) * frame.cell_mm, f64::from(frame.height) * frame.cell_mm);
     [frame.left_mm, frame.back_mm - depth, frame.left_mm + width, frame.back_mm]
 }

@@ -2,7 +2,7 @@
 //!
 //! - [`Program`]: the lines of a file. [`Program::parse`] reads real files, [`Program::emit`] writes them; numbers are exact ([`Number`]), so that
 //!   reading what was written gives the same program.
-//! - [`Program::trace`]: what the head does, one [`Event`] after the other, whichever slicer wrote the program: motions, changes of tool, pauses.
+//! - [`Program::trace`]: what the head does, one [`Event`] after the other, whichever slicer wrote the program: motions, changes of tool, heat, pauses.
 //! - [`Program::print_seconds`]: how long that takes, with acceleration and corners.
 //! - [`Print::new`]: the program of planned [`Layer`]s, and its [`Totals`].
 //! - [`Program::check`]: whether a program, from its text alone, prints the layers it is to print.
@@ -49,6 +49,7 @@ mod arc;
 mod check;
 mod command;
 mod feature;
+mod header;
 mod layer;
 mod number;
 mod parse;
@@ -61,14 +62,16 @@ mod tower;
 mod trace;
 
 pub use check::{CheckError, Place, Report};
-pub use command::{Arc, Command, Move, Verbatim, VerbatimError};
+pub use command::{Arc, Command, Move, Verbatim, VerbatimError, Wait};
 pub use feature::Feature;
 pub use layer::Layer;
 pub use number::{Number, NumberError};
 pub use parse::{ParseError, ParseFault};
 pub use print::{Print, Title};
 pub use program::{CommentError, Line, Program};
-pub use settings::{CrossSection, Flavour, Printer, Process, Purge, Settings, SettingsError, Tool, Tower};
+pub use settings::{
+    CrossSection, Flavour, Nozzles, Printer, Process, Purge, Settings, SettingsError, Tool, Tower,
+};
 pub use time::{Limits, Stopwatch};
 pub use totals::{ToolUse, Totals};
-pub use trace::{Event, Motion, Trace, TraceError};
+pub use trace::{Event, Heater, Motion, Trace, TraceError};

@@ -8,7 +8,7 @@
 use thiserror::Error;
 
 use super::command::{ACCELERATION, SQUARE_CORNER_VELOCITY, VELOCITY, VELOCITY_LIMIT};
-use super::{Arc, Command, Line, Move, Number, NumberError, Program, Verbatim};
+use super::{Arc, Command, Line, Move, Number, NumberError, Program, Verbatim, Wait};
 
 /// A command that can't be read.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -185,18 +185,17 @@ fn typed<'a>(code: &'a str, asides: &mut Asides) -> Result<Option<Command>, Brok
             let full = Number::whole(255);
             read("S", "")?.only(|words| Some(Command::Fan(Some(words.value('S').unwrap_or(full)))))
         }
-        (b'M', 104 | 109) => read("ST", "")?.only(|words| {
-            let tool = match words.value('T') {
-                Some(number) => Some(whole_byte(number)?),
-                None => None,
-            };
-            Some(Command::NozzleTemperature { celsius: words.value('S')?, tool, wait: number == 109 })
+        (b'M', 104) => read("ST", "")?.only(|words| nozzle(words, 'S', Wait::No)),
+        (b'M', 109) => read("STR", "")?.only(|words| match (words.has('S'), words.has('R')) {
+            (true, false) => nozzle(words, 'S', Wait::Heating),
+            (false, true) => nozzle(words, 'R', Wait::Both),
+            _ => None,
         }),
         (b'M', 140 | 190) => read("S", "")?
             .only(|words| Some(Command::BedTemperature { celsius: words.value('S')?, wait: number == 190 })),
-        (b'M', 204) => read("PTS", "")?.only(|words| {
-            let [print, travel, all] = ['P', 'T', 'S'].map(|letter| words.value(letter));
-            Some(Command::Acceleration { print, travel, all })
+        (b'M', 204) => read("PRTS", "")?.only(|words| {
+            let [print, retract, travel, all] = ['P', 'R', 'T', 'S'].map(|letter| words.value(letter));
+            Some(Command::Acceleration { print, travel, retract, all })
         }),
         (b'M', 205) => read("XYZEJ", "")?.only(|words| {
             let [x, y, z, e, junction_deviation] =
@@ -205,13 +204,21 @@ fn typed<'a>(code: &'a str, asides: &mut Asides) -> Result<Option<Command>, Brok
         }),
         (b'M', 73) => read("PR", "")?
             .only(|words| Some(Command::Progress { percent: words.value('P'), minutes: words.value('R') })),
-        // Some slicers count tools beyond any that exist, to say "none".
+        // Some slicers count tools beyond any that exist, to say "none"; the printers of one take 255 so.
         (b'T', number) => match u8::try_from(number) {
-            Ok(tool) => read("", "")?.only(|_| Some(Command::Tool(tool))),
-            Err(_) => None,
+            Ok(tool) if tool < u8::MAX => read("", "")?.only(|_| Some(Command::Tool(tool))),
+            _ => None,
         },
         _ => None,
     })
+}
+
+fn nozzle(words: &Words, letter: char, wait: Wait) -> Option<Command> {
+    let tool = match words.value('T') {
+        Some(number) => Some(whole_byte(number)?),
+        None => None,
+    };
+    Some(Command::NozzleTemperature { celsius: words.value(letter)?, tool, wait })
 }
 
 fn whole_byte(number: Number) -> Option<u8> {
@@ -220,25 +227,45 @@ fn whole_byte(number: Number) -> Option<u8> {
     (millionths % scale == 0).then(|| u8::try_from(millionths / scale).ok()).flatten()
 }
 
-/// Klipper's `NAME=value` words, as far as one command needs them.
-fn velocity_limit(code: &str) -> Result<Option<Command>, Broken<'_>> {
-    let mut words = code.split_ascii_whitespace();
-    if !words.next().is_some_and(|name| name.eq_ignore_ascii_case(VELOCITY_LIMIT)) {
-        return Ok(None);
-    }
-    let (mut velocity, mut acceleration, mut square_corner) = (None, None, None);
-    for word in words {
-        let (name, value) = word.split_once('=').ok_or((word, ParseFault::Word))?;
-        let named = [
-            (VELOCITY, &mut velocity),
-            (ACCELERATION, &mut acceleration),
-            (SQUARE_CORNER_VELOCITY, &mut square_corner),
-        ];
-        for (_, place) in named.into_iter().filter(|(known, _)| name.eq_ignore_ascii_case(known)) {
-            *place = Some(value.parse().map_err(|error| (word, ParseFault::Number(error)))?);
+/// Klipper's `NAME=value` words, as far as one command needs them; `None` for other commands.
+struct VelocityWords {
+    /// Those of `VELOCITY`, `ACCEL` and `SQUARE_CORNER_VELOCITY`.
+    values: [Option<Number>; 3],
+    /// Whether there are others.
+    others: bool,
+}
+
+impl VelocityWords {
+    fn read(code: &str) -> Result<Option<Self>, Broken<'_>> {
+        let mut words = code.split_ascii_whitespace();
+        if !words.next().is_some_and(|name| name.eq_ignore_ascii_case(VELOCITY_LIMIT)) {
+            return Ok(None);
         }
+        let mut read = Self { values: [None; 3], others: false };
+        for word in words {
+            let (name, value) = word.split_once('=').ok_or((word, ParseFault::Word))?;
+            let known = [VELOCITY, ACCELERATION, SQUARE_CORNER_VELOCITY];
+            match known.iter().position(|known| name.eq_ignore_ascii_case(known)) {
+                Some(at) => {
+                    read.values[at] = Some(value.parse().map_err(|error| (word, ParseFault::Number(error)))?);
+                }
+                None => read.others = true,
+            }
+        }
+        Ok(Some(read))
     }
-    Ok(Some(Command::VelocityLimit { velocity, acceleration, square_corner }))
+}
+
+fn velocity_limit(code: &str) -> Result<Option<Command>, Broken<'_>> {
+    Ok(VelocityWords::read(code)?.filter(|words| !words.others).map(|words| {
+        let [velocity, acceleration, square_corner] = words.values;
+        Command::VelocityLimit { velocity, acceleration, square_corner }
+    }))
+}
+
+/// What a limit of Klipper's that is kept word for word says of the acceleration, in mm/s².
+pub(super) fn acceleration(code: &str) -> Option<Number> {
+    VelocityWords::read(code).ok().flatten().and_then(|words| words.values[1])
 }
 
 /// The words of a command: a letter each, and mostly a number.

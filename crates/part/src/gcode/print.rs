@@ -3,10 +3,11 @@
 //! Each piece of a path is one bead, from the outer edge of its first cell along the middles to the outer edge of its last: as long as it has cells,
 //! with the same flow everywhere. Where the zone changes within a piece, the old tool ends at the edge between the two cells, and the new one begins there.
 
+use super::header::header;
 use super::tower::TowerPlan;
 use super::{
-    Command, Feature, Flavour, Layer, Line, Move, Number, Process, Program, Settings, SettingsError, Tool,
-    Totals, layer,
+    Command, Feature, Flavour, Layer, Line, Move, Nozzles, Number, Process, Program, Settings, SettingsError,
+    Tool, Totals, Wait, layer,
 };
 use crate::Frame;
 
@@ -29,14 +30,26 @@ pub struct Print {
 }
 
 /// Decimals of places, as printers and slicers use them, and of filament.
-const PLACE_DECIMALS: u32 = 3;
+pub(super) const PLACE_DECIMALS: u32 = 3;
 const FILAMENT_DECIMALS: u32 = 5;
+
+/// Where the head waits for the heat, in mm above the bed, if the printer is so high: away from the bed, on which it would drip and stick.
+const START_LIFT_MM: f64 = 5.0;
+
+/// Speed of that lift, in mm/s, unless the printer is slower: a z axis is slow, and nothing has been set so far.
+const START_LIFT_MM_S: f64 = 10.0;
+
+/// How far the head rises at least for a change of tools, in mm, if the printer is so high: one that stood on the part would melt it.
+const CHANGE_LIFT_MM: f64 = 1.0;
 
 /// How far the head rises at the end, in mm, if the printer is so high.
 const END_LIFT_MM: f64 = 10.0;
 
+/// What Marlin accepts as junction deviation, in mm; it ignores anything else.
+const JUNCTION_DEVIATIONS_MM: [f64; 2] = [0.01, 0.3];
+
 impl Print {
-    /// Writes the program of these layers, whose numbers rise. Linear in the cells.
+    /// Writes the program of these layers, which are numbered from 0 without a gap. Linear in the cells.
     ///
     /// Every tool is taken to begin with its filament drawn back by `retract_mm`, as the end of a print leaves it.
     pub fn new(
@@ -48,18 +61,13 @@ impl Print {
         settings.check(frame)?;
         layer::check(layers, frame, settings)?;
         let tower = TowerPlan::new(layers, frame, settings)?;
-        let mut writer = Writer::new(frame, settings, layers[0].zones.id(layers[0].path.order()[0]));
+        let first = layers[0].zones.id(layers[0].path.order()[0]);
+        let mut writer = Writer::new(frame, settings, first, used(layers, settings));
         writer.start();
-        let mut parts = layers.iter().peekable();
-        let last = layers[layers.len() - 1].number;
-        for number in 0..=last {
-            let part = parts.next_if(|layer| layer.number == number);
-            let tower = tower.as_ref().filter(|tower| number <= tower.last_layer);
-            if part.is_some() || tower.is_some() {
-                writer.layer(number, part, tower);
-            }
+        for part in layers {
+            writer.layer(part, tower.as_ref().filter(|tower| part.number <= tower.last_layer));
         }
-        writer.end(layers);
+        writer.end();
         let body = Program { lines: writer.lines };
         let totals = Totals::measure(&body, layers, settings)
             .expect("checked settings make speeds above 0 and no arcs");
@@ -75,11 +83,16 @@ struct Writer<'a> {
     settings: &'a Settings,
     bead_mm2: f64,
     lines: Vec<Line>,
-    /// Where the head is, rounded as it was written; `None` before the first move along an axis.
+    /// Where the head is, rounded as it was written; `None` if that is not known: at the beginning, and after a change of tools, during
+    /// which the printer goes where it likes.
     at: [Option<Number>; 3],
     feed: Option<Number>,
+    /// At least so high goes the next travel, in mm; 0 if it does not matter.
+    clear_mm: f64,
     feature: Feature,
     tool: u8,
+    /// The tools that print anything.
+    used: Vec<u8>,
     /// For each tool, whether its filament is drawn back.
     drawn: Vec<bool>,
     /// For each tool, the filament that rounding has kept back so far, in mm: from the part and from the tower. One sum for both would let
@@ -93,7 +106,7 @@ struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    fn new(frame: &'a Frame, settings: &'a Settings, tool: u8) -> Self {
+    fn new(frame: &'a Frame, settings: &'a Settings, tool: u8, used: Vec<u8>) -> Self {
         let tools = settings.tools.len();
         Self {
             frame,
@@ -102,8 +115,10 @@ impl<'a> Writer<'a> {
             lines: Vec::new(),
             at: [None; 3],
             feed: None,
+            clear_mm: 0.0,
             feature: Feature::Unknown,
             tool,
+            used,
             drawn: vec![settings.process.retract_mm > 0.0; tools],
             owed_mm: vec![[0.0; 2]; tools],
             top_mm: 0.0,
@@ -133,40 +148,93 @@ impl<'a> Writer<'a> {
     }
 
     fn start(&mut self) {
-        let printer = &self.settings.printer;
         let bed = number(self.process().bed_c, PLACE_DECIMALS);
-        let nozzle = number(self.selected().nozzle_c, PLACE_DECIMALS);
-        let heat = |wait| Command::NozzleTemperature { celsius: nozzle, tool: None, wait };
         self.feature(Feature::Custom);
         self.other("G21");
+        self.modes();
+        self.command(Command::BedTemperature { celsius: bed, wait: false });
+        self.heat_first(Wait::No);
+        self.command(Command::Home { x: false, y: false, z: false });
+        let printer = &self.settings.printer;
+        self.clear_mm = START_LIFT_MM.min(printer.bed_mm[2]);
+        let speed = START_LIFT_MM_S.min(printer.greatest_mm_s);
+        self.go([None, None, Some(number(self.clear_mm, PLACE_DECIMALS))], None, speed);
+        self.command(Command::BedTemperature { celsius: bed, wait: true });
+        self.heat_first(Wait::Heating);
+        // Printers that fetch a tool or load filament refuse to while they are cold or not homed.
+        self.select(self.tool);
+        self.command(Command::Fan(None));
+        self.limits();
+    }
+
+    /// Coordinates are places, and filament is counted from move to move. In this order: `G90` makes Marlin count filament from the start.
+    fn modes(&mut self) {
         self.command(Command::Absolute);
         self.command(Command::RelativeExtrusion);
-        self.command(Command::BedTemperature { celsius: bed, wait: false });
-        self.command(Command::Tool(self.tool));
-        self.command(heat(false));
-        self.command(Command::Home { x: false, y: false, z: false });
-        self.command(Command::BedTemperature { celsius: bed, wait: true });
-        self.command(heat(true));
-        self.command(Command::Fan(None));
+    }
+
+    /// Heats what prints first: the one nozzle, or all of them, so that no change has to wait.
+    fn heat_first(&mut self, wait: Wait) {
+        match self.settings.printer.nozzles {
+            Nozzles::Shared => self.heat(self.tool, None, wait),
+            Nozzles::Own => {
+                for tool in self.used.clone() {
+                    self.heat(tool, Some(tool), wait);
+                }
+            }
+        }
+    }
+
+    /// Heats a nozzle to the temperature of a tool.
+    fn heat(&mut self, of: u8, tool: Option<u8>, wait: Wait) {
+        let celsius = number(self.settings.tools[usize::from(of)].nozzle_c, PLACE_DECIMALS);
+        self.command(Command::NozzleTemperature { celsius, tool, wait });
+    }
+
+    fn limits(&mut self) {
+        let printer = &self.settings.printer;
         let acceleration = Some(number(printer.acceleration_mm_s2, PLACE_DECIMALS));
+        let square_corner = Some(number(printer.square_corner_mm_s, PLACE_DECIMALS));
         match printer.flavour {
             Flavour::Marlin => {
-                self.command(Command::Acceleration { print: acceleration, travel: acceleration, all: None });
-                // The same corners as Klipper's square corner velocity gives.
+                self.command(Command::Acceleration {
+                    print: acceleration,
+                    travel: acceleration,
+                    retract: None,
+                    all: None,
+                });
+                // Each Marlin knows one of the two, as it was built. The deviation gives the same corners as Klipper's square corner velocity.
                 let corner2 = printer.square_corner_mm_s * printer.square_corner_mm_s;
                 let deviation = corner2 * (std::f64::consts::SQRT_2 - 1.0) / printer.acceleration_mm_s2;
-                let junction_deviation = Some(number(deviation, FILAMENT_DECIMALS));
-                self.command(Command::Jerk { x: None, y: None, z: None, e: None, junction_deviation });
+                let [least, most] = JUNCTION_DEVIATIONS_MM;
+                let junction_deviation = Some(number(deviation.clamp(least, most), FILAMENT_DECIMALS));
+                self.command(Command::Jerk {
+                    x: square_corner,
+                    y: square_corner,
+                    z: None,
+                    e: None,
+                    junction_deviation,
+                });
             }
             Flavour::Klipper => {
-                let square_corner = Some(number(printer.square_corner_mm_s, PLACE_DECIMALS));
                 self.command(Command::VelocityLimit { velocity: None, acceleration, square_corner });
             }
         }
     }
 
-    fn layer(&mut self, index: usize, part: Option<&Layer<'_>>, tower: Option<&TowerPlan>) {
+    /// Selects a tool; how the printer does it, and where the head is then, is not known.
+    fn select(&mut self, tool: u8) {
+        self.tool = tool;
+        self.command(Command::Tool(tool));
+        self.at = [None; 3];
+        self.feed = None;
+        // What is done to change tools may have set others.
+        self.modes();
+    }
+
+    fn layer(&mut self, part: &Layer<'_>, tower: Option<&TowerPlan>) {
         let process = self.process();
+        let index = part.number;
         self.top_mm = self.frame.top_mm(index);
         self.print_mm_s = if index == 0 { process.first_layer_mm_s } else { process.print_mm_s };
         self.comment("LAYER_CHANGE".to_owned());
@@ -178,13 +246,12 @@ impl<'a> Writer<'a> {
             self.command(Command::Fan(Some(number(255.0 * process.fan, 0))));
         }
         if let Some(tower) = tower {
-            let purged = part.map_or(0, |part| self.purged_rows(part, tower));
+            let purged = self.purged_rows(part, tower);
             self.tower_bead(tower, &tower.outline());
             let rest =
                 if index == 0 { tower.solid(purged, tower.rows() - purged) } else { tower.sparse(purged) };
             self.tower_bead(tower, &rest);
         }
-        let Some(part) = part else { return };
         let mut rows = 0;
         for run in part.runs() {
             if run.zone != self.tool {
@@ -215,27 +282,37 @@ impl<'a> Writer<'a> {
         tower.map_or(0, |tower| self.rows_between(self.tool, to, tower))
     }
 
-    /// Selects a tool; purges into so many rows of the tower.
+    /// Changes to a tool; purges into so many rows of the tower.
     fn change_tool(&mut self, to: u8, tower: Option<(&TowerPlan, i32, i32)>) {
         self.draw_back();
         let slot = tower.filter(|&(_, _, rows)| rows > 0);
         let slot = slot.map(|(tower, begin, rows)| (tower, tower.solid(begin, rows)));
+        let speed = self.process().travel_mm_s;
+        self.clear_mm = self.lifted_mm(self.process().z_hop_mm.max(CHANGE_LIFT_MM));
+        self.go([None, None, Some(number(self.clear_mm, PLACE_DECIMALS))], None, speed);
         if let Some((tower, corners)) = &slot {
             // Whatever drips during the change drips where the purge covers it.
-            self.travel(tower.place(corners[0]));
+            let [x, y] = tower.place(corners[0]).map(|value| Some(number(value, PLACE_DECIMALS)));
+            self.go([x, y, None], None, speed);
         }
         let before = self.selected().nozzle_c;
-        self.tool = to;
-        self.command(Command::Tool(to));
+        self.select(to);
         let after = self.selected().nozzle_c;
-        if (before - after).abs() > 0.0 {
-            let celsius = number(after, PLACE_DECIMALS);
-            self.command(Command::NozzleTemperature { celsius, tool: None, wait: true });
+        let printer = &self.settings.printer;
+        if printer.nozzles == Nozzles::Shared && (before - after).abs() > 0.0 {
+            // Klipper waits for a nozzle that cools, too, and takes no other word for it.
+            let cools = after < before && printer.flavour == Flavour::Marlin;
+            self.heat(to, None, if cools { Wait::Both } else { Wait::Heating });
         }
         if let Some((tower, corners)) = &slot {
             self.tower_bead(tower, corners);
             self.draw_back();
         }
+    }
+
+    /// So far above the layer, in mm, or as far as the printer goes.
+    fn lifted_mm(&self, by_mm: f64) -> f64 {
+        (self.top_mm + by_mm).min(self.settings.printer.bed_mm[2]).max(self.top_mm)
     }
 
     fn part_bead(&mut self, corners: &[[i32; 2]]) {
@@ -285,9 +362,10 @@ impl<'a> Writer<'a> {
         }
         let lifted = process.z_hop_mm > 0.0 && distance > 0.0 && self.drawn[usize::from(self.tool)];
         let hop = if lifted { process.z_hop_mm } else { 0.0 };
+        let height = f64::max(self.top_mm + hop, std::mem::take(&mut self.clear_mm));
         let speed = process.travel_mm_s;
         // Up before across: the layer below may be in the way.
-        self.go([None, None, Some(number(self.top_mm + hop, PLACE_DECIMALS))], None, speed);
+        self.go([None, None, Some(number(height, PLACE_DECIMALS))], None, speed);
         self.go([Some(x), Some(y), None], None, speed);
         self.go([None, None, Some(number(self.top_mm, PLACE_DECIMALS))], None, speed);
     }
@@ -331,22 +409,21 @@ impl<'a> Writer<'a> {
         self.comment(format!("TYPE:{}", feature.name()));
     }
 
-    fn end(&mut self, layers: &[Layer<'_>]) {
+    fn end(&mut self) {
         self.draw_back();
         self.feature(Feature::Custom);
-        let lifted = (self.top_mm + END_LIFT_MM).min(self.settings.printer.bed_mm[2]).max(self.top_mm);
-        self.go([None, None, Some(number(lifted, PLACE_DECIMALS))], None, self.process().travel_mm_s);
+        let lifted = number(self.lifted_mm(END_LIFT_MM), PLACE_DECIMALS);
+        self.go([None, None, Some(lifted)], None, self.process().travel_mm_s);
         match self.settings.printer.flavour {
-            // A tool that was put aside may have a heater of its own.
             Flavour::Marlin => {
-                let used = |tool: &u8| layers.iter().any(|layer| layer.zones.ids().contains(tool));
-                let used: Vec<u8> =
-                    (0..self.settings.tools.len()).map(|tool| tool as u8).filter(used).collect();
-                for &tool in &used {
-                    let tool = (used.len() > 1).then_some(tool);
-                    let celsius = Number::ZERO;
-                    self.command(Command::NozzleTemperature { celsius, tool, wait: false });
+                let off = |tool| Command::NozzleTemperature { celsius: Number::ZERO, tool, wait: Wait::No };
+                // A tool that was put aside may have a heater of its own; the last line is for printers that number their tools otherwise.
+                if self.used.len() > 1 {
+                    for tool in self.used.clone() {
+                        self.command(off(Some(tool)));
+                    }
                 }
+                self.command(off(None));
                 self.command(Command::BedTemperature { celsius: Number::ZERO, wait: false });
             }
             Flavour::Klipper => self.other("TURN_OFF_HEATERS"),
@@ -356,62 +433,20 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// The lines before the first command: what the print is, for people and for those programs that list and draw files.
-fn header(title: Title<'_>, frame: &Frame, settings: &Settings, totals: &Totals) -> Vec<Line> {
-    let tools = || settings.tools.iter().zip(&totals.tools);
-    let list = |separator: &str, each: &mut dyn FnMut((&Tool, &super::ToolUse)) -> String| {
-        tools().map(each).collect::<Vec<_>>().join(separator)
-    };
-    let place = |value| number(value, PLACE_DECIMALS);
-    let hundredths = |value| number(value, 2);
-    let colour = |[red, green, blue]: [u8; 3]| format!("#{red:02X}{green:02X}{blue:02X}");
-    let mut texts = vec![
-        format!("generated by beadwork {}", title.version),
-        format!("part = {}", title.part),
-        format!("total layers count = {}", totals.layers),
-        format!("layer_height = {}", place(frame.layer_mm)),
-        format!("first_layer_height = {}", place(frame.layer_mm)),
-        format!("extrusion_width = {}", place(frame.cell_mm)),
-        format!("tool changes = {}", totals.tool_changes),
-        format!("lifts = {}", totals.lifts),
-        format!("estimated printing time (normal mode) = {}", duration(totals.print_seconds)),
-        format!("first_layer_bed_temperature = {}", place(settings.process.bed_c)),
-        format!("temperature = {}", list(",", &mut |(tool, _)| place(tool.nozzle_c).to_string())),
-        format!("filament_diameter = {}", list(",", &mut |(tool, _)| place(tool.filament_mm).to_string())),
-        format!("filament_density = {}", list(",", &mut |(tool, _)| place(tool.density_g_cm3).to_string())),
-        format!(
-            "filament used [mm] = {}",
-            list(", ", &mut |(_, used)| hundredths(used.filament_mm).to_string())
-        ),
-        format!(
-            "filament used [cm3] = {}",
-            list(", ", &mut |(_, used)| hundredths(used.volume_mm3 / 1000.0).to_string())
-        ),
-        format!("filament used [g] = {}", list(", ", &mut |(_, used)| hundredths(used.grams).to_string())),
-        format!("filament_colour = {}", list(";", &mut |(tool, _)| colour(tool.colour))),
-        format!("extruder_colour = {}", list(";", &mut |(tool, _)| colour(tool.colour))),
-    ];
-    texts.extend(tools().map(|(tool, used)| format!("tool {} = {}", used.tool, tool.name)));
-    texts.into_iter().map(|text| comment(format!(" {text}"))).collect()
+/// The tools that print anything, in their order.
+fn used(layers: &[Layer<'_>], settings: &Settings) -> Vec<u8> {
+    let prints = |tool: &u8| layers.iter().any(|layer| layer.zones.ids().contains(tool));
+    (0..settings.tools.len()).map(|tool| tool as u8).filter(prints).collect()
 }
 
 /// A comment; line breaks and other control characters in names become blanks.
-fn comment(text: String) -> Line {
+pub(super) fn comment(text: String) -> Line {
     let text = if text.contains(char::is_control) { text.replace(char::is_control, " ") } else { text };
     Line::new(None, Some(text)).expect("it has no line break")
 }
 
-/// Days, hours, minutes and seconds, as PrusaSlicer writes them.
-fn duration(seconds: f64) -> String {
-    let seconds = seconds.round() as u64;
-    let parts =
-        [(seconds / 86_400, 'd'), (seconds / 3600 % 24, 'h'), (seconds / 60 % 60, 'm'), (seconds % 60, 's')];
-    let first = parts.iter().position(|&(count, _)| count > 0).unwrap_or(3);
-    parts[first..].iter().map(|(count, unit)| format!("{count}{unit}")).collect::<Vec<_>>().join(" ")
-}
-
 /// A value of the settings or made of them.
-fn number(value: f64, decimals: u32) -> Number {
+pub(super) fn number(value: f64, decimals: u32) -> Number {
     Number::from_f64(value, decimals).expect("checked settings and what a bed holds are far below the limit")
 }
 

@@ -8,7 +8,7 @@ use super::Command;
 
 /// The lines of a file, in order.
 ///
-/// Every value can be written and read again: `Program::parse(&program.emit())` is the same program.
+/// Every value can be written and read again: `Program::parse(&program.emit())` is the same program, unless it selects tool 255.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Program {
     /// The lines. Errors and motions name them by number, from 1.

@@ -26,11 +26,23 @@ pub struct Settings {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Flavour {
-    /// Marlin and its kin: limits are set by `M204` and `M205`.
+    /// Marlin and its kin: limits are set by `M204` and `M205`. Of the corners it gets both the junction deviation, which has to lie from 0.01
+    /// to 0.3 mm and is brought into these bounds, and the jerk of x and y: it takes the one it was built for.
     #[default]
     Marlin,
     /// Klipper: limits are set by `SET_VELOCITY_LIMIT`.
     Klipper,
+}
+
+/// Where the tools have their heat.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Nozzles {
+    /// The tools are filaments of one nozzle, which gets the temperature of the present one.
+    #[default]
+    Shared,
+    /// Each tool has a nozzle of its own: all that print are heated at the beginning and stay hot to the end.
+    Own,
 }
 
 /// The machine.
@@ -39,21 +51,24 @@ pub enum Flavour {
 pub struct Printer {
     /// The dialect it understands.
     pub flavour: Flavour,
+    /// Where the tools have their heat.
+    pub nozzles: Nozzles,
     /// Greatest x, y and z in mm; all of them begin at 0, x and y in the front left corner.
     pub bed_mm: [f64; 3],
     /// Acceleration in mm/s².
     pub acceleration_mm_s2: f64,
     /// Speed through a right angle, in mm/s.
     pub square_corner_mm_s: f64,
-    /// The greatest speed of the head, in mm/s.
+    /// The greatest speed of the head, in mm/s; it is not written to the file, but no speed of the head in the process may be higher.
     pub greatest_mm_s: f64,
 }
 
 impl Default for Printer {
-    /// A usual machine: Marlin, 250 x 210 x 210 mm, 1000 mm/s², 5 mm/s in corners, at most 200 mm/s.
+    /// A usual machine: Marlin, one nozzle, 250 x 210 x 210 mm, 1000 mm/s², 5 mm/s in corners, at most 200 mm/s.
     fn default() -> Self {
         Self {
             flavour: Flavour::default(),
+            nozzles: Nozzles::default(),
             bed_mm: [250.0, 210.0, 210.0],
             acceleration_mm_s2: 1000.0,
             square_corner_mm_s: 5.0,
@@ -231,6 +246,16 @@ pub enum SettingsError {
         /// What it must be.
         wanted: &'static str,
     },
+    /// The head is to go faster than the printer can.
+    #[error("{field} is {value}, and printer.greatest_mm_s is {greatest_mm_s}")]
+    TooFast {
+        /// Which speed.
+        field: &'static str,
+        /// What it is, in mm/s.
+        value: f64,
+        /// The greatest speed, in mm/s.
+        greatest_mm_s: f64,
+    },
     /// An oval bead is higher than wide.
     #[error(
         "process.cross_section is oval, but the layers of {layer_mm} mm are higher than the beads of {cell_mm} mm are wide"
@@ -317,6 +342,12 @@ pub enum SettingsError {
         /// Number of the one before it.
         before: usize,
     },
+    /// A layer would be printed in the air.
+    #[error("layer {layer} has nothing to rest on: the one below has no cells")]
+    Gap {
+        /// Number of the layer.
+        layer: usize,
+    },
     /// There is nothing to print.
     #[error("there are no layers")]
     NoLayers,
@@ -339,10 +370,12 @@ impl Settings {
         let positive = [
             ("printer.acceleration_mm_s2", printer.acceleration_mm_s2),
             ("printer.greatest_mm_s", printer.greatest_mm_s),
+            ("process.retract_mm_s", process.retract_mm_s),
+        ];
+        let of_head = [
             ("process.print_mm_s", process.print_mm_s),
             ("process.first_layer_mm_s", process.first_layer_mm_s),
             ("process.travel_mm_s", process.travel_mm_s),
-            ("process.retract_mm_s", process.retract_mm_s),
         ];
         let not_negative = [
             ("printer.square_corner_mm_s", printer.square_corner_mm_s),
@@ -354,8 +387,11 @@ impl Settings {
         for (field, value) in [("printer.bed_mm[0]", x), ("printer.bed_mm[1]", y), ("printer.bed_mm[2]", z)] {
             within(field, value, 1.0, LARGEST_BED_MM, "from 1 to 10000")?;
         }
-        positive.iter().try_for_each(|&(field, value)| check_positive(field, value))?;
+        positive.iter().chain(&of_head).try_for_each(|&(field, value)| check_positive(field, value))?;
         not_negative.iter().try_for_each(|&(field, value)| check_not_negative(field, value))?;
+        if let Some(&(field, value)) = of_head.iter().find(|(_, value)| *value > printer.greatest_mm_s) {
+            return Err(SettingsError::TooFast { field, value, greatest_mm_s: printer.greatest_mm_s });
+        }
         within("process.fan", process.fan, 0.0, 1.0, "from 0 to 1")?;
         for (field, value) in [("frame.cell_mm", frame.cell_mm), ("frame.layer_mm", frame.layer_mm)] {
             within(field, value, THINNEST_MM, LARGEST_BED_MM, "from 0.01 to 10000")?;

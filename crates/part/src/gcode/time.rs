@@ -7,9 +7,10 @@
 //! velocity s: δ = s² (√2 - 1) / a. Marlin's junction deviation (`M205 J`) is the same rule.
 //!
 //! Not reckoned with: smoothing of short moves (Klipper's minimum cruise ratio and its limit of short moves at corners), pressure advance, limits of
-//! single axes, heating, and what macros and changes of tool take.
+//! single axes (`M203`), what a program says of corners and of the greatest speed (`M205`, and all of `SET_VELOCITY_LIMIT` but `ACCEL`: [`Limits`] holds
+//! throughout), acceleration of filament alone (`M204 R`) and Klipper's limit of speed where the flow changes, heating, and what macros and changes of tool take.
 
-use super::{Event, Motion, Program, TraceError};
+use super::{Event, Motion, Program, TraceError, Wait};
 
 /// What the printer can do, where a program does not say.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,7 +70,11 @@ impl Stopwatch {
     pub fn take(&mut self, event: &Event) {
         match event {
             Event::Motion(motion) => self.motion(motion),
-            Event::ToolChange { .. } => self.stop(),
+            Event::Heat { wait: Wait::No, .. } => {}
+            Event::ToolChange { .. }
+            | Event::Heat { .. }
+            | Event::HeatersOff { .. }
+            | Event::MotorsOff { .. } => self.stop(),
             Event::Pause { seconds, .. } => {
                 self.stop();
                 self.seconds += seconds;

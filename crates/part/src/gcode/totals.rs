@@ -7,7 +7,7 @@ use super::{Event, Feature, Layer, Program, Settings, Stopwatch, TraceError};
 /// What a print takes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Totals {
-    /// Layers of the part.
+    /// Layers of the part: as many as the program has comments of a layer's beginning.
     pub layers: usize,
     /// Changes from one tool to another.
     pub tool_changes: usize,
@@ -67,7 +67,7 @@ impl Totals {
                 }
                 Event::Motion(motion) => totals.travel_mm += motion.length_mm(),
                 Event::ToolChange { from, .. } => totals.tool_changes += usize::from(from.is_some()),
-                Event::Pause { .. } => {}
+                _ => {}
             }
         }
         totals.print_seconds = watch.seconds();

@@ -1,8 +1,9 @@
-//! What a program makes the head do: its motions, changes of tool and pauses.
+//! What a program makes the printer do: motions, changes of tool, heat and pauses.
 //!
 //! The printer is one of plastic as Marlin and Klipper drive them. At the beginning it stands at 0, takes coordinates as places and lengths of
-//! filament as counted from the start, and has the first tool. `G28` puts the named axes to 0 without a motion. As in Klipper, `G90` and `G91` leave
-//! the filament alone. Macros, offsets of tools and retractions by the firmware do nothing here, for only the printer knows what they do.
+//! filament as counted from the start, and has the first tool. `G28` puts the named axes to 0 without a motion. Filament is counted from move to
+//! move while places are (`G91`), and after `M83` until `M82`. Klipper does just that; Marlin differs in that `G90` ends `M83`, and `M82` holds after
+//! `G91`: [`Program::check`] refuses programs in which that matters. Macros, offsets of tools and retractions by the firmware do nothing here, for only the printer knows what they do.
 
 use std::iter::Enumerate;
 use std::slice::Iter;
@@ -11,7 +12,7 @@ use thiserror::Error;
 
 use super::arc::Chords;
 use super::feature::Note;
-use super::{Command, Feature, Line, Move, Number, Program};
+use super::{Command, Feature, Line, Move, Number, Program, Wait, parse};
 
 /// A straight motion, or filament pushed or drawn back in place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +31,8 @@ pub struct Motion {
     pub tool: u8,
     /// What is printed, as the last comment says.
     pub feature: Feature,
-    /// Number of the layer from 0, as the last comment says.
+    /// Number of the layer from 0, as the last comment says: counted from the bed, unless the program has a raft below.
+    /// [`Layer::number`](super::Layer::number) in the programs written here.
     pub layer: Option<u32>,
     /// Number of the line, from 1.
     pub line: usize,
@@ -49,8 +51,27 @@ impl Motion {
     }
 }
 
+/// What can be heated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Heater {
+    /// The nozzle of a tool, or the one nozzle while it has that tool's filament.
+    Nozzle(u8),
+    /// The bed.
+    Bed,
+}
+
+impl std::fmt::Display for Heater {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Nozzle(tool) => write!(f, "nozzle of tool {tool}"),
+            Self::Bed => f.write_str("bed"),
+        }
+    }
+}
+
 /// What happens in a program.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Event {
     /// The head or the filament moves.
     Motion(Motion),
@@ -60,6 +81,27 @@ pub enum Event {
         from: Option<u8>,
         /// The tool after.
         to: u8,
+        /// Number of the line, from 1.
+        line: usize,
+    },
+    /// Something gets another temperature.
+    Heat {
+        /// What.
+        heater: Heater,
+        /// The temperature, in degrees Celsius.
+        celsius: f64,
+        /// What is waited for; [`Wait::Heating`] if it is the bed.
+        wait: Wait,
+        /// Number of the line, from 1.
+        line: usize,
+    },
+    /// All heaters are switched off, Klipper's `TURN_OFF_HEATERS`.
+    HeatersOff {
+        /// Number of the line, from 1.
+        line: usize,
+    },
+    /// The motors let go, `M84` or `M18`: where the head is then is not certain.
+    MotorsOff {
         /// Number of the line, from 1.
         line: usize,
     },
@@ -79,6 +121,12 @@ pub enum TraceError {
     /// It asks for inches.
     #[error("line {line}: inches are not supported")]
     Inches {
+        /// Number of the line, from 1.
+        line: usize,
+    },
+    /// It asks for arcs in another plane than that of x and y.
+    #[error("line {line}: arcs are not supported in other planes than that of x and y")]
+    Plane {
         /// Number of the line, from 1.
         line: usize,
     },
@@ -233,30 +281,61 @@ impl Trace<'_> {
                 let from = self.tool.replace(to);
                 return Ok((from != Some(to)).then_some(Event::ToolChange { from, to, line }));
             }
-            Command::Acceleration { print, travel, all } => {
+            Command::Acceleration { print, travel, retract, all } => {
                 let checked = |value: Option<Number>| acceleration(value, line);
                 let (print, travel, all) = (checked(print)?, checked(travel)?, checked(all)?);
+                checked(retract)?;
                 self.acceleration = print.or(all).or(self.acceleration);
                 self.travel_acceleration = travel.or(all).or(self.travel_acceleration);
             }
-            Command::VelocityLimit { acceleration: value, .. } => {
-                let value = acceleration(value, line)?;
-                self.acceleration = value.or(self.acceleration);
-                self.travel_acceleration = value.or(self.travel_acceleration);
+            Command::VelocityLimit { acceleration: value, .. } => self.accelerate(value, line)?,
+            Command::Other(ref text) => return self.other(text.as_str(), line),
+            Command::NozzleTemperature { celsius, tool, wait } => {
+                let heater = Heater::Nozzle(tool.or(self.tool).unwrap_or(0));
+                return Ok(Some(Event::Heat { heater, celsius: celsius.to_f64(), wait, line }));
             }
-            Command::Other(ref text) if text.as_str().eq_ignore_ascii_case("G20") => {
-                return Err(TraceError::Inches { line });
+            Command::BedTemperature { celsius, wait } => {
+                let wait = if wait { Wait::Heating } else { Wait::No };
+                return Ok(Some(Event::Heat { heater: Heater::Bed, celsius: celsius.to_f64(), wait, line }));
             }
-            Command::NozzleTemperature { .. }
-            | Command::BedTemperature { .. }
-            | Command::Fan(_)
+            Command::Fan(_)
             | Command::Jerk { .. }
             | Command::Progress { .. }
             | Command::Retract
-            | Command::Unretract
-            | Command::Other(_) => {}
+            | Command::Unretract => {}
         }
         Ok(None)
+    }
+
+    /// What a command that is not typed does.
+    fn other(&mut self, text: &str, line: usize) -> Result<Option<Event>, TraceError> {
+        let is = |name: &str| text.eq_ignore_ascii_case(name);
+        if is("G20") {
+            return Err(TraceError::Inches { line });
+        }
+        if is("G18") || is("G19") {
+            return Err(TraceError::Plane { line });
+        }
+        let mut words = text.split_ascii_whitespace();
+        let name = words.next().unwrap_or(text);
+        if name.eq_ignore_ascii_case("TURN_OFF_HEATERS") {
+            return Ok(Some(Event::HeatersOff { line }));
+        }
+        // With S it says when to switch off motors that rest.
+        let switches = ["M84", "M18"].iter().any(|known| name.eq_ignore_ascii_case(known));
+        if switches && !words.any(|word| word.starts_with(['S', 's'])) {
+            return Ok(Some(Event::MotorsOff { line }));
+        }
+        // With words that its type does not hold it still limits what follows.
+        self.accelerate(parse::acceleration(text), line)?;
+        Ok(None)
+    }
+
+    fn accelerate(&mut self, value: Option<Number>, line: usize) -> Result<(), TraceError> {
+        let value = acceleration(value, line)?;
+        self.acceleration = value.or(self.acceleration);
+        self.travel_acceleration = value.or(self.travel_acceleration);
+        Ok(())
     }
 
     /// The straight motion to a place; the head is there from now on.
@@ -283,7 +362,7 @@ impl Trace<'_> {
         }
         let extruded_mm = match e.map(Number::to_f64) {
             None => 0.0,
-            Some(length) if self.relative_filament => length,
+            Some(length) if self.relative || self.relative_filament => length,
             Some(length) => {
                 let before = std::mem::replace(&mut self.filament, length);
                 length - before

@@ -72,11 +72,11 @@ const FLAT_HOLE: f64 = 1e-3;
 impl Body {
     /// Repairs the surface.
     ///
-    /// 1. Vertices at the same place become one; triangles that are left with two corners at one place are dropped. 2.
-    /// Triangles are turned to agree with their neighbours: of each connected part the fewer. 3. Holes that are flat or
-    /// small (no longer around than the body is across) are closed by fans. 4. Connected parts that are inside out are
-    /// turned over, unless they lie within another: those are cavities. Of thousands of parts
-    ///    inside out, one above the other, some may be left as they are.
+    /// 1. Vertices at the same place become one; triangles that are left with two corners at one place are dropped.
+    /// 2. Triangles are turned to agree with their neighbours: of each connected part the fewer.
+    /// 3. Holes that are flat or small (no longer around than the body is across) are closed by fans.
+    /// 4. A body that is inside out is turned over, and so are connected parts of it, unless they lie within another:
+    ///    those are cavities. Of thousands of parts inside out, one above the other, some may be left as they are.
     ///
     /// Nearly linear in the triangles; needs about as much memory as the mesh itself, beside it.
     pub fn repair(&mut self) -> Result<Repaired, RepairError> {

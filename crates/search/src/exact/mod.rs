@@ -6,9 +6,9 @@
 //! consists of paths and cycles, and where the bound is tight it only has to be made one path, without a link more
 //! across zones:
 //!
-//! 1. ladders inside the zones, then the cheapest 2-matching by shortest alternating paths; 2. links from groups of
-//! zones that nothing leaves, the cheapest first; 3. cycles joined by switches, and what is left by exchanges along
-//! short alternating cycles.
+//! 1. ladders inside the zones, then the cheapest 2-matching by shortest alternating paths;
+//! 2. links from groups of zones that nothing leaves, the cheapest first;
+//! 3. cycles joined by switches, and what is left by exchanges along short alternating cycles.
 //!
 //! An attempt is made anew, with other ladders and other random choices, until the crossings meet the bound. If the
 //! first one does not, the bound is raised by what must be paid to hold everything together.

@@ -223,11 +223,9 @@ pub enum PlanError {
 /// lifts times their price.
 ///
 /// 1. Each layer is covered in one or two ways ([`Mode`]) by [`crate::exact`]: in the fewest pieces, with the cheapest
-/// crossings; or zone by zone. Layers
-///    that are equal are covered once, unless layers are stacked.
+///    crossings; or zone by zone. Layers that are equal are covered once, unless layers are stacked.
 /// 2. For each way, the cheapest order of its pieces from each tool to each other; the pieces of one tool together, and
-/// zone by zone up to 12 tools
-///    a layer.
+///    zone by zone up to 12 tools a layer.
 /// 3. A shortest way through the layers, over the last tool of each, chooses among them all.
 ///
 /// Step 3 is exact for what step 2 gives it, and step 2 with up to 10 blocks of pieces a layer, but for what keeping

@@ -76,15 +76,28 @@ fn each_command_has_its_type() {
         ("G10", Command::Retract),
         ("G11", Command::Unretract),
         ("T007", Command::Tool(7)),
-        ("M104 S215", hot(None, false)),
-        ("M109 T1 S215", hot(Some(1), true)),
+        ("M104 S215", hot(None, Wait::No)),
+        ("M109 T1 S215", hot(Some(1), Wait::Heating)),
+        ("m109 r215 T2", hot(Some(2), Wait::Both)),
         ("M190 S60", Command::BedTemperature { celsius: number("60"), wait: true }),
         ("M106", Command::Fan(Some(number("255")))),
         ("M106 S127.5", Command::Fan(Some(number("127.5")))),
         ("M107", Command::Fan(None)),
-        ("M204 S800", Command::Acceleration { print: None, travel: None, all: Some(number("800")) }),
         (
-            "set_velocity_limit accel=900 ACCEL_TO_DECEL=x",
+            "M204 S800",
+            Command::Acceleration { print: None, travel: None, retract: None, all: Some(number("800")) },
+        ),
+        (
+            "M204 P800 R1500 T1000",
+            Command::Acceleration {
+                print: Some(number("800")),
+                travel: Some(number("1000")),
+                retract: Some(number("1500")),
+                all: None,
+            },
+        ),
+        (
+            "set_velocity_limit accel=900",
             Command::VelocityLimit { velocity: None, acceleration: Some(number("900")), square_corner: None },
         ),
         ("M73 P5 R12", Command::Progress { percent: Some(number("5")), minutes: Some(number("12")) }),
@@ -94,11 +107,15 @@ fn each_command_has_its_type() {
     for text in [
         "G10 P1 S200",
         "G92.1",
-        "M109 R200",
+        "M109 S200 R200",
+        "M104 R200",
+        "M109 T1",
         "M106 P2 S255",
         "M104",
         "M104 S200 T256",
+        "T255",
         "T256",
+        "set_velocity_limit accel=900 ACCEL_TO_DECEL=x",
         "T0 X",
         "T0_PREPARE",
     ] {
@@ -155,7 +172,8 @@ fn commands() -> impl Strategy<Value = Command> {
             Command::Arc(Box::new(Arc { clockwise, x, y, z, i, j, r, e, f }))
         },
     );
-    let heat = (some_number(), prop::option::of(any::<u8>()), any::<bool>());
+    let wait = prop::sample::select(vec![Wait::No, Wait::Heating, Wait::Both]);
+    let heat = (some_number(), prop::option::of(any::<u8>()), wait);
     let plain = prop::sample::select(vec![
         Command::Absolute,
         Command::Relative,
@@ -172,11 +190,12 @@ fn commands() -> impl Strategy<Value = Command> {
         1 => (w(), w()).prop_map(|(seconds, milliseconds)| Command::Dwell { seconds, milliseconds }),
         1 => any::<[bool; 3]>().prop_map(|[x, y, z]| Command::Home { x, y, z }),
         1 => [w(), w(), w(), w()].prop_map(|[x, y, z, e]| Command::SetPosition { x, y, z, e }),
-        1 => any::<u8>().prop_map(Command::Tool),
+        1 => (0..u8::MAX).prop_map(Command::Tool),
         1 => heat.prop_map(|(celsius, tool, wait)| Command::NozzleTemperature { celsius, tool, wait }),
         1 => (some_number(), any::<bool>()).prop_map(|(celsius, wait)| Command::BedTemperature { celsius, wait }),
         1 => some_number().prop_map(|speed| Command::Fan(Some(speed))),
-        1 => [w(), w(), w()].prop_map(|[print, travel, all]| Command::Acceleration { print, travel, all }),
+        1 => [w(), w(), w(), w()]
+            .prop_map(|[print, travel, retract, all]| Command::Acceleration { print, travel, retract, all }),
         1 => [w(), w(), w()].prop_map(|[velocity, acceleration, square_corner]| Command::VelocityLimit {
             velocity,
             acceleration,

@@ -55,7 +55,7 @@ fn settings(flavour: Flavour) -> Settings {
 
 fn print(settings: &Settings) -> Result<Print, SettingsError> {
     let [first, second] = parts();
-    Print::new(TITLE, &[first.layer(0), second.layer(2)], &FRAME, settings)
+    Print::new(TITLE, &[first.layer(0), second.layer(1)], &FRAME, settings)
 }
 
 /// Compares with a file beside this one; with the variable `BEADWORK_BLESS` set, writes it anew.
@@ -94,15 +94,50 @@ fn what_the_small_print_takes() {
 }
 
 #[test]
-fn a_change_without_tower_stays_in_place() {
+fn nozzles_of_their_own_are_hot_from_the_start() {
+    let mut settings = settings(Flavour::Marlin);
+    settings.printer.nozzles = Nozzles::Own;
+    settings.process.z_hop_mm = 0.0;
+    settings.tools[1].nozzle_c = settings.tools[0].nozzle_c;
+    let text = print(&settings).unwrap().program.emit();
+    golden("own-nozzles.gcode", &text);
+    settings.tools[1].nozzle_c = 210.0;
+    let text = print(&settings).unwrap().program.emit();
+    assert!(text.contains("\nM104 T0 S230\nM104 T1 S210\nG28\n"));
+    assert!(text.contains("\nM109 T0 S230\nM109 T1 S210\nT0\n") && text.matches("M109").count() == 2);
+}
+
+#[test]
+fn a_change_without_tower_leaves_the_part() {
     let settings = Settings { purge: None, ..settings(Flavour::Marlin) };
     let text = print(&settings).unwrap().program.emit();
     let at = text.find("\nT1\n").unwrap();
-    let before: Vec<_> = text[..at].lines().rev().take(2).collect();
-    assert_eq!(before, ["G1 E-0.8 F2100", "G1 X101 E0.05197 F1200"], "to the edge between the cells");
-    let after: Vec<_> = text[at..].lines().skip(2).take(3).collect();
-    assert_eq!(after, ["M109 S220", "G1 E0.8", "G1 X101.75 E0.03898 F1200"]);
-    assert!(!text.contains("Prime tower"));
+    let before: Vec<_> = text[..at].lines().rev().take(3).collect();
+    let expected = ["G1 Z1.25 F9000", "G1 E-0.8 F2100", "G1 X101 E0.05197 F1200"];
+    assert_eq!(before, expected, "up from the edge between the cells");
+    let after: Vec<_> = text[at..].lines().skip(2).take(8).collect();
+    let come = ["G1 Z1.25 F9000", "G1 X101 Y99.75", "G1 Z0.25", "G1 E0.8 F2100", "G1 X101.75 E0.03898 F1200"];
+    assert_eq!(after[..3], ["G90", "M83", "M109 R220"]);
+    assert_eq!(after[3..], come);
+    assert!(!text.contains("Wipe tower"));
+
+    let mut low = settings;
+    low.printer.bed_mm[2] = 1.0;
+    let text = print(&low).unwrap().program.emit();
+    let heights = text.lines().filter_map(|line| line.strip_prefix("G1 Z")?.split(' ').next()?.parse().ok());
+    assert!(heights.fold(0.0, f64::max) <= 1.0);
+}
+
+#[test]
+fn marlin_gets_corners_it_accepts() {
+    for (corner, expected) in
+        [(1.0, "M205 X1 Y1 J0.01\n"), (8.0, "J0.02651\n"), (50.0, "M205 X50 Y50 J0.3\n")]
+    {
+        let mut settings = settings(Flavour::Marlin);
+        settings.printer.square_corner_mm_s = corner;
+        let text = print(&settings).unwrap().program.emit();
+        assert!(text.contains(expected), "{corner}");
+    }
 }
 
 #[test]
@@ -128,11 +163,12 @@ fn tower(settings: &mut Settings) -> &mut Tower {
 #[test]
 fn each_broken_setting_is_named() {
     type Change = fn(&mut Settings);
-    let cases: [(&str, Change); 14] = [
+    let cases: [(&str, Change); 15] = [
         ("printer.bed_mm[1] is NaN, and must be from 1 to 10000", |s| s.printer.bed_mm[1] = f64::NAN),
         ("process.print_mm_s is 0, and must be more than 0 and at most a million", |s| {
             s.process.print_mm_s = 0.0;
         }),
+        ("process.travel_mm_s is 150, and printer.greatest_mm_s is 149", |s| s.printer.greatest_mm_s = 149.0),
         ("process.fan is 2, and must be from 0 to 1", |s| s.process.fan = 2.0),
         ("tools[1].filament_mm is -1, and must be from 0.5 to 20", |s| s.tools[1].filament_mm = -1.0),
         ("purge.volume_mm3[1][0] is inf, and must be at least 0 and at most a million", |s| {
@@ -153,7 +189,7 @@ fn each_broken_setting_is_named() {
         }),
         ("the nozzle would rise to 1.25 mm, and printer.bed_mm allows 1", |s| {
             s.printer.bed_mm[2] = 1.0;
-            s.process.z_hop_mm = 0.5;
+            s.process.z_hop_mm = 0.75;
         }),
         ("purge.tower reaches beyond the bed", |s| tower(s).left_mm = 245.0),
         ("purge.tower overlaps the part", |s| tower(s).left_mm = 101.0),
@@ -179,8 +215,11 @@ fn layers_are_checked() {
     assert_eq!(error(&[], &FRAME), SettingsError::NoLayers);
     let twice = [first.layer(1), second.layer(1)];
     assert_eq!(error(&twice, &FRAME), SettingsError::LayerOrder { layer: 1, before: 1 });
+    for (layers, layer) in [(vec![first.layer(1)], 1), (vec![first.layer(0), second.layer(2)], 2)] {
+        assert_eq!(error(&layers, &FRAME), SettingsError::Gap { layer });
+    }
     let wide = Frame { width: 5, ..FRAME };
-    assert!(matches!(error(&[first.layer(3)], &wide), SettingsError::Layer { layer: 3, .. }));
+    assert!(matches!(error(&[first.layer(0)], &wide), SettingsError::Layer { layer: 0, .. }));
     let path = cover(&second.region);
     let mixed = Layer { path: &path, ..first.layer(0) };
     assert!(matches!(error(&[mixed], &FRAME), SettingsError::Layer { layer: 0, .. }));
@@ -202,10 +241,4 @@ fn names_stay_in_their_lines() {
     let text = Print::new(title, &[first.layer(0)], &FRAME, &settings).unwrap().program.emit();
     assert!(text.lines().all(|line| !line.starts_with("M112")));
     assert!(text.contains("; tool 0 = a M112  \n") && text.contains("; part = x  M112\n"));
-}
-
-#[test]
-fn durations_are_written_like_those_of_slicers() {
-    let texts = [0.4, 59.6, 3600.0, 90_061.0].map(duration);
-    assert_eq!(texts, ["0s", "1m 0s", "1h 0m 0s", "1d 1h 1m 1s"]);
 }

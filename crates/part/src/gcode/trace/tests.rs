@@ -155,10 +155,52 @@ fn renamed_places_stay_where_they_are() {
 }
 
 #[test]
+fn filament_is_relative_while_places_are() {
+    let pushed = |text| motions(text).iter().map(|motion| motion.extruded_mm).collect::<Vec<_>>();
+    // The end that Cura writes.
+    let cura =
+        "M82\nG92 E0\nG1 X9 E100\nM140 S0\nM107\nG91\nG1 E-2 F2700\nG1 E-2 Z0.2 F2400\nG1 X5 Y5 F3000\nG90\n";
+    assert_eq!(pushed(cura), [100.0, -2.0, -2.0, 0.0]);
+    assert_eq!(pushed("M83\nG91\nG90\nG1 E1\nG1 E1\nM82\nG1 E1"), [1.0, 1.0, 1.0]);
+    assert_eq!(pushed("G91\nG1 E1\nG90\nG1 E1\nG1 E1"), [1.0, 1.0], "as Klipper counts");
+}
+
+#[test]
+fn limits_of_either_dialect() {
+    let accelerations = |text: &str| {
+        let text = format!("{text}\nG1 X1 E1\nG1 X2");
+        motions(&text).iter().map(|motion| motion.acceleration_mm_s2).collect::<Vec<_>>()
+    };
+    assert_eq!(accelerations("M204 P800 R1500 T1000"), [Some(800.0), Some(1000.0)]);
+    let limit = "SET_VELOCITY_LIMIT accel=900 ACCEL_TO_DECEL=450";
+    assert_eq!(accelerations(limit), [Some(900.0); 2]);
+}
+
+#[test]
 fn the_first_tool_needs_no_selection() {
     assert_eq!(events("T0\nT0"), [Event::ToolChange { from: None, to: 0, line: 1 }]);
     assert_eq!(events("G1 X1 E1\nT1")[1], Event::ToolChange { from: Some(0), to: 1, line: 2 });
     assert_eq!(events("G1 X1\nT1")[1], Event::ToolChange { from: None, to: 1, line: 2 });
+}
+
+#[test]
+fn heat_and_motors() {
+    let heat = |heater, celsius, wait, line| Event::Heat { heater, celsius, wait, line };
+    let text =
+        "M104 S200\nT2\nM109 R190\nM104 T1 S0\nM140 S60\nM190 S61\nturn_off_heaters\nM84 S30\nM18\nM84 X Y";
+    let expected = [
+        heat(Heater::Nozzle(0), 200.0, Wait::No, 1),
+        Event::ToolChange { from: None, to: 2, line: 2 },
+        heat(Heater::Nozzle(2), 190.0, Wait::Both, 3),
+        heat(Heater::Nozzle(1), 0.0, Wait::No, 4),
+        heat(Heater::Bed, 60.0, Wait::No, 5),
+        heat(Heater::Bed, 61.0, Wait::Heating, 6),
+        Event::HeatersOff { line: 7 },
+        Event::MotorsOff { line: 9 },
+        Event::MotorsOff { line: 10 },
+    ];
+    assert_eq!(events(text), expected);
+    assert_eq!(Heater::Nozzle(1).to_string(), "nozzle of tool 1");
 }
 
 #[test]
@@ -174,6 +216,9 @@ fn pauses_in_either_unit() {
 fn nonsense_ends_the_trace() {
     for (text, expected) in [
         ("G1 X1\ng20\nG1 X2", TraceError::Inches { line: 2 }),
+        ("G1 X1\nG18\nG1 X2", TraceError::Plane { line: 2 }),
+        ("g19", TraceError::Plane { line: 1 }),
+        ("M204 R0", TraceError::Acceleration { line: 1, acceleration_mm_s2: 0.0 }),
         ("G1 X1 F0", TraceError::Feed { line: 1, feed_mm_min: 0.0 }),
         ("M204 T-5", TraceError::Acceleration { line: 1, acceleration_mm_s2: -5.0 }),
         ("SET_VELOCITY_LIMIT ACCEL=0", TraceError::Acceleration { line: 1, acceleration_mm_s2: 0.0 }),
