@@ -20,9 +20,11 @@ pub(super) struct Row {
     voxels_mm3: f64,
     /// From the sides of the cells to the outlines, in beads: the greatest distance.
     cells_off: f64,
-    /// Share of the outlines' length that has a side of a cell within half a bead. The rest lies where the part, or a
-    /// gap, is thinner than a bead.
+    /// Share of the outlines' length that has a side of a cell within half a bead.
     outline_met: f64,
+    /// Of the rest, the share where the part, or the gap before it, is thinner than the diagonal of a cell: it can lie
+    /// between the middles of cells. `None` if there is no rest.
+    rest_thin: Option<f64>,
     /// From points of the outlines to the sides of the cells, in beads: the greatest distance, `None` beyond 16.
     outline_off: Option<f64>,
 }
@@ -37,6 +39,7 @@ pub(super) fn measure(cases: &[Case], bar: &ProgressBar) -> Vec<Row> {
             bodies.iter().map(|body| cut(&body.mesh, &[], frame.layer_mm, count, None)).collect();
         let mut cells_off: f64 = 0.0;
         let mut outline_off = Vec::new();
+        let mut rest_thin: Vec<bool> = Vec::new();
         let (mut united_mm2, mut apart_mm2) = (0.0, 0.0);
         for (number, layer) in part.layers.layers.iter().enumerate() {
             let mut all = Outline::default();
@@ -51,11 +54,12 @@ pub(super) fn measure(cases: &[Case], bar: &ProgressBar) -> Vec<Row> {
             united_mm2 += borders.iter().map(|border| area_mm2(border)).sum::<f64>();
             apart_mm2 += all.area_mm2();
             let Some(layer) = layer else { continue };
-            let (cells, outline) = distances(layer, &borders, &frame);
-            cells_off = cells.into_iter().fold(cells_off, f64::max);
-            outline_off.extend(outline);
+            let Distances { of_cells, of_outline, thin } = distances(layer, &borders, &frame);
+            cells_off = of_cells.into_iter().fold(cells_off, f64::max);
+            outline_off.extend(of_outline);
+            rest_thin.extend(thin);
         }
-        let met = outline_off.iter().filter(|&&off| off <= 0.5 + 1e-9).count();
+        let met = outline_off.iter().filter(|&&off| off <= HALF).count();
         let greatest = outline_off.iter().copied().fold(0.0, f64::max);
         let meshes_mm3: f64 = bodies.iter().map(|body| body.mesh.volume_mm3()).sum();
         let overlap = (apart_mm2 - united_mm2) / united_mm2 > 1e-3;
@@ -66,6 +70,8 @@ pub(super) fn measure(cases: &[Case], bar: &ProgressBar) -> Vec<Row> {
             voxels_mm3: part.layers.voxels().volume_mm3(),
             cells_off,
             outline_met: met as f64 / outline_off.len() as f64,
+            rest_thin: (!rest_thin.is_empty())
+                .then(|| rest_thin.iter().filter(|&&thin| thin).count() as f64 / rest_thin.len() as f64),
             outline_off: greatest.is_finite().then_some(greatest),
         });
         bar.inc(1);
@@ -78,9 +84,20 @@ fn area_mm2(border: &[[f64; 2]]) -> f64 {
     border.iter().zip(next).map(|(a, b)| (a[0] * b[1] - b[0] * a[1]) / 2.0).sum()
 }
 
-/// In beads: from the middle of each side of a cell to the outlines along its normal, and from points along the
-/// outlines to the nearest side.
-fn distances(layer: &Layer, borders: &[&[[f64; 2]]], frame: &Frame) -> (Vec<f64>, Vec<f64>) {
+/// Half a bead, and what rounding takes.
+const HALF: f64 = 0.5 + 1e-9;
+
+/// What one layer adds, in beads.
+struct Distances {
+    /// From the middle of each side of a cell to the outlines, along its normal.
+    of_cells: Vec<f64>,
+    /// From points along the outlines to the nearest side.
+    of_outline: Vec<f64>,
+    /// For each of those beyond half a bead, whether the part or the gap is thin there.
+    thin: Vec<bool>,
+}
+
+fn distances(layer: &Layer, borders: &[&[[f64; 2]]], frame: &Frame) -> Distances {
     // In units of cells, from the left and from the back.
     let place = |[x, y]: [f64; 2]| [(x - frame.left_mm) / frame.cell_mm, (frame.back_mm - y) / frame.cell_mm];
     let region = &layer.region;
@@ -103,7 +120,8 @@ fn distances(layer: &Layer, borders: &[&[[f64; 2]]], frame: &Frame) -> (Vec<f64>
         }
     }
     let mut to_outline: HashMap<(i64, i64, bool), f64> = HashMap::new();
-    let mut to_side = Vec::new();
+    let mut of_outline = Vec::new();
+    let mut thin = Vec::new();
     for corners in borders {
         for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
             let (from, to) = (place(*from), place(*to));
@@ -116,7 +134,12 @@ fn distances(layer: &Layer, borders: &[&[[f64; 2]]], frame: &Frame) -> (Vec<f64>
             for step in 0..steps as u32 {
                 let part = f64::from(step) / steps;
                 let point = [0, 1].map(|axis| from[axis] + part * (to[axis] - from[axis]));
-                to_side.push(nearest_side(&sides, point));
+                let off = nearest_side(&sides, point);
+                of_outline.push(off);
+                if off > HALF && length > 0.0 {
+                    let normal = [(to[1] - from[1]) / length, (from[0] - to[0]) / length];
+                    thin.push(is_thin(borders.iter().copied(), place, point, normal));
+                }
             }
         }
     }
@@ -126,7 +149,7 @@ fn distances(layer: &Layer, borders: &[&[[f64; 2]]], frame: &Frame) -> (Vec<f64>
             .map(|&upright| to_outline.get(&(x, y, upright)).copied().unwrap_or(f64::INFINITY))
             .collect::<Vec<_>>()
     };
-    (sides.iter().flat_map(of_side).collect(), to_side)
+    Distances { of_cells: sides.iter().flat_map(of_side).collect(), of_outline, thin }
 }
 
 /// Where a line crosses the middle of a row or a column: tells the side nearest to it there and how far that is.
@@ -152,6 +175,28 @@ fn crossings(from: [f64; 2], to: [f64; 2], mut tell: impl FnMut(i64, i64, bool, 
             }
         }
     }
+}
+
+/// Whether another line of the outlines lies within the diagonal of a cell of a point, along the normal to either side.
+fn is_thin<'a>(
+    mut borders: impl Iterator<Item = &'a [[f64; 2]]>,
+    place: impl Fn([f64; 2]) -> [f64; 2],
+    point: [f64; 2],
+    normal: [f64; 2],
+) -> bool {
+    let meets = |from: [f64; 2], to: [f64; 2]| {
+        let [along, away] = [[to[0] - from[0], to[1] - from[1]], [from[0] - point[0], from[1] - point[1]]];
+        let cross = normal[0] * along[1] - normal[1] * along[0];
+        let on_ray = (away[0] * along[1] - away[1] * along[0]) / cross;
+        let on_line = (away[0] * normal[1] - away[1] * normal[0]) / cross;
+        cross != 0.0
+            && (0.0..=1.0).contains(&on_line)
+            && on_ray.abs() > 1e-6
+            && on_ray.abs() < std::f64::consts::SQRT_2
+    };
+    borders.any(|corners| {
+        corners.iter().zip(corners.iter().cycle().skip(1)).any(|(from, to)| meets(place(*from), place(*to)))
+    })
 }
 
 fn nearest_side(sides: &HashMap<(i64, i64), Vec<bool>>, [x, y]: [f64; 2]) -> f64 {
@@ -182,13 +227,13 @@ pub(super) fn table(text: &mut String, rows: &[Row]) -> std::fmt::Result {
     )?;
     writeln!(
         text,
-        "| part | solid mm³ | voxels mm³ | ratio | cells to surface, greatest | surface within half a bead of the cells | greatest |"
+        "| part | solid mm³ | voxels mm³ | ratio | cells to surface, greatest | surface within half a bead of the cells | of the rest, where part or gap is thinner than a cell's diagonal | greatest |"
     )?;
-    writeln!(text, "|---|---|---|---|---|---|---|")?;
+    writeln!(text, "|---|---|---|---|---|---|---|---|")?;
     for row in rows {
         writeln!(
             text,
-            "| {} | {:.1}{} | {:.1} | {:.4} | {:.3} | {:.2} % | {} |",
+            "| {} | {:.1}{} | {:.1} | {:.4} | {:.3} | {:.2} % | {} | {} |",
             row.part,
             row.solid_mm3,
             if row.overlap { " (from outlines: bodies overlap)" } else { "" },
@@ -196,6 +241,7 @@ pub(super) fn table(text: &mut String, rows: &[Row]) -> std::fmt::Result {
             row.voxels_mm3 / row.solid_mm3,
             row.cells_off,
             100.0 * row.outline_met,
+            row.rest_thin.map_or_else(|| "-".to_owned(), |thin| format!("{:.1} %", 100.0 * thin)),
             row.outline_off.map_or_else(|| "beyond 16".to_owned(), |off| format!("{off:.3}"))
         )?;
     }
