@@ -12,6 +12,7 @@ use beadwork_part::mesh::{Body, Format, Limits, Materials, Mesh, Model, Placemen
 use beadwork_part::slice::{Layers, Settings, cut, slice};
 use serde_json::{Value, json};
 
+use crate::plan::printed_layers;
 use crate::{machine, output};
 
 /// Measure how fast meshes are read, repaired and sliced, how much memory that takes, and how fast G-code is written,
@@ -250,17 +251,7 @@ fn gcode(repeats: u64) -> anyhow::Result<Value> {
     Placement::default().apply(&mut model)?;
     let sliced = slice(&model, &Settings::default())?;
     let covers: Vec<_> = sliced.layers.iter().flatten().map(|layer| cover(&layer.region)).collect();
-    let numbered =
-        sliced.layers.iter().enumerate().filter_map(|(number, layer)| Some((number, layer.as_ref()?)));
-    let layers: Vec<gcode::Layer<'_>> = numbered
-        .zip(&covers)
-        .map(|((number, layer), path)| gcode::Layer {
-            number,
-            region: &layer.region,
-            zones: &layer.zones,
-            path,
-        })
-        .collect();
+    let layers = printed_layers(&sliced, covers.iter());
     let settings = gcode::Settings { tools: vec![gcode::Tool::default()], ..gcode::Settings::default() };
     let title = Title { part: "sphere", version: env!("CARGO_PKG_VERSION") };
     let print = Print::new(title, &layers, &sliced.frame, &settings)?;

@@ -183,10 +183,11 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(path) = &args.out {
         output::file(path, &printed.text)?;
     }
+    let document = report.json();
     if let Some(path) = &files.totals {
-        output::file(path, &format!("{:#}\n", report.json()))?;
+        output::file(path, &format!("{document:#}\n"))?;
     }
-    if args.json { output::json(&report.json()) } else { output::text(&report.summary(&files)) }
+    if args.json { output::json(&document) } else { output::text(&report.summary(&files)) }
 }
 
 /// What is written.
@@ -224,6 +225,22 @@ pub(crate) fn refs(layers: &Layers) -> Vec<LayerRef<'_>> {
     layers.map(|slice::Layer { region, zones }| LayerRef { region, zones }).collect()
 }
 
+/// Layers with the paths of those that have cells, as they are printed: from the bed up, empty ones below left out.
+pub(crate) fn printed_layers<'a>(
+    layers: &'a Layers,
+    paths: impl Iterator<Item = &'a beadwork_grid::Path>,
+) -> Vec<Layer<'a>> {
+    let numbered = layers.layers.iter().skip(layers.empty_below()).enumerate();
+    let filled = numbered.filter_map(|(number, layer)| Some((number, layer.as_ref()?)));
+    let with_path = |((number, layer), path): ((usize, &'a slice::Layer), &'a beadwork_grid::Path)| Layer {
+        number,
+        region: &layer.region,
+        zones: &layer.zones,
+        path,
+    };
+    filled.zip(paths).map(with_path).collect()
+}
+
 /// A plan as G-code that has been checked.
 pub(crate) struct Printed {
     pub(crate) text: String,
@@ -240,17 +257,7 @@ pub(crate) fn print(
     profile: &Profile,
     settings: gcode::Settings,
 ) -> anyhow::Result<Printed> {
-    let layers = part.layers.layers.iter().skip(part.layers.empty_below()).enumerate();
-    let numbered = layers.filter_map(|(number, layer)| Some((number, layer.as_ref()?)));
-    let layers: Vec<Layer<'_>> = numbered
-        .zip(&plan.layers)
-        .map(|((number, layer), planned)| Layer {
-            number,
-            region: &layer.region,
-            zones: &layer.zones,
-            path: &planned.path,
-        })
-        .collect();
+    let layers = printed_layers(&part.layers, plan.layers.iter().map(|planned| &planned.path));
     let frame = &part.layers.frame;
     let (Print { program, totals }, settings) = profile.print(&part.name, &layers, frame, settings)?;
     let text = program.emit();

@@ -185,9 +185,9 @@ impl Profile {
 
 /// Places for a tower beside, behind and before the part, small ones first.
 fn places(frame: &Frame, [bed_x, bed_y, _]: [f64; 3]) -> Vec<Tower> {
-    let (width, depth) = (f64::from(frame.width) * frame.cell_mm, f64::from(frame.height) * frame.cell_mm);
-    let (left, right) = (frame.left_mm - TOWER_GAP_MM, frame.left_mm + width + TOWER_GAP_MM);
-    let (front, back) = (frame.back_mm - depth - TOWER_GAP_MM, frame.back_mm + TOWER_GAP_MM);
+    let [left, front, right, back] = frame.sides_mm();
+    let (left, right) = (left - TOWER_GAP_MM, right + TOWER_GAP_MM);
+    let (front, back) = (front - TOWER_GAP_MM, back + TOWER_GAP_MM);
     let mut towers = Vec::new();
     for size in [20.0, 40.0, 60.0, 90.0, 130.0, 180.0, 250.0, 400.0] {
         let beside = |left_mm: f64| Tower { left_mm, front_mm: 0.0, width_mm: size, depth_mm: bed_y };

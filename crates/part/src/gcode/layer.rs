@@ -131,7 +131,7 @@ const ROUNDING_MM: f64 = 1e-6;
 
 fn check_place(last: usize, frame: &Frame, settings: &Settings) -> Result<(), SettingsError> {
     let [bed_x, bed_y, bed_z] = settings.printer.bed_mm;
-    let [left_mm, front_mm, right_mm, back_mm] = plane_mm(frame);
+    let [left_mm, front_mm, right_mm, back_mm] = frame.sides_mm();
     if front_mm < -ROUNDING_MM || right_mm > bed_x + ROUNDING_MM || back_mm > bed_y + ROUNDING_MM {
         return Err(SettingsError::PartOutside { left_mm, front_mm, right_mm, back_mm });
     }
@@ -149,12 +149,6 @@ fn check_place(last: usize, frame: &Frame, settings: &Settings) -> Result<(), Se
         || back <= front_mm + ROUNDING_MM
         || tower.front_mm >= back_mm - ROUNDING_MM;
     if apart { Ok(()) } else { Err(SettingsError::TowerOverlaps) }
-}
-
-/// Left, front, right and back of the plane of all layers, in mm.
-fn plane_mm(frame: &Frame) -> [f64; 4] {
-    let (width, depth) = (f64::from(frame.width) * frame.cell_mm, f64::from(frame.height) * frame.cell_mm);
-    [frame.left_mm, frame.back_mm - depth, frame.left_mm + width, frame.back_mm]
 }
 
 #[cfg(test)]

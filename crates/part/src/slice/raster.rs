@@ -14,7 +14,7 @@ pub(super) fn each_run(
     mut fill: impl FnMut(u32, u32, u32),
 ) {
     // Rows counted from the front, y upwards; then from the back, as layers have them.
-    let front_mm = frame.back_mm - f64::from(frame.height) * frame.cell_mm;
+    let [_, front_mm, ..] = frame.sides_mm();
     let row_mm = |row: u32| front_mm + (f64::from(row) + 0.5) * frame.cell_mm;
     let first_row = |y: f64| first_centre(y, front_mm, frame.cell_mm, frame.height);
     let mut crossings: Vec<(u32, f64, i32)> = Vec::new();
