@@ -1,0 +1,99 @@
+//! Explicit steps that are longer than explicit steps may be.
+//!
+//! A step of s stages multiplies each mode of the temperature, which decays at rate λ, by a polynomial P of degree s at
+//! z = -λ dt. Of all polynomials with P(z) = 1 + z + z² / 2 + ..., which makes the step second-order accurate, shifted
+//! Chebyshev ones stay below 1 farthest: to about 2/3 s² (Sommeijer, Shampine and Verwer 1997, RKC; damping 2/13). They
+//! are used in factors here: the roots of P come in conjugate pairs, and each pair is one [`crate::kernel::Pair`], which
+//! needs no memory of earlier stages.
+
+use std::f64::consts::PI;
+
+/// Two stages, for a step of one second: θ + a f(θ) + b J f(θ).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Factor {
+    pub(crate) a: f64,
+    pub(crate) b: f64,
+}
+
+/// A step of an even number of stages.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Polynomial {
+    pub(crate) factors: Vec<Factor>,
+    /// The largest λ dt for which no mode grows.
+    pub(crate) reach: f64,
+}
+
+/// How far |P| stays below 1 in the middle of its range.
+const DAMPING: f64 = 2.0 / 13.0;
+
+impl Polynomial {
+    /// Of so many stages.
+    ///
+    /// # Panics
+    /// If the number is odd or 0.
+    pub(crate) fn of_stages(stages: usize) -> Self {
+        assert!(stages > 0 && stages.is_multiple_of(2), "stages come in pairs");
+        if stages == 2 {
+            return Self { factors: vec![Factor { a: 1.0, b: 0.5 }], reach: 2.0 };
+        }
+        let s = stages as f64;
+        let w0 = 1.0 + DAMPING / (s * s);
+        let u = libm::acosh(w0);
+        // T(w0) and its derivatives, T = cosh(s acosh(w)).
+        let (sinh_u, cosh_u) = (libm::sinh(u), libm::cosh(u));
+        let value = libm::cosh(s * u);
+        let first = s * libm::sinh(s * u) / sinh_u;
+        let second = (s * s * value - first * cosh_u) / (sinh_u * sinh_u);
+        let (w1, b) = (first / second, second / (first * first));
+        // P(z) = 1 - b T(w0) + b T(w0 + w1 z) is 0 where T = -c, c > 1: at w = cosh(A + iB).
+        let c = 1.0 / b - value;
+        let a_part = libm::acosh(c) / s;
+        let mut factors: Vec<Factor> = (0..stages / 2)
+            .map(|j| {
+                let b_part = PI * (2.0 * j as f64 + 1.0) / s;
+                let re = (libm::cosh(a_part) * libm::cos(b_part) - w0) / w1;
+                let im = libm::sinh(a_part) * libm::sin(b_part) / w1;
+                let square = re * re + im * im;
+                Factor { a: -2.0 * re / square, b: 1.0 / square }
+            })
+            .collect();
+        // Each factor alone lets some modes grow: those that damp the fastest modes go between the others.
+        let half = factors.len().div_ceil(2);
+        let gentle = factors.split_off(half);
+        let mut mixed = Vec::with_capacity(stages / 2);
+        let mut gentle = gentle.into_iter().rev();
+        for strong in factors {
+            mixed.extend(gentle.next());
+            mixed.push(strong);
+        }
+        Self { factors: mixed, reach: (w0 + 1.0) / w1 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(polynomial: &Polynomial, z: f64) -> f64 {
+        polynomial.factors.iter().map(|f| 1.0 + f.a * z + f.b * z * z).product()
+    }
+
+    #[test]
+    fn steps_are_second_order_and_stable_to_their_reach() {
+        for stages in (2..=64).step_by(2) {
+            let p = Polynomial::of_stages(stages);
+            assert_eq!(p.factors.len() * 2, stages);
+            let sum: f64 = p.factors.iter().map(|f| f.a).sum();
+            assert!((sum - 1.0).abs() < 1e-9, "{stages}: {sum}");
+            // The coefficient of z² from the factors' own.
+            let squares: f64 = p.factors.iter().map(|f| f.b - f.a * f.a / 2.0).sum();
+            assert!((squares + 0.5 * sum * sum - 0.5).abs() < 1e-9, "{stages}");
+            for i in 0..=10_000 {
+                let z = -p.reach * f64::from(i) / 10_000.0;
+                assert!(value(&p, z).abs() <= 1.0 + 1e-9, "{stages} stages at {z}: {}", value(&p, z));
+            }
+            let s = stages as f64;
+            assert!(stages == 2 || p.reach > 0.65 * (s * s - 1.0), "{stages}: {}", p.reach);
+        }
+    }
+}

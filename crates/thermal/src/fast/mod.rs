@@ -1,0 +1,229 @@
+//! The fast stepper: long steps far from the nozzle, short ones near it.
+//!
+//! Behind the nozzle, temperatures change within milliseconds; a few millimetres away, within seconds; farther still,
+//! within minutes. So a long step is taken everywhere first, as if nothing was born in it. It is wrong near the nozzle: in a
+//! **window** around all recent births, and around those of the step itself, the step is then taken anew in shorter
+//! steps, from a copy of the old temperatures, and the copy's **rim** follows the long step. What comes out replaces the
+//! long step's result there. The shorter steps do the same with a smaller window and steps that are shorter again, down
+//! to single births. This is local time stepping as in adaptive mesh refinement (Berger and Oliger 1984), on one mesh.
+//!
+//! Steps of each level are explicit, but of as many stages as makes their length stable (`chebyshev.rs`), so that the cost
+//! of a step grows with the root of its length only. A window that would save nothing is not used.
+
+mod chebyshev;
+mod level;
+mod window;
+
+use crate::kernel::{Pair, Rates, dispatch};
+use crate::law::Law;
+use crate::occupancy::Change;
+use crate::patch::Patch;
+use crate::piece::Piece;
+use crate::state::{StateMut, Voxels};
+
+use self::level::{Level, levels};
+use self::window::Window;
+
+pub use self::level::Accuracy;
+
+/// Pieces of a run before what births have changed is forgotten.
+const RUN: usize = 4096;
+
+/// Takes a copy of a window, and puts it back: in sweeps of as many voxels.
+const COPY_STAGES: f64 = 3.0;
+
+#[derive(Debug)]
+pub(crate) struct Fast {
+    levels: Vec<Level>,
+    /// Births that are still of interest, oldest first: where, and when their slots ended.
+    history: Vec<([usize; 3], f64)>,
+    now: f64,
+    memory: Memory,
+}
+
+/// Memory that is used again and again.
+#[derive(Debug, Default)]
+struct Memory {
+    windows: Vec<Patch>,
+    rates: Rates,
+    /// What the births of the run have changed, in their order.
+    changes: Vec<Change>,
+}
+
+impl Clone for Fast {
+    fn clone(&self) -> Self {
+        let Self { levels, history, now, .. } = self;
+        Self { levels: levels.clone(), history: history.clone(), now: *now, memory: Memory::default() }
+    }
+}
+
+/// A patch in the middle of a step of the patch around it.
+struct Nested<'a> {
+    patch: &'a mut Patch,
+    /// Changes that the patch has taken up.
+    known: usize,
+    /// The patch around it, at the end of its step; `None` for the whole part.
+    outer: Option<&'a Patch>,
+    /// Length of that step, s, and how much of it is over.
+    step_s: f64,
+    done_s: f64,
+    /// How far the rim has moved, as a part of the step.
+    rim: f64,
+}
+
+impl Nested<'_> {
+    /// Brings the rim to where it is in the middle of the next so many seconds.
+    fn move_rim(&mut self, seconds: f64) {
+        let Some(outer) = self.outer else { return };
+        let to = (self.done_s + seconds / 2.0) / self.step_s;
+        self.patch.move_rim(outer, ((to - self.rim) / (1.0 - self.rim)) as f32);
+        self.rim = to;
+    }
+
+    fn take_up(&mut self, changes: &[Change], law: &Law) {
+        self.patch.take_up(&changes[self.known..], law);
+        self.known = changes.len();
+    }
+}
+
+impl Fast {
+    pub(crate) fn new(accuracy: Accuracy, law: &Law) -> Self {
+        Self { levels: levels(accuracy, law), history: Vec::new(), now: 0.0, memory: Memory::default() }
+    }
+
+    pub(crate) fn run(&mut self, state: StateMut<'_>, law: &Law, pieces: &[Piece]) {
+        let StateMut { patch, mut voxels } = state;
+        for pieces in pieces.chunks(RUN) {
+            let mut whole = Nested { patch, known: 0, outer: None, step_s: 0.0, done_s: 0.0, rim: 0.0 };
+            self.advance(&mut whole, &mut voxels, law, self.levels.len() - 1, pieces);
+            whole.take_up(&self.memory.changes, law);
+            self.memory.changes.clear();
+        }
+        let oldest = self.now - self.levels.iter().map(|level| level.age_s).fold(0.0, f64::max);
+        let past = self.history.partition_point(|&(_, time)| time < oldest);
+        self.history.drain(..past);
+    }
+
+    /// Takes a patch through some pieces, in steps of a level or shorter ones.
+    fn advance(
+        &mut self,
+        nested: &mut Nested<'_>,
+        voxels: &mut Voxels<'_>,
+        law: &Law,
+        level: usize,
+        mut pieces: &[Piece],
+    ) {
+        if level == 0 {
+            self.births(nested, voxels, law, pieces);
+            return;
+        }
+        let longest = self.levels[level].seconds;
+        while let Some((&first, rest)) = pieces.split_first() {
+            if first.seconds > longest {
+                for part in first.parts(longest) {
+                    self.group(nested, voxels, law, level, &[part]);
+                }
+                pieces = rest;
+                continue;
+            }
+            let mut seconds = 0.0;
+            let fits = |piece: &&Piece| {
+                seconds += piece.seconds;
+                seconds <= longest
+            };
+            let (group, rest) = pieces.split_at(pieces.iter().take_while(fits).count());
+            self.group(nested, voxels, law, level, group);
+            pieces = rest;
+        }
+    }
+
+    /// Takes a patch through pieces that fit into one step of a level.
+    fn group(
+        &mut self,
+        nested: &mut Nested<'_>,
+        voxels: &mut Voxels<'_>,
+        law: &Law,
+        level: usize,
+        pieces: &[Piece],
+    ) {
+        let seconds: f64 = pieces.iter().map(|piece| piece.seconds).sum();
+        let window = self.window(nested.patch, voxels.top(), level, pieces);
+        if window.is_some_and(|window| !self.saves(window, nested.patch, level, seconds)) {
+            self.advance(nested, voxels, law, level - 1, pieces);
+            return;
+        }
+        nested.take_up(&self.memory.changes, law);
+        let mut inner = self.memory.windows.pop().unwrap_or_default();
+        if let Some(window) = window {
+            inner.copy_window(window, nested.patch);
+        }
+        nested.move_rim(seconds);
+        self.step(nested.patch, law, level, seconds, None, voxels.top());
+        if window.is_some() {
+            let outer = Some(&*nested.patch);
+            let known = nested.known;
+            let mut finer =
+                Nested { patch: &mut inner, known, outer, step_s: seconds, done_s: 0.0, rim: 0.0 };
+            self.advance(&mut finer, voxels, law, level - 1, pieces);
+            nested.take_up(&self.memory.changes, law);
+            inner.put_back(nested.patch);
+        } else {
+            self.now += seconds;
+        }
+        nested.done_s += seconds;
+        self.memory.windows.push(inner);
+    }
+
+    /// Takes a patch through pieces, each in one step or more.
+    fn births(&mut self, nested: &mut Nested<'_>, voxels: &mut Voxels<'_>, law: &Law, pieces: &[Piece]) {
+        let seconds: f64 = pieces.iter().map(|piece| piece.seconds).sum();
+        nested.move_rim(seconds);
+        nested.done_s += seconds;
+        for piece in pieces {
+            if let Some(at) = piece.held.filter(|_| piece.born) {
+                voxels.birth(at, law, &mut self.memory.changes);
+                self.history.push((at, self.now + piece.seconds));
+            }
+            nested.take_up(&self.memory.changes, law);
+            let held =
+                piece.held.map(|at| nested.patch.index(at).expect("windows hold all births of their steps"));
+            for part in piece.parts(self.levels[0].seconds) {
+                self.step(nested.patch, law, 0, part.seconds, held, voxels.top());
+            }
+            self.now += piece.seconds;
+        }
+    }
+
+    /// One step of a level.
+    fn step(
+        &mut self,
+        patch: &mut Patch,
+        law: &Law,
+        level: usize,
+        seconds: f64,
+        held: Option<usize>,
+        top: usize,
+    ) {
+        let top = (top - patch.origin[2]).min(patch.shape.rows - 1);
+        let rates = self.memory.rates.of(patch.shape, top);
+        for factor in &self.levels[level].polynomial.factors {
+            let (a, b) = ((factor.a * seconds) as f32, (factor.b * seconds * seconds) as f32);
+            dispatch(Pair { law, patch, rates, a, b, held, top });
+        }
+    }
+
+    /// Where a step over the given pieces has to be taken in shorter ones, if anywhere.
+    fn window(&self, patch: &Patch, top: usize, level: usize, pieces: &[Piece]) -> Option<Window> {
+        let Level { age_s, margins, .. } = self.levels[level];
+        let recent = self.history.iter().rev().take_while(|&&(_, time)| time > self.now - age_s);
+        let coming = pieces.iter().filter_map(|piece| piece.held);
+        Window::around(recent.map(|&(at, _)| at).chain(coming), margins, patch, top)
+    }
+
+    /// Whether a long step of a patch and short ones of a window take less time than short ones of the patch.
+    fn saves(&self, window: Window, patch: &Patch, level: usize, seconds: f64) -> bool {
+        let (long, short) = (&self.levels[level], self.levels[level - 1].stages_per_second() * seconds);
+        let (whole, part) = (patch.shape.len() as f64, window.shape.len() as f64);
+        whole * long.stages() + part * (short + COPY_STAGES) < whole * short
+    }
+}

@@ -1,0 +1,140 @@
+//! Windows into a patch: boxes in which steps are shorter.
+
+use crate::aligned::LINE;
+use crate::patch::{Line, Patch, Shape};
+
+/// A box of the part's patch, rim included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Window {
+    /// x, y and z of its first number; x is a multiple of a cache line.
+    pub(super) origin: [usize; 3],
+    pub(super) shape: Shape,
+}
+
+impl Window {
+    /// Around voxels of the part's patch, with a margin in x and y and one in z, as far as it lies inside a patch whose
+    /// rows from `top` on are empty; `None` if there are no voxels.
+    pub(super) fn around(
+        voxels: impl Iterator<Item = [usize; 3]>,
+        margins: [usize; 2],
+        patch: &Patch,
+        top: usize,
+    ) -> Option<Self> {
+        let (mut low, mut high) = ([usize::MAX; 3], [0; 3]);
+        for at in voxels {
+            for axis in 0..3 {
+                low[axis] = low[axis].min(at[axis]);
+                high[axis] = high[axis].max(at[axis]);
+            }
+        }
+        if low[0] == usize::MAX {
+            return None;
+        }
+        let Shape { row, rows, planes } = patch.shape;
+        // Above everything printed, one row of rim suffices.
+        let above = top.max(high[2] + 1) + 1;
+        let ends = [patch.origin[0] + row, patch.origin[1] + planes, (patch.origin[2] + rows).min(above)];
+        let (mut origin, mut size) = ([0; 3], [0; 3]);
+        for axis in 0..3 {
+            let margin = margins[axis / 2] + 1;
+            let (mut from, mut to) = (low[axis].saturating_sub(margin), high[axis] + margin + 1);
+            if axis == 0 {
+                (from, to) = (from / LINE * LINE, to.next_multiple_of(LINE));
+            }
+            origin[axis] = from.max(patch.origin[axis]);
+            size[axis] = to.min(ends[axis]) - origin[axis];
+        }
+        let [row, planes, rows] = size;
+        Some(Self { origin, shape: Shape { row, rows, planes } })
+    }
+}
+
+/// Calls `each` for all rows of a window: where the row lies in the patch around it, where in the window's own, and
+/// whether it belongs to the rim.
+fn rows(window: Window, outer: &Patch, mut each: impl FnMut(usize, usize, bool)) {
+    let [x, y, z] = [0, 1, 2].map(|axis: usize| window.origin[axis] - outer.origin[axis]);
+    let Shape { row, rows, planes } = window.shape;
+    for plane in 0..planes {
+        let rim = plane == 0 || plane == planes - 1;
+        let mut from = outer.shape.index([x, y + plane, z]);
+        let mut to = plane * window.shape.plane();
+        for i in 0..rows {
+            each(from, to, rim || i == 0 || i == rows - 1);
+            from += outer.shape.row;
+            to += row;
+        }
+    }
+}
+
+impl Patch {
+    fn window(&self) -> Window {
+        Window { origin: self.origin, shape: self.shape }
+    }
+
+    /// Becomes a copy of a window of another patch; its rim will not change by itself.
+    pub(super) fn copy_window(&mut self, window: Window, outer: &Self) {
+        let Window { origin, shape } = window;
+        let (row, len) = (shape.row, shape.len());
+        (self.shape, self.origin) = (shape, origin);
+        self.theta.resize(len);
+        let own = &mut self.activity;
+        own.damping.resize(len);
+        own.exposure.resize(len);
+        own.caps.resize(if outer.activity.caps.is_empty() { 0 } else { len });
+        own.lines.resize(len / LINE, Line::Empty);
+        rows(window, outer, |from, to, rim| {
+            self.theta[to..to + row].copy_from_slice(&outer.theta[from..from + row]);
+            if rim {
+                return;
+            }
+            let (own, other) = (&mut self.activity, &outer.activity);
+            own.exposure[to..to + row].copy_from_slice(&other.exposure[from..from + row]);
+            if !own.caps.is_empty() {
+                own.caps[to..to + row].copy_from_slice(&other.caps[from..from + row]);
+            }
+            // With a damping of 0, the ends of rows count as inactive.
+            let damping = &mut own.damping[to..to + row];
+            damping.copy_from_slice(&other.damping[from..from + row]);
+            (damping[0], damping[row - 1]) = (0.0, 0.0);
+            let lines = &mut own.lines[to / LINE..(to + row) / LINE];
+            lines.copy_from_slice(&other.lines[from / LINE..(from + row) / LINE]);
+            for end in [0, row / LINE - 1] {
+                if lines[end] == Line::Interior {
+                    lines[end] = Line::Mixed;
+                }
+            }
+        });
+    }
+
+    /// Puts the temperatures inside the rim back into the patch they were copied from.
+    pub(super) fn put_back(&self, outer: &mut Self) {
+        let row = self.shape.row;
+        let mut places = Vec::with_capacity(self.shape.rows * self.shape.planes);
+        rows(self.window(), outer, |to, from, rim| {
+            if !rim {
+                places.push((to, from));
+            }
+        });
+        for (to, from) in places {
+            outer.theta[to + 1..to + row - 1].copy_from_slice(&self.theta[from + 1..from + row - 1]);
+        }
+    }
+
+    /// Moves the temperatures of the rim towards those of the patch around it, by a part of the difference.
+    pub(super) fn move_rim(&mut self, outer: &Self, part: f32) {
+        let row = self.shape.row;
+        let window = self.window();
+        let theta = &mut self.theta;
+        rows(window, outer, |from, to, rim| {
+            if rim {
+                for (own, other) in theta[to..to + row].iter_mut().zip(&outer.theta[from..from + row]) {
+                    *own += part * (other - *own);
+                }
+            } else {
+                for i in [0, row - 1] {
+                    theta[to + i] += part * (outer.theta[from + i] - theta[to + i]);
+                }
+            }
+        });
+    }
+}

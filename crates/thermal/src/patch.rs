@@ -1,0 +1,129 @@
+//! A box of voxels, as flat arrays that can be swept from end to end.
+
+use crate::aligned::{Aligned, LINE};
+use crate::law::{Law, Voxel};
+use crate::occupancy::Change;
+
+/// The sizes of a patch: `planes` planes of `rows` rows of `row` numbers. Rows run along x; a plane is upright, its rows
+/// lie one above the other along z; planes follow each other along y.
+///
+/// So the printed part of each plane is one range that grows upwards, and as parts have fewer layers than rows, few
+/// planes of it fit into the fastest memory. The first and the last of planes, of rows and of each row's numbers are
+/// **rim**: they are read as neighbours but never change, so that a sweep may run over the ends of rows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Shape {
+    /// Numbers in a row, a multiple of a cache line's.
+    pub(crate) row: usize,
+    /// Rows in a plane.
+    pub(crate) rows: usize,
+    /// Planes.
+    pub(crate) planes: usize,
+}
+
+impl Shape {
+    /// For so many voxels, with the rim.
+    pub(crate) fn around(width: usize, height: usize, depth: usize) -> Self {
+        Self { row: (width + 2).next_multiple_of(LINE), rows: depth + 2, planes: height + 2 }
+    }
+
+    pub(crate) fn plane(&self) -> usize {
+        self.row * self.rows
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.plane() * self.planes
+    }
+
+    /// Where a voxel lies, with the rim counted.
+    pub(crate) fn index(&self, at: [usize; 3]) -> usize {
+        let [x, y, z] = at;
+        (y * self.rows + z) * self.row + x
+    }
+}
+
+/// How the numbers of a cache line are to be swept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Line {
+    /// No voxel in it is active: all are 0, and stay so.
+    #[default]
+    Empty,
+    /// Some have a face to the air or to the plate, or are inactive.
+    Mixed,
+    /// All are active and all their neighbours too.
+    Interior,
+}
+
+/// Which voxels are active, and the numbers of each: as [`crate::law::Law`] has them, one array each.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Activity {
+    pub(crate) damping: Aligned,
+    pub(crate) exposure: Aligned,
+    /// Of no numbers unless surfaces have a resistance.
+    pub(crate) caps: Aligned,
+    /// One for each cache line of the other arrays.
+    pub(crate) lines: Vec<Line>,
+}
+
+impl Activity {
+    /// Nothing is active.
+    pub(crate) fn none(shape: Shape, resistance: bool) -> Self {
+        let len = shape.len();
+        Self {
+            damping: Aligned::zeros(len),
+            exposure: Aligned::zeros(len),
+            caps: Aligned::zeros(if resistance { len } else { 0 }),
+            lines: vec![Line::Empty; len / LINE],
+        }
+    }
+
+    pub(crate) fn set(&mut self, index: usize, voxel: Voxel, line: Line) {
+        self.damping[index] = voxel.damping;
+        self.exposure[index] = voxel.exposure;
+        if let Some(caps) = self.caps.get_mut(index) {
+            *caps = voxel.caps;
+        }
+        self.lines[index / LINE] = line;
+    }
+}
+
+/// A box of voxels with their temperatures: the whole part, or a window into it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Patch {
+    pub(crate) shape: Shape,
+    /// x, y and z of its first number in the part's patch; x is a multiple of a cache line.
+    pub(crate) origin: [usize; 3],
+    pub(crate) activity: Activity,
+    /// Temperatures above that of the air, K; 0 where no voxel is active.
+    pub(crate) theta: Aligned,
+}
+
+impl Patch {
+    /// A part of which nothing is printed yet.
+    pub(crate) fn empty(shape: Shape, law: &Law) -> Self {
+        let mut theta = Aligned::zeros(shape.len());
+        theta.chunks_exact_mut(shape.plane()).for_each(|plane| plane[..shape.row].fill(law.ghost));
+        Self { shape, origin: [0; 3], activity: Activity::none(shape, law.resistance.is_some()), theta }
+    }
+
+    /// The flat index of a voxel of the part's patch, or `None` if it isn't inside this one's rim.
+    pub(crate) fn index(&self, at: [usize; 3]) -> Option<usize> {
+        let Shape { row, rows, planes } = self.shape;
+        let [x, y, z] = [0, 1, 2].map(|axis: usize| at[axis].wrapping_sub(self.origin[axis]));
+        let inner = |i: usize, n: usize| i.wrapping_sub(1) < n - 2;
+        (inner(x, row) && inner(y, planes) && inner(z, rows)).then(|| self.shape.index([x, y, z]))
+    }
+
+    /// Takes up births.
+    pub(crate) fn take_up(&mut self, changes: &[Change], law: &Law) {
+        let lines = self.shape.row / LINE;
+        for change in changes {
+            let Some(index) = self.index(change.at) else { continue };
+            // The ends of rows are rim, whatever they are in the part.
+            let end = [0, lines - 1].contains(&(index / LINE % lines));
+            self.activity.set(index, change.voxel, if end { Line::Mixed } else { change.line });
+            if change.born {
+                self.theta[index] = law.birth;
+            }
+        }
+    }
+}

@@ -1,0 +1,308 @@
+//! A print as it goes on: what is deposited, and how warm it is.
+
+use std::sync::Arc;
+
+use beadwork_grid::Cell;
+use beadwork_part::slice::Voxels;
+use thiserror::Error;
+
+use crate::explicit::{Explicit, Scheme};
+use crate::fast::{Accuracy, Fast};
+use crate::law::Law;
+use crate::material::Material;
+use crate::patch::Shape;
+use crate::piece::Piece;
+use crate::process::Process;
+use crate::property::PropertyError;
+use crate::state::State;
+use crate::timeline::{Slot, layer_slots};
+
+/// How the heat equation is stepped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Method {
+    /// One explicit step of the whole part for each birth: the scheme of the paper, and the definition that the others
+    /// are faster or better ways to follow. A slot must not be longer than [`Simulation::stable_seconds`].
+    ///
+    /// Each birth costs a sweep of all that is printed, so a part costs its square.
+    Naive,
+    /// Heun's method with so many steps of the whole part for each birth: second order, to measure errors by. Twice as
+    /// many sweeps as steps.
+    Reference {
+        /// Steps for each birth, at least 1.
+        steps: u32,
+    },
+    /// Long steps far from the nozzle, short ones near it.
+    Fast(Accuracy),
+}
+
+impl Default for Method {
+    fn default() -> Self {
+        Self::Fast(Accuracy::Standard)
+    }
+}
+
+/// Why a part can't be simulated.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum SetupError {
+    /// A property makes no sense.
+    #[error(transparent)]
+    Property(#[from] PropertyError),
+    /// Cells or layers have no size.
+    #[error("voxels are {cell_mm} mm wide and {layer_mm} mm high: both must be more than 0")]
+    Size {
+        /// Width, mm.
+        cell_mm: f64,
+        /// Height, mm.
+        layer_mm: f64,
+    },
+    /// A birth takes too long for one explicit step.
+    #[error(
+        "a birth of {seconds} s is longer than the longest stable step of {limit} s: choose another method or speed"
+    )]
+    Unstable {
+        /// How long it takes, s.
+        seconds: f64,
+        /// The longest stable step, s.
+        limit: f64,
+    },
+    /// No steps.
+    #[error("the reference method needs at least 1 step for a birth")]
+    NoSteps,
+}
+
+/// Why something can't be deposited. Nothing is changed by what is refused.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum DepositError {
+    /// The part has no such voxel.
+    #[error("voxel {voxel:?} is not part of the print")]
+    Outside {
+        /// x, y and z.
+        voxel: [u32; 3],
+    },
+    /// The voxel is there already.
+    #[error("voxel {voxel:?} is deposited twice")]
+    Repeated {
+        /// x, y and z.
+        voxel: [u32; 3],
+    },
+    /// An order of a layer leaves a voxel out.
+    #[error("voxel {voxel:?} is missing from the order of its layer")]
+    Missing {
+        /// x, y and z.
+        voxel: [u32; 3],
+    },
+    /// What lies below the voxel, as part of the print, is not there yet.
+    #[error("voxel {voxel:?} has nothing to lie on: the one below is not deposited yet")]
+    Unsupported {
+        /// x, y and z.
+        voxel: [u32; 3],
+    },
+    /// A slot has no length that time can have.
+    #[error("slot {slot} lasts {seconds} s: it must be at least 0, and more with a voxel")]
+    Duration {
+        /// Which, from 0.
+        slot: usize,
+        /// How long it lasts, s.
+        seconds: f64,
+    },
+    /// A birth takes too long for one explicit step.
+    #[error(
+        "the birth of voxel {voxel:?} takes {seconds} s, longer than the longest stable step of {limit} s"
+    )]
+    Unstable {
+        /// x, y and z.
+        voxel: [u32; 3],
+        /// How long it takes, s.
+        seconds: f64,
+        /// The longest stable step, s.
+        limit: f64,
+    },
+}
+
+#[derive(Clone, Debug)]
+enum Stepper {
+    Explicit(Explicit),
+    Fast(Fast),
+}
+
+/// A part in the middle of its print.
+///
+/// Clones are cheap: they share all temperatures until one of them goes on, so that many orders of a layer can be tried
+/// from one state. See the crate's page for an example.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    part: Arc<Voxels>,
+    process: Arc<Process>,
+    law: Arc<Law>,
+    state: State,
+    stepper: Stepper,
+    seconds: f64,
+    stable_s: f64,
+    /// The last voxel deposited.
+    last: Option<[u32; 3]>,
+}
+
+impl Simulation {
+    /// A part before anything is deposited.
+    ///
+    /// All voxels have the properties of the one material, whatever their own number says. Memory is some 20 bytes for
+    /// each voxel of the box around the part.
+    pub fn new(
+        part: Arc<Voxels>,
+        material: &Material,
+        process: &Process,
+        method: Method,
+    ) -> Result<Self, SetupError> {
+        material.check()?;
+        process.check()?;
+        let frame = &part.frame;
+        let (cell_mm, layer_mm) = (frame.cell_mm, frame.layer_mm);
+        if !(cell_mm > 0.0 && layer_mm > 0.0 && cell_mm.is_finite() && layer_mm.is_finite()) {
+            return Err(SetupError::Size { cell_mm, layer_mm });
+        }
+        let law = Law::new(material, process, cell_mm / 1e3, layer_mm / 1e3);
+        let birth_s = cell_mm / process.print_mm_s;
+        let stable_s = 2.0 / law.fastest;
+        let stepper = match method {
+            Method::Naive if birth_s > stable_s => {
+                return Err(SetupError::Unstable { seconds: birth_s, limit: stable_s });
+            }
+            Method::Naive => Stepper::Explicit(Explicit::new(Scheme::Euler, birth_s)),
+            Method::Reference { steps: 0 } => return Err(SetupError::NoSteps),
+            Method::Reference { steps } => {
+                Stepper::Explicit(Explicit::new(Scheme::Heun { steps }, birth_s.min(stable_s)))
+            }
+            Method::Fast(accuracy) => Stepper::Fast(Fast::new(accuracy, &law)),
+        };
+        let shape = Shape::around(frame.width as usize, frame.height as usize, part.depth);
+        let state = State::empty(shape, &law);
+        let (process, law) = (Arc::new(process.clone()), Arc::new(law));
+        Ok(Self { part, process, law, state, stepper, seconds: 0.0, stable_s, last: None })
+    }
+
+    /// The part.
+    pub fn part(&self) -> &Voxels {
+        &self.part
+    }
+
+    /// How it is printed.
+    pub fn process(&self) -> &Process {
+        &self.process
+    }
+
+    /// Time since the start, s.
+    pub fn seconds(&self) -> f64 {
+        self.seconds
+    }
+
+    /// The longest step for which the explicit scheme is stable, s: two over the fastest rate at which any difference of
+    /// temperatures can die out (Gershgorin's bound).
+    pub fn stable_seconds(&self) -> f64 {
+        self.stable_s
+    }
+
+    /// Deposits all cells of a layer in the given order, at the process's speed, with travel between cells that are not
+    /// neighbours; tells how long that took, s.
+    pub fn deposit(&mut self, layer: u32, order: &[Cell]) -> Result<f64, DepositError> {
+        let width = self.part.frame.width;
+        let from = self.last.map(|[x, y, _]| y * width + x);
+        let slots = layer_slots(order, layer, from, &self.part.frame, &self.process);
+        let before = self.seconds;
+        let pieces = self.check(&slots)?;
+        let mut ordered = vec![false; (width * self.part.frame.height) as usize];
+        order.iter().for_each(|&cell| ordered[cell as usize] = true);
+        if let Some(cell) = self.part.cells(layer as usize).find(|&cell| !ordered[cell as usize]) {
+            return Err(DepositError::Missing { voxel: [cell % width, cell / width, layer] });
+        }
+        self.step(&slots, &pieces);
+        Ok(self.seconds - before)
+    }
+
+    /// Runs through slots: births of any voxels at any times, and pauses.
+    pub fn run(&mut self, slots: &[Slot]) -> Result<(), DepositError> {
+        let pieces = self.check(slots)?;
+        self.step(slots, &pieces);
+        Ok(())
+    }
+
+    /// Lets time pass, s.
+    ///
+    /// # Panics
+    /// If the time is negative or no number.
+    pub fn pause(&mut self, seconds: f64) {
+        self.run(&[Slot::pause(seconds)]).expect("a pause takes no less than no time");
+    }
+
+    /// Temperature of a voxel, °C; `None` if it is not deposited.
+    pub fn temperature_c(&self, voxel: [u32; 3]) -> Option<f64> {
+        let [x, y, z] = voxel;
+        self.part.material(x, y, z as usize)?;
+        let index = self.state.patch.shape.index(with_rim(voxel));
+        let active = self.state.occupancy.is_active(index);
+        active.then(|| f64::from(self.state.patch.theta[index]) + self.law.ambient_c)
+    }
+
+    /// The voxels of a layer that are deposited, in the order of their cells, and their temperatures, °C.
+    pub fn layer_c(&self, layer: u32) -> impl Iterator<Item = (Cell, f64)> {
+        let width = self.part.frame.width;
+        self.part
+            .cells(layer as usize)
+            .filter_map(move |cell| Some((cell, self.temperature_c([cell % width, cell / width, layer])?)))
+    }
+
+    fn step(&mut self, slots: &[Slot], pieces: &[Piece]) {
+        let state = self.state.make_mut();
+        match &mut self.stepper {
+            Stepper::Explicit(explicit) => explicit.run(state, &self.law, pieces),
+            Stepper::Fast(fast) => fast.run(state, &self.law, pieces),
+        }
+        self.seconds += slots.iter().map(|slot| slot.seconds).sum::<f64>();
+        self.last = slots.iter().rev().find_map(|slot| slot.voxel).or(self.last);
+    }
+
+    /// The slots as the steppers take them, if all is well with them.
+    fn check(&self, slots: &[Slot]) -> Result<Vec<Piece>, DepositError> {
+        let explicit = matches!(&self.stepper, Stepper::Explicit(Explicit { scheme: Scheme::Euler, .. }));
+        let shape = self.state.patch.shape;
+        let mut fresh = vec![false; shape.len()];
+        let mut pieces = Vec::with_capacity(slots.len());
+        for (number, &Slot { voxel, seconds }) in slots.iter().enumerate() {
+            let held = voxel.is_some();
+            if !(seconds.is_finite() && (seconds > 0.0 || (!held && seconds == 0.0))) {
+                return Err(DepositError::Duration { slot: number, seconds });
+            }
+            if let Some(voxel) = voxel {
+                let [x, y, z] = voxel;
+                if self.part.material(x, y, z as usize).is_none() {
+                    return Err(DepositError::Outside { voxel });
+                }
+                let index = shape.index(with_rim(voxel));
+                if self.state.occupancy.is_active(index) || fresh[index] {
+                    return Err(DepositError::Repeated { voxel });
+                }
+                if z > 0 && self.part.material(x, y, z as usize - 1).is_some() {
+                    let below = shape.index(with_rim([x, y, z - 1]));
+                    if !self.state.occupancy.is_active(below) && !fresh[below] {
+                        return Err(DepositError::Unsupported { voxel });
+                    }
+                }
+                if explicit && seconds > self.stable_s {
+                    return Err(DepositError::Unstable { voxel, seconds, limit: self.stable_s });
+                }
+                fresh[index] = true;
+            }
+            if seconds > 0.0 {
+                pieces.push(Piece { held: voxel.map(with_rim), born: held, seconds });
+            }
+        }
+        Ok(pieces)
+    }
+}
+
+/// The same place in a patch, where the first of each axis is rim.
+fn with_rim(voxel: [u32; 3]) -> [usize; 3] {
+    voxel.map(|i| i as usize + 1)
+}
