@@ -48,7 +48,7 @@ impl Explicit {
         self.scratch.clone_from(&state.patch.theta);
         for piece in pieces {
             if let Some(at) = piece.held.filter(|_| piece.born) {
-                state.voxels.birth(at, law, &mut self.changes);
+                state.voxels.birth(at, state.patch, law, &mut self.changes);
                 state.patch.take_up(&self.changes, law);
                 self.changes.clear();
             }

@@ -3,8 +3,14 @@
 //! Written on lanes of whatever width the processor has, chosen when the program runs. Products are fused into sums
 //! wherever the source says so and nowhere else, so that every processor computes the same bits.
 
-#![expect(clippy::inline_always, reason = "only what is inlined into a sweep is compiled for the processor's lanes")]
-#![expect(clippy::needless_range_loop, reason = "one index into many slices of a length that is checked once")]
+#![expect(
+    clippy::inline_always,
+    reason = "only what is inlined into a sweep is compiled for the processor's lanes"
+)]
+#![expect(
+    clippy::needless_range_loop,
+    reason = "one index into many slices of a length that is checked once"
+)]
 
 use pulp::{Arch, Simd, WithSimd};
 

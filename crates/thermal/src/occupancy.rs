@@ -22,11 +22,14 @@ pub(crate) struct Occupancy {
     faces: Vec<u8>,
     /// Interior voxels in each cache line.
     interior: Vec<u8>,
+    /// Temperature above the air of what a voxel was laid on, just before it was; NaN where that was nothing.
+    landings: Vec<f32>,
 }
 
 impl Occupancy {
     pub(crate) fn none(shape: Shape) -> Self {
-        Self { shape, faces: vec![0; shape.len()], interior: vec![0; shape.len() / LINE] }
+        let len = shape.len();
+        Self { shape, faces: vec![0; len], interior: vec![0; len / LINE], landings: vec![f32::NAN; len] }
     }
 
     /// Whether a voxel is active.
@@ -34,8 +37,14 @@ impl Occupancy {
         self.faces[index] & face::ACTIVE != 0
     }
 
-    /// Makes a voxel active and tells what changes by it: the voxel itself first, then its active neighbours.
-    pub(crate) fn birth(&mut self, at: [usize; 3], law: &Law, changes: &mut Vec<Change>) {
+    /// Temperature above the air of the voxel below, just before this one was laid on it; NaN if there was none.
+    pub(crate) fn landing(&self, index: usize) -> f32 {
+        self.landings[index]
+    }
+
+    /// Makes a voxel active and tells what changes by it: the voxel itself first, then its active neighbours. What lies
+    /// below has the temperature `below` above the air.
+    pub(crate) fn birth(&mut self, at: [usize; 3], below: f32, law: &Law, changes: &mut Vec<Change>) {
         let [x, y, z] = at;
         let index = self.shape.index(at);
         let [left, right, back, front] = face::SIDES;
@@ -47,6 +56,9 @@ impl Occupancy {
             (face::BELOW, face::ABOVE, [x, y, z - 1]),
             (face::ABOVE, face::BELOW, [x, y, z + 1]),
         ];
+        if self.is_active(self.shape.index([x, y, z - 1])) {
+            self.landings[index] = below;
+        }
         let own = changes.len();
         changes.push(Change { at, voxel: Voxel::default(), line: Line::Mixed, born: true });
         let mut faces = face::ACTIVE;

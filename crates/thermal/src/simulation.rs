@@ -245,6 +245,14 @@ impl Simulation {
         active.then(|| f64::from(self.state.patch.theta[index]) + self.law.ambient_c)
     }
 
+    /// Temperature of the voxel below just before this one was laid on it, °C: what the bond between them depends on.
+    /// `None` if this one is not deposited, or was laid on the plate or on nothing.
+    pub fn landing_c(&self, voxel: [u32; 3]) -> Option<f64> {
+        self.temperature_c(voxel)?;
+        let landing = self.state.occupancy.landing(self.state.patch.shape.index(with_rim(voxel)));
+        (!landing.is_nan()).then(|| f64::from(landing) + self.law.ambient_c)
+    }
+
     /// The voxels of a layer that are deposited, in the order of their cells, and their temperatures, °C.
     pub fn layer_c(&self, layer: u32) -> impl Iterator<Item = (Cell, f64)> {
         let width = self.part.frame.width;

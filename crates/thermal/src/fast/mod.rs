@@ -181,7 +181,7 @@ impl Fast {
         nested.done_s += seconds;
         for piece in pieces {
             if let Some(at) = piece.held.filter(|_| piece.born) {
-                voxels.birth(at, law, &mut self.memory.changes);
+                voxels.birth(at, nested.patch, law, &mut self.memory.changes);
                 self.history.push((at, self.now + piece.seconds));
             }
             nested.take_up(&self.memory.changes, law);
