@@ -149,19 +149,33 @@ impl<'a, S: Simd> Surface<'a, S> {
     }
 }
 
-/// Calls `each` with every run of equal lines in a range of a patch: what they are, and where and how long it is.
-#[inline(always)]
-fn runs(activity: &Activity, start: usize, len: usize, mut each: impl FnMut(Line, usize, usize)) {
-    let lines = &activity.lines[start / LINE..(start + len) / LINE];
-    let mut begin = 0;
-    while begin < lines.len() {
-        let line = lines[begin];
-        let mut end = begin + 1;
-        while end < lines.len() && lines[end] == line {
-            end += 1;
+/// The runs of equal lines in a range of a patch: what they are, and where and how long each is.
+///
+/// An iterator and not a function that takes a closure: closures that are not inlined lose the lanes.
+struct Runs<'a> {
+    lines: &'a [Line],
+    begin: usize,
+}
+
+impl<'a> Runs<'a> {
+    #[inline(always)]
+    fn new(activity: &'a Activity, start: usize, len: usize) -> Self {
+        Self { lines: &activity.lines[start / LINE..(start + len) / LINE], begin: 0 }
+    }
+}
+
+impl Iterator for Runs<'_> {
+    type Item = (Line, usize, usize);
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Self::Item> {
+        let begin = self.begin;
+        let line = *self.lines.get(begin)?;
+        self.begin += 1;
+        while self.lines.get(self.begin) == Some(&line) {
+            self.begin += 1;
         }
-        each(line, begin * LINE, (end - begin) * LINE);
-        begin = end;
+        Some((line, begin * LINE, (self.begin - begin) * LINE))
     }
 }
 
@@ -191,9 +205,9 @@ impl WithSimd for Euler<'_> {
             let start = y * plane + row;
             let around = Planes::of(from, start, swept, row, plane);
             let to = &mut to[start..start + swept];
-            runs(activity, start, swept, |line, at, len| {
+            for (line, at, len) in Runs::new(activity, start, swept) {
                 if line == Line::Empty {
-                    return;
+                    continue;
                 }
                 let stencil = Stencil::new(s, law, around, row, at, len);
                 let n = stencil.len();
@@ -211,7 +225,7 @@ impl WithSimd for Euler<'_> {
                         to[i] = s.mul_add_f32s(dt, surface.active(i, rate), here);
                     }
                 }
-            });
+            }
         }
     }
 }
@@ -296,7 +310,28 @@ impl WithSimd for Pair<'_> {
     }
 }
 
-/// The rates of change of one plane, which starts at `plane`: the first stage.
+/// The rates of change of one plane of a patch, row by row like the plane itself.
+pub(crate) struct PlaneRates<'a> {
+    pub(crate) law: &'a Law,
+    pub(crate) patch: &'a Patch,
+    /// Which plane, rim counted.
+    pub(crate) y: usize,
+    /// From the first row inside the rim on, as many rows as are wanted.
+    pub(crate) rates: &'a mut [f32],
+}
+
+impl WithSimd for PlaneRates<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, s: S) {
+        let Self { law, patch, y, rates } = self;
+        let (row, plane) = (patch.shape.row, patch.shape.plane());
+        rate(s, law, &patch.activity, &patch.theta, y * plane, (row, plane), rates);
+    }
+}
+
+/// The rates of change of one plane, which starts at `start`: the first stage.
 #[inline(always)]
 fn rate<S: Simd>(
     s: S,
@@ -310,10 +345,10 @@ fn rate<S: Simd>(
     let start = start + row;
     let around = Planes::of(theta, start, rates.len(), row, plane);
     let interior = s.splat_f32s(law.interior().damping);
-    runs(activity, start, rates.len(), |line, at, len| {
+    for (line, at, len) in Runs::new(activity, start, rates.len()) {
         if line == Line::Empty {
             rates[at..at + len].fill(0.0);
-            return;
+            continue;
         }
         let stencil = Stencil::new(s, law, around, row, at, len);
         let n = stencil.len();
@@ -330,7 +365,7 @@ fn rate<S: Simd>(
                     surface.active(i, s.mul_add_f32s(surface.damping(i, here), here, stencil.inflow(i)));
             }
         }
-    });
+    }
 }
 
 /// The second stage of a plane, given the rates of the first.
@@ -348,9 +383,9 @@ fn second<S: Simd>(
 ) {
     let (a, b) = (s.splat_f32s(a), s.splat_f32s(b));
     let interior = s.splat_f32s(law.interior().damping);
-    runs(activity, start, theta.len(), |line, at, len| {
+    for (line, at, len) in Runs::new(activity, start, theta.len()) {
         if line == Line::Empty {
-            return;
+            continue;
         }
         let stencil = Stencil::new(s, law, around, row, at, len);
         let n = stencil.len();
@@ -368,7 +403,7 @@ fn second<S: Simd>(
                 theta[i] = s.mul_add_f32s(b, change, s.mul_add_f32s(a, stencil.here[i], theta[i]));
             }
         }
-    });
+    }
 }
 
 /// Runs a sweep on the widest lanes that the processor has.

@@ -43,12 +43,16 @@ pub(crate) struct Law {
     pub(crate) radiation: [f32; 4],
     /// For each set of faces.
     pub(crate) voxels: Box<[Voxel; 256]>,
+    /// Whether the build plate takes up heat.
+    pub(crate) plate: bool,
     /// θ of the build plate's ghosts: twice the plate's.
     pub(crate) ghost: f32,
     /// θ of a voxel at birth.
     pub(crate) birth: f32,
     /// The air, °C: where θ is 0.
     pub(crate) ambient_c: f64,
+    /// Convection, W/(m² K), and the area of a side and of top or bottom by the heat capacity of a voxel, m² K/J.
+    pub(crate) air: [f32; 3],
     /// If a surface passes h / (1 + h d / k): convection in W/(m² K), and d / k of the sides and of top and bottom.
     pub(crate) resistance: Option<[f32; 3]>,
     /// The largest rate at which differences can die out, 1/s.
@@ -69,12 +73,23 @@ pub(crate) struct Voxel {
 /// Stands for "active, but nothing to exchange heat with": so small that it changes nothing, but not 0.
 const ISOLATED: f32 = -1e-30;
 
+/// The same conductances but for the seventh digit, so that any sum of those of a voxel is exact in single precision.
+///
+/// Otherwise what a voxel gives to its neighbours differs, in the last digit, from what its damping takes off it: over the
+/// hundred thousand steps of a print, heat would come from nowhere.
+fn summable(conductances: [f64; 2]) -> [f64; 2] {
+    let [lateral, vertical] = conductances;
+    let most = 4.0 * lateral + 4.0 * vertical;
+    let quantum = (most.log2().ceil() - f64::from(f32::MANTISSA_DIGITS)).exp2();
+    conductances.map(|conductance| (conductance / quantum).round() * quantum)
+}
+
 impl Law {
     /// For voxels of a width and a height in metres.
     pub(crate) fn new(material: &Material, process: &Process, width_m: f64, height_m: f64) -> Self {
         let capacity = material.heat_capacity_j_m3k();
-        let lateral = material.diffusivity_m2_s() / width_m.powi(2);
-        let vertical = material.diffusivity_m2_s() / height_m.powi(2);
+        let conductance = |length_m: f64| material.diffusivity_m2_s() / length_m.powi(2);
+        let [lateral, vertical] = summable([conductance(width_m), conductance(height_m)]);
         let air_k = process.ambient_c + ZERO_CELSIUS_K;
         let grey = material.emissivity * STEFAN_BOLTZMANN;
         let plate = process.plate_c.map(|plate| plate - process.ambient_c);
@@ -116,12 +131,23 @@ impl Law {
             radiation: [4.0 * air_k.powi(3), 6.0 * air_k.powi(2), 4.0 * air_k, 1.0]
                 .map(|power| (grey * power) as f32),
             voxels,
+            plate: plate.is_some(),
             ghost: 2.0 * plate.unwrap_or(0.0) as f32,
             birth: (process.extrusion_c - process.ambient_c) as f32,
             ambient_c: process.ambient_c,
+            air: [h, 1.0 / width_m / capacity, 1.0 / height_m / capacity].map(|number| number as f32),
             resistance: process.surface_resistance.then(|| [h as f32, half_k(width_m), half_k(height_m)]),
             fastest,
         }
+    }
+
+    /// What surfaces at a temperature lose for each kelvin more, 1/s: so many sides, tops and bottoms of voxels.
+    pub(crate) fn air_loss(&self, theta: f32, sides: f32, caps: f32) -> f32 {
+        let [convection, side, cap] = self.air;
+        let [r0, r1, r2, r3] = self.radiation;
+        let h = convection + ((4.0 * r3 * theta + 3.0 * r2) * theta + 2.0 * r1) * theta + r0;
+        let [behind_side, behind_cap] = self.resistance.map_or([0.0; 2], |[_, side, cap]| [side, cap]);
+        h / (1.0 + h * behind_side) * side * sides + h / (1.0 + h * behind_cap) * cap * caps
     }
 
     /// The numbers of an interior voxel.

@@ -32,6 +32,7 @@ mod process;
 mod property;
 mod simulation;
 mod state;
+mod tally;
 mod timeline;
 
 pub use fast::Accuracy;

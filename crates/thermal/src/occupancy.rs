@@ -3,6 +3,7 @@
 use crate::aligned::LINE;
 use crate::law::{Law, Voxel, face};
 use crate::patch::{Line, Shape};
+use crate::tally::Tally;
 
 /// A voxel whose numbers a birth has changed.
 #[derive(Clone, Copy, Debug)]
@@ -22,14 +23,29 @@ pub(crate) struct Occupancy {
     faces: Vec<u8>,
     /// Interior voxels in each cache line.
     interior: Vec<u8>,
+    /// The same in blocks.
+    tally: Tally,
     /// Temperature above the air of what a voxel was laid on, just before it was; NaN where that was nothing.
     landings: Vec<f32>,
 }
 
 impl Occupancy {
-    pub(crate) fn none(shape: Shape) -> Self {
+    /// Nothing is active.
+    pub(crate) fn none(shape: Shape, law: &Law) -> Self {
         let len = shape.len();
-        Self { shape, faces: vec![0; len], interior: vec![0; len / LINE], landings: vec![f32::NAN; len] }
+        let tally = Tally::none(shape, f64::from(law.vertical / law.lateral).sqrt());
+        Self {
+            shape,
+            faces: vec![0; len],
+            interior: vec![0; len / LINE],
+            tally,
+            landings: vec![f32::NAN; len],
+        }
+    }
+
+    /// What is active, in blocks.
+    pub(crate) fn tally(&self) -> &Tally {
+        &self.tally
     }
 
     /// Whether a voxel is active.
@@ -74,6 +90,9 @@ impl Occupancy {
             self.faces[other] |= from;
             changes.push(self.settle(neighbour, other, law));
         }
+        let axis = |place: usize| [0, 0, 1, 1, 2, 2][place];
+        let active = neighbours.iter().enumerate().filter(|(_, (towards, _, _))| faces & towards != 0);
+        self.tally.birth(at, active.map(|(place, &(_, _, neighbour))| (neighbour, axis(place))));
         self.faces[index] = faces;
         changes[own] = Change { born: true, ..self.settle(at, index, law) };
     }

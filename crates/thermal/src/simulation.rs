@@ -125,7 +125,7 @@ pub enum DepositError {
 #[derive(Clone, Debug)]
 enum Stepper {
     Explicit(Explicit),
-    Fast(Fast),
+    Fast(Box<Fast>),
 }
 
 /// A part in the middle of its print.
@@ -175,7 +175,7 @@ impl Simulation {
             Method::Reference { steps } => {
                 Stepper::Explicit(Explicit::new(Scheme::Heun { steps }, birth_s.min(stable_s)))
             }
-            Method::Fast(accuracy) => Stepper::Fast(Fast::new(accuracy, &law)),
+            Method::Fast(accuracy) => Stepper::Fast(Box::new(Fast::new(accuracy, &law))),
         };
         let shape = Shape::around(frame.width as usize, frame.height as usize, part.depth);
         let state = State::empty(shape, &law);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::law::Law;
 use crate::occupancy::{Change, Occupancy};
 use crate::patch::{Patch, Shape};
+use crate::tally::Tally;
 
 /// Which voxels are active, and how warm.
 ///
@@ -34,7 +35,7 @@ impl State {
     pub(crate) fn empty(shape: Shape, law: &Law) -> Self {
         Self {
             patch: Arc::new(Patch::empty(shape, law)),
-            occupancy: Arc::new(Occupancy::none(shape)),
+            occupancy: Arc::new(Occupancy::none(shape, law)),
             top: 1,
         }
     }
@@ -55,6 +56,11 @@ impl Voxels<'_> {
             patch.index(at).expect("births lie inside the rims of all patches that are stepped for them");
         self.occupancy.birth(at, patch.theta[index - patch.shape.row], law, changes);
         *self.top = (*self.top).max(at[2] + 1);
+    }
+
+    /// What is active, in blocks.
+    pub(crate) fn tally(&self) -> &Tally {
+        self.occupancy.tally()
     }
 
     /// Rows from here on, rim counted, are empty.

@@ -27,6 +27,21 @@ pub(crate) struct Polynomial {
 const DAMPING: f64 = 2.0 / 13.0;
 
 impl Polynomial {
+    /// Of as few stages as reach to a λ dt.
+    pub(crate) fn reaching(z: f64) -> Self {
+        let mut stages = 2;
+        // Below what is left after the damping, for any number of stages.
+        while stages == 2 && z > 2.0 || stages > 2 && z > 0.65 * (stages * stages - 1) as f64 {
+            stages += 2;
+        }
+        Self::of_stages(stages)
+    }
+
+    /// How many stages it has.
+    pub(crate) fn stages(&self) -> usize {
+        2 * self.factors.len()
+    }
+
     /// Of so many stages.
     ///
     /// # Panics

@@ -20,7 +20,7 @@ pub enum Accuracy {
 /// A length of steps, and where the next shorter steps take over.
 #[derive(Clone, Debug)]
 pub(super) struct Level {
-    pub(super) polynomial: Polynomial,
+    pub(super) step: Step,
     /// The longest step, s.
     pub(super) seconds: f64,
     /// Shorter steps are taken wherever a voxel was born within this time before the step, s, or will be in it, ...
@@ -29,39 +29,74 @@ pub(super) struct Level {
     pub(super) margins: [usize; 2],
 }
 
+/// How a step is taken.
+#[derive(Clone, Debug)]
+pub(super) enum Step {
+    /// On the voxels, in stages.
+    Voxels(Polynomial),
+    /// On blocks of voxels, but for the last so many seconds.
+    Blocks {
+        /// The short step that follows on the voxels.
+        after: Polynomial,
+        /// Its length, s.
+        after_s: f64,
+    },
+}
+
+/// What a step on blocks costs: in sweeps of the voxels.
+const BLOCK_STAGES: f64 = 8.0;
+
 impl Level {
-    /// Stages of a step.
+    /// What a step costs: sweeps of the voxels.
     pub(super) fn stages(&self) -> f64 {
-        2.0 * self.polynomial.factors.len() as f64
+        match &self.step {
+            Step::Voxels(polynomial) => polynomial.stages() as f64,
+            Step::Blocks { after, .. } => after.stages() as f64 + BLOCK_STAGES,
+        }
     }
 
-    /// Stages for each second of the longest steps.
+    /// The same for each second of the longest steps.
     pub(super) fn stages_per_second(&self) -> f64 {
         self.stages() / self.seconds
     }
 }
 
 /// A level in units of what it stands on.
+#[derive(Clone, Copy)]
 struct Spec {
-    /// Stages of a step.
-    stages: usize,
-    /// Longest step, as a part of the longest that is stable.
-    fill: f64,
+    /// Longest step, times the fastest rate of the voxels.
+    length: f64,
+    /// Whether it is taken on blocks.
+    blocks: bool,
     /// Age, in longest steps.
     age: f64,
     /// Margins, in lengths by which heat spreads within a longest step.
     spreads: f64,
 }
 
-const fn spec(stages: usize, fill: f64, age: f64, spreads: f64) -> Spec {
-    Spec { stages, fill, age, spreads }
+const fn voxels(length: f64, age: f64, spreads: f64) -> Spec {
+    Spec { length, blocks: false, age, spreads }
 }
 
-/// The shortest steps first: a birth, then about 4, 22 and 124 births of the paper's ABS.
-const STANDARD: [Spec; 4] =
-    [spec(2, 0.3, 0.0, 0.0), spec(2, 0.78, 1.5, 2.0), spec(4, 0.87, 2.0, 2.0), spec(10, 0.74, 0.25, 3.0)];
-const HIGH: [Spec; 4] =
-    [spec(2, 0.3, 0.0, 0.0), spec(2, 0.78, 3.0, 2.5), spec(4, 0.87, 2.0, 2.5), spec(10, 0.74, 0.5, 3.0)];
+const fn blocks(length: f64, age: f64, spreads: f64) -> Spec {
+    Spec { length, blocks: true, age, spreads }
+}
+
+/// A birth of the paper's ABS lasts 0.38 in these units: so these are steps of one, 4, 22, 124 and 1,000 births.
+const STANDARD: [Spec; 5] = [
+    voxels(0.4, 0.0, 0.0),
+    voxels(1.54, 1.5, 2.0),
+    voxels(8.5, 2.0, 2.0),
+    voxels(47.8, 0.25, 3.0),
+    blocks(381.0, 1.0, 4.0),
+];
+const HIGH: [Spec; 5] = [
+    voxels(0.4, 0.0, 0.0),
+    voxels(1.54, 3.0, 2.5),
+    voxels(8.5, 2.0, 2.5),
+    voxels(47.8, 0.5, 3.0),
+    blocks(381.0, 1.0, 4.0),
+];
 
 /// The levels of an accuracy, the shortest steps first.
 pub(super) fn levels(accuracy: Accuracy, law: &Law) -> Vec<Level> {
@@ -69,15 +104,20 @@ pub(super) fn levels(accuracy: Accuracy, law: &Law) -> Vec<Level> {
         Accuracy::Standard => STANDARD,
         Accuracy::High => HIGH,
     };
-    specs.into_iter().map(|spec| spec.level(law)).collect()
+    let after = specs[2].length;
+    specs.into_iter().map(|spec| spec.level(after, law)).collect()
 }
 
 impl Spec {
-    fn level(self, law: &Law) -> Level {
-        let polynomial = Polynomial::of_stages(self.stages);
-        let seconds = self.fill * polynomial.reach / law.fastest;
+    fn level(self, after: f64, law: &Law) -> Level {
+        let seconds = self.length / law.fastest;
+        let step = if self.blocks {
+            Step::Blocks { after: Polynomial::reaching(after), after_s: after / law.fastest }
+        } else {
+            Step::Voxels(Polynomial::reaching(self.length))
+        };
         let margin = |rate: f32| (self.spreads * (2.0 * f64::from(rate) * seconds).sqrt()).ceil() as usize;
         let margins = [margin(law.lateral), margin(law.vertical)];
-        Level { polynomial, seconds, age_s: self.age * seconds, margins }
+        Level { step, seconds, age_s: self.age * seconds, margins }
     }
 }

@@ -11,6 +11,7 @@
 //! of a step grows with the root of its length only. A window that would save nothing is not used.
 
 mod chebyshev;
+mod coarse;
 mod level;
 mod window;
 
@@ -21,7 +22,8 @@ use crate::patch::Patch;
 use crate::piece::Piece;
 use crate::state::{StateMut, Voxels};
 
-use self::level::{Level, levels};
+use self::coarse::Coarse;
+use self::level::{Level, Step, levels};
 use self::window::Window;
 
 pub use self::level::Accuracy;
@@ -31,6 +33,13 @@ const RUN: usize = 4096;
 
 /// Takes a copy of a window, and puts it back: in sweeps of as many voxels.
 const COPY_STAGES: f64 = 3.0;
+
+/// Voxels, rim and all, from which on steps on blocks are taken: for fewer they save no time that anyone would notice,
+/// and cost some accuracy.
+const MANY_VOXELS: usize = 1 << 18;
+
+/// A window has to bring the time below this part of what it takes without one: each costs some accuracy.
+const WORTHWHILE: f64 = 0.8;
 
 #[derive(Debug)]
 pub(crate) struct Fast {
@@ -46,6 +55,7 @@ pub(crate) struct Fast {
 struct Memory {
     windows: Vec<Patch>,
     rates: Rates,
+    coarse: Coarse,
     /// What the births of the run have changed, in their order.
     changes: Vec<Change>,
 }
@@ -148,7 +158,9 @@ impl Fast {
     ) {
         let seconds: f64 = pieces.iter().map(|piece| piece.seconds).sum();
         let window = self.window(nested.patch, voxels.top(), level, pieces);
-        if window.is_some_and(|window| !self.saves(window, nested.patch, level, seconds)) {
+        let blocks = matches!(self.levels[level].step, Step::Blocks { .. });
+        let few = nested.patch.shape.len() / nested.patch.shape.rows * voxels.top() < MANY_VOXELS;
+        if blocks && few || window.is_some_and(|window| !self.saves(window, nested.patch, level, seconds)) {
             self.advance(nested, voxels, law, level - 1, pieces);
             return;
         }
@@ -158,7 +170,7 @@ impl Fast {
             inner.copy_window(window, nested.patch);
         }
         nested.move_rim(seconds);
-        self.step(nested.patch, law, level, seconds, None, voxels.top());
+        self.step(nested.patch, voxels, law, level, seconds, None);
         if window.is_some() {
             let outer = Some(&*nested.patch);
             let known = nested.known;
@@ -188,7 +200,7 @@ impl Fast {
             let held =
                 piece.held.map(|at| nested.patch.index(at).expect("windows hold all births of their steps"));
             for part in piece.parts(self.levels[0].seconds) {
-                self.step(nested.patch, law, 0, part.seconds, held, voxels.top());
+                self.step(nested.patch, voxels, law, 0, part.seconds, held);
             }
             self.now += piece.seconds;
         }
@@ -198,15 +210,24 @@ impl Fast {
     fn step(
         &mut self,
         patch: &mut Patch,
+        voxels: &Voxels<'_>,
         law: &Law,
         level: usize,
         seconds: f64,
         held: Option<usize>,
-        top: usize,
     ) {
-        let top = (top - patch.origin[2]).min(patch.shape.rows - 1);
-        let rates = self.memory.rates.of(patch.shape, top);
-        for factor in &self.levels[level].polynomial.factors {
+        let top = (voxels.top() - patch.origin[2]).min(patch.shape.rows - 1);
+        let Memory { rates, coarse, .. } = &mut self.memory;
+        let (polynomial, seconds) = match &self.levels[level].step {
+            Step::Voxels(polynomial) => (polynomial, seconds),
+            Step::Blocks { after, after_s } => {
+                let rest_s = after_s.min(seconds);
+                coarse.step(patch, voxels.tally(), law, seconds - rest_s, top);
+                (after, rest_s)
+            }
+        };
+        let rates = rates.of(patch.shape, top);
+        for factor in &polynomial.factors {
             let (a, b) = ((factor.a * seconds) as f32, (factor.b * seconds * seconds) as f32);
             dispatch(Pair { law, patch, rates, a, b, held, top });
         }
@@ -224,6 +245,6 @@ impl Fast {
     fn saves(&self, window: Window, patch: &Patch, level: usize, seconds: f64) -> bool {
         let (long, short) = (&self.levels[level], self.levels[level - 1].stages_per_second() * seconds);
         let (whole, part) = (patch.shape.len() as f64, window.shape.len() as f64);
-        whole * long.stages() + part * (short + COPY_STAGES) < whole * short
+        whole * long.stages() + part * (short + COPY_STAGES) < WORTHWHILE * whole * short
     }
 }
