@@ -1,5 +1,9 @@
 //! The heat of a print: which voxels are laid down when, and how warm all of them are.
 //!
+//! - [`Simulation`]: a part as it is printed, layer by layer or birth by birth, by one of three [`Method`]s.
+//! - [`Material`] and [`Process`]: what it is made of and how, with presets.
+//! - [`Spread`]: how even temperatures are, in all of the part or in a layer.
+//!
 //! ```
 //! use std::sync::Arc;
 //!
@@ -30,8 +34,12 @@ mod patch;
 mod piece;
 mod process;
 mod property;
+mod rows;
 mod simulation;
+mod spread;
 mod state;
+#[cfg(test)]
+mod testing;
 mod timeline;
 
 pub use fast::Accuracy;
@@ -39,4 +47,5 @@ pub use material::Material;
 pub use process::Process;
 pub use property::PropertyError;
 pub use simulation::{DepositError, Method, SetupError, Simulation};
+pub use spread::Spread;
 pub use timeline::{Slot, layer_slots};

@@ -34,6 +34,11 @@ impl Occupancy {
         self.faces[index] & face::ACTIVE != 0
     }
 
+    /// The faces of all voxels, each a set of the bits of [`face`].
+    pub(crate) fn faces(&self) -> &[u8] {
+        &self.faces
+    }
+
     /// Makes a voxel active and tells what changes by it: the voxel itself first, then its active neighbours.
     pub(crate) fn birth(&mut self, at: [usize; 3], law: &Law, changes: &mut Vec<Change>) {
         let [x, y, z] = at;
