@@ -3,6 +3,7 @@
 //! - [`Simulation`]: a part as it is printed, layer by layer or birth by birth, by one of three [`Method`]s.
 //! - [`Material`] and [`Process`]: what it is made of and how, with presets.
 //! - [`Spread`]: how even temperatures are, in all of the part or in a layer.
+//! - [`HotSpots`]: where heat gathers.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -26,6 +27,7 @@
 mod aligned;
 mod explicit;
 mod fast;
+mod hot_spots;
 mod kernel;
 mod law;
 mod material;
@@ -43,6 +45,7 @@ mod testing;
 mod timeline;
 
 pub use fast::Accuracy;
+pub use hot_spots::{HotSpot, HotSpots};
 pub use material::Material;
 pub use process::Process;
 pub use property::PropertyError;
