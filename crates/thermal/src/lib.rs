@@ -4,6 +4,7 @@
 //! - [`Material`] and [`Process`]: what it is made of and how, with presets.
 //! - [`Spread`]: how even temperatures are, in all of the part or in a layer.
 //! - [`HotSpots`]: where heat gathers.
+//! - [`LayerReport`]: these measures at a layer's end, and the paper's [`reward`] of a part.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -36,6 +37,7 @@ mod patch;
 mod piece;
 mod process;
 mod property;
+mod report;
 mod rows;
 mod simulation;
 mod spread;
@@ -49,6 +51,7 @@ pub use hot_spots::{HotSpot, HotSpots};
 pub use material::Material;
 pub use process::Process;
 pub use property::PropertyError;
+pub use report::{LayerReport, reward};
 pub use simulation::{DepositError, Method, SetupError, Simulation};
 pub use spread::Spread;
 pub use timeline::{Slot, layer_slots};
