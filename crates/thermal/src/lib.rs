@@ -5,6 +5,7 @@
 //! - [`Spread`]: how even temperatures are, in all of the part or in a layer.
 //! - [`HotSpots`]: where heat gathers.
 //! - [`LayerReport`]: these measures at a layer's end, and the paper's [`reward`] of a part.
+//! - [`Section`]: temperatures on a plane through the part, and how far each is from their mean.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -39,6 +40,7 @@ mod process;
 mod property;
 mod report;
 mod rows;
+mod section;
 mod simulation;
 mod spread;
 mod state;
@@ -52,6 +54,7 @@ pub use material::Material;
 pub use process::Process;
 pub use property::PropertyError;
 pub use report::{LayerReport, reward};
+pub use section::{Plane, Section};
 pub use simulation::{DepositError, Method, SetupError, Simulation};
 pub use spread::Spread;
 pub use timeline::{Slot, layer_slots};
