@@ -6,6 +6,7 @@
 //! - [`HotSpots`]: where heat gathers.
 //! - [`LayerReport`]: these measures at a layer's end, and the paper's [`reward`] of a part.
 //! - [`Section`]: temperatures on a plane through the part, and how far each is from their mean.
+//! - [`Simulation::run_watched`]: looks at a print every so often; [`Probes`] and [`TimeAbove`] are such looks.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -47,6 +48,7 @@ mod state;
 #[cfg(test)]
 mod testing;
 mod timeline;
+mod watch;
 
 pub use fast::Accuracy;
 pub use hot_spots::{HotSpot, HotSpots};
@@ -58,3 +60,4 @@ pub use section::{Plane, Section};
 pub use simulation::{DepositError, Method, SetupError, Simulation};
 pub use spread::Spread;
 pub use timeline::{Slot, layer_slots};
+pub use watch::{Probes, TimeAbove};
