@@ -7,6 +7,7 @@
 //! - [`LayerReport`]: these measures at a layer's end, and the paper's [`reward`] of a part.
 //! - [`Section`]: temperatures on a plane through the part, and how far each is from their mean.
 //! - [`Simulation::run_watched`]: looks at a print every so often; [`Probes`] and [`TimeAbove`] are such looks.
+//! - [`bonds`]: how warm the ground is on which beads land.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -31,6 +32,7 @@ mod aligned;
 mod explicit;
 mod fast;
 mod hot_spots;
+mod interlayer;
 mod kernel;
 mod law;
 mod material;
@@ -52,6 +54,7 @@ mod watch;
 
 pub use fast::Accuracy;
 pub use hot_spots::{HotSpot, HotSpots};
+pub use interlayer::{Bond, bonds};
 pub use material::Material;
 pub use process::Process;
 pub use property::PropertyError;
