@@ -8,6 +8,7 @@
 //! - [`Section`]: temperatures on a plane through the part, and how far each is from their mean.
 //! - [`Simulation::run_watched`]: looks at a print every so often; [`Probes`] and [`TimeAbove`] are such looks.
 //! - [`bonds`]: how warm the ground is on which beads land.
+//! - [`Warpage`]: how much the part is likely to warp, to rank plans by.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -50,6 +51,7 @@ mod state;
 #[cfg(test)]
 mod testing;
 mod timeline;
+mod warpage;
 mod watch;
 
 pub use fast::Accuracy;
@@ -63,4 +65,5 @@ pub use section::{Plane, Section};
 pub use simulation::{DepositError, Method, SetupError, Simulation};
 pub use spread::Spread;
 pub use timeline::{Slot, layer_slots};
+pub use warpage::{Warpage, WarpageEstimate};
 pub use watch::{Probes, TimeAbove};
