@@ -1,5 +1,15 @@
 //! The heat of a print: which voxels are laid down when, and how warm all of them are.
 //!
+//! - [`Simulation`]: a part as it is printed, layer by layer or birth by birth, by one of three [`Method`]s.
+//! - [`Material`] and [`Process`]: what it is made of and how, with presets.
+//! - [`Spread`]: how even temperatures are, in all of the part or in a layer.
+//! - [`HotSpots`]: where heat gathers.
+//! - [`LayerReport`]: these measures at a layer's end, and the paper's [`reward`] of a part.
+//! - [`Section`]: temperatures on a plane through the part, and how far each is from their mean.
+//! - [`Simulation::run_watched`]: looks at a print every so often; [`Probes`] and [`TimeAbove`] are such looks.
+//! - [`bonds`]: how warm the ground is on which beads land.
+//! - [`Warpage`]: how much the part is likely to warp, to rank plans by.
+//!
 //! ```
 //! use std::sync::Arc;
 //!
@@ -22,6 +32,8 @@
 mod aligned;
 mod explicit;
 mod fast;
+mod hot_spots;
+mod interlayer;
 mod kernel;
 mod law;
 mod material;
@@ -30,14 +42,29 @@ mod patch;
 mod piece;
 mod process;
 mod property;
+mod report;
+mod rows;
+mod section;
 mod simulation;
+mod spread;
 mod state;
 mod tally;
+#[cfg(test)]
+mod testing;
 mod timeline;
+mod warpage;
+mod watch;
 
 pub use fast::Accuracy;
+pub use hot_spots::{HotSpot, HotSpots};
+pub use interlayer::{Bond, bonds};
 pub use material::Material;
 pub use process::Process;
 pub use property::PropertyError;
+pub use report::{LayerReport, reward};
+pub use section::{Plane, Section};
 pub use simulation::{DepositError, Method, SetupError, Simulation};
+pub use spread::Spread;
 pub use timeline::{Slot, layer_slots};
+pub use warpage::{Warpage, WarpageEstimate};
+pub use watch::{Probes, TimeAbove};

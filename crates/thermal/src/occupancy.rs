@@ -58,6 +58,11 @@ impl Occupancy {
         self.landings[index]
     }
 
+    /// The faces of all voxels, each a set of the bits of [`face`].
+    pub(crate) fn faces(&self) -> &[u8] {
+        &self.faces
+    }
+
     /// Makes a voxel active and tells what changes by it: the voxel itself first, then its active neighbours. What lies
     /// below has the temperature `below` above the air.
     pub(crate) fn birth(&mut self, at: [usize; 3], below: f32, law: &Law, changes: &mut Vec<Change>) {

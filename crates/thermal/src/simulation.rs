@@ -208,8 +208,7 @@ impl Simulation {
     /// neighbours; tells how long that took, s.
     pub fn deposit(&mut self, layer: u32, order: &[Cell]) -> Result<f64, DepositError> {
         let width = self.part.frame.width;
-        let from = self.last.map(|[x, y, _]| y * width + x);
-        let slots = layer_slots(order, layer, from, &self.part.frame, &self.process);
+        let slots = self.slots(layer, order);
         let before = self.seconds;
         let pieces = self.check(&slots)?;
         let mut ordered = vec![false; (width * self.part.frame.height) as usize];
@@ -219,6 +218,12 @@ impl Simulation {
         }
         self.step(&slots, &pieces);
         Ok(self.seconds - before)
+    }
+
+    /// The slots that [`Simulation::deposit`] would run through now: travel starts where the last voxel was laid.
+    pub fn slots(&self, layer: u32, order: &[Cell]) -> Vec<Slot> {
+        let from = self.last.map(|[x, y, _]| y * self.part.frame.width + x);
+        layer_slots(order, layer, from, &self.part.frame, &self.process)
     }
 
     /// Runs through slots: births of any voxels at any times, and pauses.
@@ -261,7 +266,12 @@ impl Simulation {
             .filter_map(move |cell| Some((cell, self.temperature_c([cell % width, cell / width, layer])?)))
     }
 
-    fn step(&mut self, slots: &[Slot], pieces: &[Piece]) {
+    pub(crate) fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Runs through slots that have been checked.
+    pub(crate) fn step(&mut self, slots: &[Slot], pieces: &[Piece]) {
         let state = self.state.make_mut();
         match &mut self.stepper {
             Stepper::Explicit(explicit) => explicit.run(state, &self.law, pieces),
@@ -271,8 +281,8 @@ impl Simulation {
         self.last = slots.iter().rev().find_map(|slot| slot.voxel).or(self.last);
     }
 
-    /// The slots as the steppers take them, if all is well with them.
-    fn check(&self, slots: &[Slot]) -> Result<Vec<Piece>, DepositError> {
+    /// The slots as the steppers take them, without those of no length, if all is well with them.
+    pub(crate) fn check(&self, slots: &[Slot]) -> Result<Vec<Piece>, DepositError> {
         let explicit = matches!(&self.stepper, Stepper::Explicit(Explicit { scheme: Scheme::Euler, .. }));
         let shape = self.state.patch.shape;
         let mut fresh = vec![false; shape.len()];

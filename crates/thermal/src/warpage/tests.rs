@@ -1,0 +1,174 @@
+//! Warpage against the formulas of textbooks, and of whole prints.
+
+use std::sync::Arc;
+
+use beadwork_part::{Frame, Pattern};
+
+use super::*;
+use crate::testing::{stairs, unprinted};
+
+const CELL_MM: f64 = 0.5;
+const LAYER_MM: f64 = 0.25;
+
+fn block(width: u32, height: u32, depth: usize) -> Voxels {
+    let frame = Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: CELL_MM, layer_mm: LAYER_MM, width, height };
+    Voxels::new(frame, depth, vec![0; width as usize * height as usize * depth])
+}
+
+/// Locks all of a block, layer by layer, while what lies below is as warm as `celsius` says for its place and the layer.
+fn locked(part: &Voxels, material: &Material, celsius: impl Fn([u32; 3], u32) -> f64) -> WarpageEstimate {
+    let mut warpage = Warpage::new(part, material);
+    for z in 0..part.depth as u32 {
+        for cell in part.cells(z as usize) {
+            let voxel = [cell % part.frame.width, cell / part.frame.width, z];
+            warpage.lock_voxel(voxel, |below| celsius(below, z));
+        }
+    }
+    warpage.estimate()
+}
+
+fn assert_near(a: f64, b: f64) {
+    assert!((a - b).abs() <= 1e-4 * a.abs().max(b.abs()) + 1e-9, "{a} is not {b}");
+}
+
+#[test]
+fn two_layers_are_timoshenkos_bimetal() {
+    let material = Material::abs();
+    let (part, below_c) = (block(40, 30, 2), 65.0);
+    let estimate = locked(&part, &material, |_, _| below_c);
+    let mismatch = material.expansion_per_k * (material.glass_transition_c - below_c);
+    let kappa = 3.0 * mismatch / (4.0 * LAYER_MM / 1e3);
+    assert_near(estimate.curvature_1_m, kappa);
+    // From the middle, between four columns, to the centre of a corner's column; the lowest columns lie half a diagonal
+    // of a column off the middle.
+    let square_mm = (39.0 * 39.0 + 29.0 * 29.0 - 2.0) * CELL_MM * CELL_MM;
+    assert_near(estimate.corner_lift_mm, kappa / 1e3 * square_mm / 8.0);
+    assert_near(estimate.flatness_mm, estimate.corner_lift_mm);
+}
+
+#[test]
+fn a_thin_layer_on_a_thick_stack_is_stoneys() {
+    let material = Material::abs();
+    // The stack locks while all of it is at the glass transition, only the last layer on a cold one.
+    let depth = 200;
+    let estimate =
+        locked(&block(3, 3, depth), &material, |_, z| if z + 1 < depth as u32 { 105.0 } else { 65.0 });
+    let mismatch = material.expansion_per_k * 40.0;
+    let (film, stack) = (LAYER_MM / 1e3, LAYER_MM / 1e3 * (depth - 1) as f64);
+    let stoney = 6.0 * mismatch * film / (stack * stack);
+    assert!((estimate.curvature_1_m / stoney - 1.0).abs() < 0.02, "{} {stoney}", estimate.curvature_1_m);
+}
+
+#[test]
+fn a_stack_on_a_cold_one_follows_the_harmonic_series() {
+    let material = Material::abs();
+    let depth = 12;
+    let estimate = locked(&block(5, 4, depth), &material, |_, _| 65.0);
+    // Layer k shrinks by the mismatch times 1 + 1/2 + ... + 1/k more than layer 0.
+    let mismatch = material.expansion_per_k * 40.0;
+    let (h, height) = (LAYER_MM / 1e3, LAYER_MM / 1e3 * depth as f64);
+    let (mut harmonic, mut sum) = (0.0, 0.0);
+    for k in 0..depth {
+        let z = (k as f64 + 0.5) * h;
+        sum += mismatch * harmonic * (z - height / 2.0) * h;
+        harmonic += 1.0 / (k + 1) as f64;
+    }
+    assert_near(estimate.curvature_1_m, 12.0 / height.powi(3) * sum);
+}
+
+#[test]
+fn nothing_warps_without_expansion_or_at_the_glass_transition() {
+    let rigid = Material { expansion_per_k: 0.0, ..Material::abs() };
+    let warm = |[x, y, z]: [u32; 3], _: u32| f64::from(40 + (x * 7 + y * 5 + z * 3) % 50);
+    for estimate in [
+        locked(&block(9, 7, 4), &rigid, warm),
+        locked(&block(9, 7, 4), &Material::abs(), |_, _| 105.0),
+        locked(&block(9, 7, 4), &Material::abs(), |_, _| 180.0),
+        locked(&block(9, 7, 1), &Material::abs(), warm),
+        Warpage::new(&block(9, 7, 4), &Material::abs()).estimate(),
+    ] {
+        assert!(estimate.curvature_1_m.abs() < 1e-9 && estimate.flatness_mm < 1e-6, "{estimate:?}");
+        assert!(estimate.corner_lift_mm >= 0.0);
+    }
+}
+
+#[test]
+fn corners_go_up_with_the_square_of_the_length() {
+    let cold = |_: [u32; 3], _: u32| 65.0;
+    let [short, long] = [21, 41].map(|side| locked(&block(side, side, 3), &Material::abs(), cold));
+    assert!(short.curvature_1_m > 0.0);
+    assert_near(short.curvature_1_m, long.curvature_1_m);
+    assert_near(4.0 * short.corner_lift_mm, long.corner_lift_mm);
+    let height = |x: usize, y: usize| long.heights_mm[y * long.width + x].unwrap();
+    assert!(height(0, 0) > height(20, 0) && height(20, 0) > height(20, 20));
+    assert_near(height(0, 0) - height(20, 20), long.corner_lift_mm);
+}
+
+#[test]
+fn wide_parts_are_coarsened() {
+    let cold = |_: [u32; 3], _: u32| 65.0;
+    let estimate = locked(&block(200, 20, 2), &Material::abs(), cold);
+    assert_eq!((estimate.block, estimate.width, estimate.heights_mm.len()), (3, 67, 67 * 7));
+    let square_mm = (66.0 * 66.0 + 6.0 * 6.0) * 9.0 * CELL_MM * CELL_MM;
+    assert_near(estimate.corner_lift_mm, estimate.curvature_1_m / 1e3 * square_mm / 8.0);
+}
+
+#[test]
+fn a_mirrored_print_warps_the_same() {
+    let warm = |[x, y, z]: [u32; 3], k: u32| f64::from(40 + (x * x * 7 + y * 5 + z * 3 + k) % 50);
+    let part = block(14, 9, 4);
+    let one = locked(&part, &Material::abs(), warm);
+    let mirrored = locked(&part, &Material::abs(), |[x, y, z], k| warm([13 - x, y, z], k));
+    assert_near(one.curvature_1_m, mirrored.curvature_1_m);
+    assert_near(one.corner_lift_mm, mirrored.corner_lift_mm);
+    for (row, other) in one.heights_mm.chunks(14).zip(mirrored.heights_mm.chunks(14)) {
+        row.iter().zip(other.iter().rev()).for_each(|(a, b)| assert!((a.unwrap() - b.unwrap()).abs() < 1e-6));
+    }
+    // Swapping the axes, too, which numbers the columns of the plate otherwise.
+    let swapped = locked(&block(9, 14, 4), &Material::abs(), |[x, y, z], k| warm([y, x, z], k));
+    assert_near(one.corner_lift_mm, swapped.corner_lift_mm);
+}
+
+fn printed(part: &Arc<Voxels>, pattern: Pattern, every_s: Option<f64>) -> WarpageEstimate {
+    let mut simulation = unprinted(part.clone());
+    let mut warpage = Warpage::new(part, &Material::abs());
+    for layer in 0..part.depth {
+        let order = pattern.order(&part.region(layer).unwrap());
+        let slots = simulation.slots(layer as u32, &order);
+        match every_s {
+            Some(every_s) => {
+                simulation.run_watched(&slots, every_s, |simulation| warpage.look(simulation)).unwrap();
+            }
+            None => simulation.run(&slots).unwrap(),
+        }
+        warpage.look(&simulation);
+    }
+    warpage.finish(&simulation)
+}
+
+#[test]
+fn patterns_of_real_prints_rank() {
+    let part = Arc::new(block(40, 16, 6));
+    let [along, across, spiral] = ["zigzag-x-0", "zigzag-y-0", "spiral-in-0"]
+        .map(|name| printed(&part, name.parse().unwrap(), Some(0.25)));
+    assert!(along.curvature_1_m > 0.0 && along.corner_lift_mm > 0.0);
+    assert!((along.corner_lift_mm - across.corner_lift_mm).abs() > 1e-4, "{along:?} {across:?}");
+    assert!((along.corner_lift_mm - spiral.corner_lift_mm).abs() > 1e-4);
+    // More looks change the number, but not beyond recognition.
+    let often = printed(&part, "zigzag-x-0".parse().unwrap(), Some(0.05));
+    let ratio = along.corner_lift_mm / often.corner_lift_mm;
+    assert!((0.9..1.1).contains(&ratio), "{ratio}");
+    assert!(printed(&part, "zigzag-x-0".parse().unwrap(), None).corner_lift_mm > 0.0);
+}
+
+#[test]
+fn stairs_with_a_hole_have_a_shape_where_they_are() {
+    let part = stairs(13, 7, 5);
+    let estimate = printed(&part, Pattern::CONVENTIONAL, None);
+    for (cell, height) in estimate.heights_mm.iter().enumerate() {
+        let (x, y) = (cell as u32 % 13, cell as u32 / 13);
+        assert_eq!(height.is_some(), (0..5).any(|z| part.material(x, y, z).is_some()));
+    }
+    assert!(estimate.flatness_mm >= estimate.corner_lift_mm && estimate.corner_lift_mm > 0.0);
+    assert!(estimate.curvature_1_m.is_finite());
+}
