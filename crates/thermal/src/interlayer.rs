@@ -2,6 +2,7 @@
 
 use beadwork_part::slice::Voxels;
 
+use crate::simulation::Simulation;
 use crate::spread::Spread;
 
 /// How warm the voxels below a layer were when it was laid on them.
@@ -15,20 +16,21 @@ pub struct Bond {
     pub cold_share: f64,
 }
 
-/// The bonds of all layers that lie on others, from the bottom up.
-///
-/// Two beads weld by chains that diffuse through their interface while it is above the glass transition (Sun, Rizvi,
-/// Bellehumeur and Gu 2008, *Rapid Prototyping Journal* 14; Seppala and Migler 2016, *Additive Manufacturing* 12). A warm
-/// layer below keeps the interface there for longer. The interface itself starts about half-way between the bead and the
-/// ground, so ground below the glass transition is common and no defect by itself: these numbers rank plans.
-///
+impl Simulation {
+    /// The bonds of all layers that lie on others, from the bottom up; linear in the part.
+    ///
+    /// Two beads weld by chains that diffuse through their interface while it is above the glass transition (Sun, Rizvi,
+    /// Bellehumeur and Gu 2008, *Rapid Prototyping Journal* 14; Seppala and Migler 2016, *Additive Manufacturing* 12). A
+    /// warm layer below keeps the interface there for longer. The interface itself starts about half-way between the bead
+    /// and the ground, so ground below the glass transition is common and no defect by itself: these numbers rank plans.
+    pub fn bonds(&self, glass_transition_c: f64) -> Vec<Bond> {
+        bonds(self.part(), glass_transition_c, |voxel| self.landing_c(voxel))
+    }
+}
+
 /// `landing_c` tells for x, y and z of a voxel of the part how warm the voxel below it was when it was laid down, in °C,
-/// or `None` if there was none or it isn't laid down. Layers without any such voxel are left out. Linear in the part.
-pub fn bonds(
-    part: &Voxels,
-    glass_transition_c: f64,
-    landing_c: impl Fn([u32; 3]) -> Option<f64>,
-) -> Vec<Bond> {
+/// or `None` if there was none or it isn't laid down. Layers without any such voxel are left out.
+fn bonds(part: &Voxels, glass_transition_c: f64, landing_c: impl Fn([u32; 3]) -> Option<f64>) -> Vec<Bond> {
     let width = part.frame.width;
     let of_layer = |layer: u32| {
         let cells = part.cells(layer as usize);

@@ -7,7 +7,8 @@
 //! - [`LayerReport`]: these measures at a layer's end, and the paper's [`reward`] of a part.
 //! - [`Section`]: temperatures on a plane through the part, and how far each is from their mean.
 //! - [`Simulation::run_watched`]: looks at a print every so often; [`Probes`] and [`TimeAbove`] are such looks.
-//! - [`bonds`]: how warm the ground is on which beads land.
+//! - [`Simulation::bonds`]: how warm the ground is on which beads land.
+//! - [`Simulation::try_orders`]: many orders of a layer, tried from one state.
 //! - [`Warpage`]: how much the part is likely to warp, to rank plans by.
 //!
 //! ```
@@ -52,12 +53,13 @@ mod tally;
 #[cfg(test)]
 mod testing;
 mod timeline;
+mod trials;
 mod warpage;
 mod watch;
 
 pub use fast::Accuracy;
 pub use hot_spots::{HotSpot, HotSpots};
-pub use interlayer::{Bond, bonds};
+pub use interlayer::Bond;
 pub use material::Material;
 pub use process::Process;
 pub use property::PropertyError;
