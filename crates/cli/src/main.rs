@@ -13,6 +13,7 @@ mod ends;
 mod eval;
 mod gen_data;
 mod generations;
+mod heat_parts;
 mod inspect;
 mod instance;
 mod machine;

@@ -3,6 +3,7 @@
 mod dataset;
 mod grid;
 mod part;
+mod thermal;
 mod zones;
 
 use std::time::Instant;
@@ -21,6 +22,7 @@ enum What {
     Grid(grid::GridArgs),
     Zones(zones::ZonesArgs),
     Part(part::PartArgs),
+    Thermal(thermal::ThermalArgs),
     Dataset(dataset::DatasetArgs),
 }
 
@@ -29,6 +31,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         What::Grid(args) => grid::run(args),
         What::Zones(args) => zones::run(args),
         What::Part(args) => part::run(args),
+        What::Thermal(args) => thermal::run(args),
         What::Dataset(args) => dataset::run(args),
     }
 }
