@@ -9,6 +9,7 @@ mod parts;
 mod statistics;
 mod store;
 mod table;
+mod thermal;
 
 use std::path::PathBuf;
 
@@ -29,6 +30,7 @@ pub(crate) struct Args {
 enum What {
     Zones(ZonesArgs),
     Parts(parts::PartsArgs),
+    Thermal(thermal::ThermalArgs),
 }
 
 /// Crossings over the 24 cells of Aali et al.: their Tables 1, 3 and 5 by every method, or one method looked at
@@ -113,6 +115,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let args = match &args.what {
         What::Zones(args) => args,
         What::Parts(args) => return parts::run(args),
+        What::Thermal(args) => return thermal::run(args),
     };
     args.check();
     match args.method {
