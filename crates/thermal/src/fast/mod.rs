@@ -204,7 +204,8 @@ impl Fast {
         held: Option<usize>,
         top: usize,
     ) {
-        let top = (top - patch.origin[2]).min(patch.shape.rows - 1);
+        // A window may lie above all that is printed so far, where the first birth needs nothing to lie on.
+        let top = top.saturating_sub(patch.origin[2]).clamp(1, patch.shape.rows - 1);
         let rates = self.memory.rates.of(patch.shape, top);
         for factor in &self.levels[level].polynomial.factors {
             let (a, b) = ((factor.a * seconds) as f32, (factor.b * seconds * seconds) as f32);
