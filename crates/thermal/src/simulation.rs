@@ -29,7 +29,8 @@ pub enum Method {
     /// Heun's method with so many steps of the whole part for each birth: second order, to measure errors by. Twice as
     /// many sweeps as steps.
     Reference {
-        /// Steps for each birth, at least 1.
+        /// Steps for each birth, at least 1. Slots that are longer than a birth at the process's speed, or than
+        /// [`Simulation::stable_seconds`], are cut into equal stretches that are not, of so many steps each.
         steps: u32,
     },
     /// Long steps far from the nozzle, short ones near it.
