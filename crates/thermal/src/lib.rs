@@ -28,6 +28,7 @@ mod material;
 mod occupancy;
 mod patch;
 mod piece;
+pub mod plain;
 mod process;
 mod property;
 mod simulation;
