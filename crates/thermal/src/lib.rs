@@ -34,6 +34,7 @@ mod property;
 mod simulation;
 mod state;
 mod timeline;
+pub mod truth;
 
 pub use fast::Accuracy;
 pub use material::Material;
