@@ -12,7 +12,7 @@ use crate::state::StateMut;
 pub(crate) enum Scheme {
     /// Forward Euler, one step a birth: the definition of all else (Kim et al. 2026).
     Euler,
-    /// Heun's method, so many steps a birth.
+    /// Heun's method, so many steps a birth, and more in births that take longer than others.
     Heun { steps: u32 },
 }
 
@@ -20,8 +20,8 @@ pub(crate) enum Scheme {
 #[derive(Debug)]
 pub(crate) struct Explicit {
     pub(crate) scheme: Scheme,
-    /// Longest step in a pause, s.
-    pub(crate) pause_step_s: f64,
+    /// Longest stretch in a pause that takes as many steps as a birth, s; with Heun's method, in a birth too.
+    pub(crate) longest_s: f64,
     scratch: Aligned,
     rates: Rates,
     changes: Vec<Change>,
@@ -29,19 +29,13 @@ pub(crate) struct Explicit {
 
 impl Clone for Explicit {
     fn clone(&self) -> Self {
-        Self::new(self.scheme, self.pause_step_s)
+        Self::new(self.scheme, self.longest_s)
     }
 }
 
 impl Explicit {
-    pub(crate) fn new(scheme: Scheme, pause_step_s: f64) -> Self {
-        Self {
-            scheme,
-            pause_step_s,
-            scratch: Aligned::default(),
-            rates: Rates::default(),
-            changes: Vec::new(),
-        }
+    pub(crate) fn new(scheme: Scheme, longest_s: f64) -> Self {
+        Self { scheme, longest_s, scratch: Aligned::default(), rates: Rates::default(), changes: Vec::new() }
     }
 
     pub(crate) fn run(&mut self, mut state: StateMut<'_>, law: &Law, pieces: &[Piece]) {
@@ -53,7 +47,9 @@ impl Explicit {
                 self.changes.clear();
             }
             let held = piece.held.map(|at| state.patch.shape.index(at));
-            let steps = if held.is_some() { 1 } else { piece.parts(self.pause_step_s).count() };
+            // A birth that takes longer than others is one step all the same by the plain scheme's definition.
+            let whole = held.is_some() && self.scheme == Scheme::Euler;
+            let steps = if whole { 1 } else { piece.parts(self.longest_s).count() };
             for _ in 0..steps {
                 self.step(&mut state, law, piece.seconds / steps as f64, held);
             }

@@ -41,6 +41,7 @@ mod material;
 mod occupancy;
 mod patch;
 mod piece;
+pub mod plain;
 mod process;
 mod property;
 mod report;
@@ -54,6 +55,7 @@ mod tally;
 mod testing;
 mod timeline;
 mod trials;
+pub mod truth;
 mod warpage;
 mod watch;
 

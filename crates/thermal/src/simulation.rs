@@ -10,7 +10,7 @@ use crate::explicit::{Explicit, Scheme};
 use crate::fast::{Accuracy, Fast};
 use crate::law::Law;
 use crate::material::Material;
-use crate::patch::Shape;
+use crate::patch::{Patch, Shape};
 use crate::piece::Piece;
 use crate::process::Process;
 use crate::property::PropertyError;
@@ -29,7 +29,8 @@ pub enum Method {
     /// Heun's method with so many steps of the whole part for each birth: second order, to measure errors by. Twice as
     /// many sweeps as steps.
     Reference {
-        /// Steps for each birth, at least 1.
+        /// Steps for each birth, at least 1. Slots that are longer than a birth at the process's speed, or than
+        /// [`Simulation::stable_seconds`], are cut into equal stretches that are not, of so many steps each.
         steps: u32,
     },
     /// Long steps far from the nozzle, short ones near it.
@@ -141,6 +142,8 @@ pub struct Simulation {
     stepper: Stepper,
     seconds: f64,
     stable_s: f64,
+    /// Heat that warms a voxel by one kelvin, J/K.
+    voxel_j_k: f64,
     /// The last voxel deposited.
     last: Option<[u32; 3]>,
 }
@@ -179,8 +182,9 @@ impl Simulation {
         };
         let shape = Shape::around(frame.width as usize, frame.height as usize, part.depth);
         let state = State::empty(shape, &law);
+        let voxel_j_k = material.heat_capacity_j_m3k() * frame.cell_mm3() / 1e9;
         let (process, law) = (Arc::new(process.clone()), Arc::new(law));
-        Ok(Self { part, process, law, state, stepper, seconds: 0.0, stable_s, last: None })
+        Ok(Self { part, process, law, state, stepper, seconds: 0.0, stable_s, voxel_j_k, last: None })
     }
 
     /// The part.
@@ -213,7 +217,7 @@ impl Simulation {
         let pieces = self.check(&slots)?;
         let mut ordered = vec![false; (width * self.part.frame.height) as usize];
         order.iter().for_each(|&cell| ordered[cell as usize] = true);
-        if let Some(cell) = self.part.cells(layer as usize).find(|&cell| !ordered[cell as usize]) {
+        if let Some(cell) = self.cells(layer).find(|&cell| !ordered[cell as usize]) {
             return Err(DepositError::Missing { voxel: [cell % width, cell / width, layer] });
         }
         self.step(&slots, &pieces);
@@ -261,13 +265,31 @@ impl Simulation {
     /// The voxels of a layer that are deposited, in the order of their cells, and their temperatures, °C.
     pub fn layer_c(&self, layer: u32) -> impl Iterator<Item = (Cell, f64)> {
         let width = self.part.frame.width;
-        self.part
-            .cells(layer as usize)
+        self.cells(layer)
             .filter_map(move |cell| Some((cell, self.temperature_c([cell % width, cell / width, layer])?)))
     }
 
     pub(crate) fn state(&self) -> &State {
         &self.state
+    }
+
+    /// Heat in all deposited voxels, J, relative to the air's temperature: what would be lost if all of them cooled down
+    /// to it. Linear in the voxels of the box around the part.
+    pub fn stored_j(&self) -> f64 {
+        let Patch { shape, theta, .. } = &*self.state.patch;
+        let width = self.part.frame.width;
+        // What is not deposited is as warm as the air.
+        let layer = |z: usize| -> f64 {
+            let place = |cell| with_rim([cell % width, cell / width, z as u32]);
+            self.part.cells(z).map(|cell| f64::from(theta[shape.index(place(cell))])).sum()
+        };
+        (0..self.part.depth).map(layer).sum::<f64>() * self.voxel_j_k
+    }
+
+    /// The cells of a layer: none if there is no such layer.
+    fn cells(&self, layer: u32) -> impl Iterator<Item = Cell> {
+        let layer = Some(layer as usize).filter(|&layer| layer < self.part.depth);
+        layer.into_iter().flat_map(|layer| self.part.cells(layer))
     }
 
     /// Runs through slots that have been checked.

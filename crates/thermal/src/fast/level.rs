@@ -82,19 +82,23 @@ const fn blocks(length: f64, age: f64, spreads: f64) -> Spec {
     Spec { length, blocks: true, age, spreads }
 }
 
-/// A birth of the paper's ABS lasts 0.38 in these units: so these are steps of one, 4, 22, 124 and 1,000 births.
+/// The shortest steps first. A birth of the paper's ABS lasts 0.38 in these units: so these are steps of one, 4, 22, 124 and
+/// 1,000 births.
+///
+/// The long steps must not begin before what was printed last has aged by one of them: they leave up to the whole of the
+/// sharpest differences standing, which a pause right after a birth shows (6.8 K at a quarter of a step).
 const STANDARD: [Spec; 5] = [
     voxels(0.4, 0.0, 0.0),
     voxels(1.54, 1.5, 2.0),
     voxels(8.5, 2.0, 2.0),
-    voxels(47.8, 0.25, 3.0),
+    voxels(47.8, 1.0, 3.0),
     blocks(381.0, 1.0, 4.0),
 ];
 const HIGH: [Spec; 5] = [
     voxels(0.4, 0.0, 0.0),
     voxels(1.54, 3.0, 2.5),
     voxels(8.5, 2.0, 2.5),
-    voxels(47.8, 0.5, 3.0),
+    voxels(47.8, 1.5, 3.0),
     blocks(381.0, 1.0, 4.0),
 ];
 

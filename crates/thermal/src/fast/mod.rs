@@ -216,7 +216,8 @@ impl Fast {
         seconds: f64,
         held: Option<usize>,
     ) {
-        let top = (voxels.top() - patch.origin[2]).min(patch.shape.rows - 1);
+        // A window may lie above all that is printed so far, where the first birth needs nothing to lie on.
+        let top = voxels.top().saturating_sub(patch.origin[2]).clamp(1, patch.shape.rows - 1);
         let Memory { rates, coarse, .. } = &mut self.memory;
         let (polynomial, seconds) = match &self.levels[level].step {
             Step::Voxels(polynomial) => (polynomial, seconds),
