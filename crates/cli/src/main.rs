@@ -22,6 +22,7 @@ mod part;
 mod plan;
 mod progress;
 mod search;
+mod simulate;
 mod zones;
 
 use std::process::ExitCode;
@@ -42,6 +43,7 @@ enum Command {
     Inspect(inspect::Args),
     Zones(zones::Args),
     Plan(plan::Args),
+    Simulate(Box<simulate::Args>),
     Eval(eval::Args),
     Bench(bench::Args),
 }
@@ -52,6 +54,7 @@ fn main() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args),
         Command::Zones(args) => zones::run(&args),
         Command::Plan(args) => plan::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
         Command::Eval(args) => eval::run(&args),
         Command::Bench(args) => bench::run(&args),
     };
