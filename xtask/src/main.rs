@@ -28,6 +28,7 @@ Work; builds the binary `beadwork` in release and runs it with these words:
   inspect    show and check what a dataset holds
   zones      find a path of few crossings for one layer
   plan       plan how a part is printed, and write its G-code
+  simulate   how warm a part gets while it is printed
   eval       tables beside the papers' figures, and of whole parts
   bench      rates on this machine
   Any other word goes to the binary too. `cargo xtask WORD --help` tells a word's arguments.
@@ -36,6 +37,7 @@ Examples:
   cargo xtask test
   cargo xtask zones --layout voronoi --size 30x30 --seed 1 --method anneal --svg path.svg
   cargo xtask plan example:logo-plate --objective tools --out logo.gcode
+  cargo xtask simulate example:u-shape --pattern spiral-in-0
   cargo xtask gen-data --preset smoke --out datasets/smoke
   cargo xtask inspect datasets/smoke --verify
   cargo xtask bench grid

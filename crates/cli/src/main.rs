@@ -23,6 +23,7 @@ mod part;
 mod plan;
 mod progress;
 mod search;
+mod simulate;
 mod zones;
 
 use std::process::ExitCode;
@@ -43,6 +44,7 @@ enum Command {
     Inspect(inspect::Args),
     Zones(zones::Args),
     Plan(plan::Args),
+    Simulate(Box<simulate::Args>),
     Eval(eval::Args),
     Bench(bench::Args),
 }
@@ -53,6 +55,7 @@ fn main() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args),
         Command::Zones(args) => zones::run(&args),
         Command::Plan(args) => plan::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
         Command::Eval(args) => eval::run(&args),
         Command::Bench(args) => bench::run(&args),
     };

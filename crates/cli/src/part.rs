@@ -131,6 +131,11 @@ impl PartArgs {
         }
     }
 
+    /// Whether any part is named: some commands do without.
+    pub(crate) fn is_given(&self) -> bool {
+        !self.parts.is_empty()
+    }
+
     /// Reads, repairs, places and cuts the part.
     pub(crate) fn load(&self, bed_mm: [f64; 3], pool: &ThreadPool) -> anyhow::Result<Part> {
         let mut model = Model::default();

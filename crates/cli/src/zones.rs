@@ -191,7 +191,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(file) = &args.stages {
         output::file(
             file,
-            &draw_stages(&instance, &drawn.into_inner().expect("no drawing panics"), &row, &best),
+            draw_stages(&instance, &drawn.into_inner().expect("no drawing panics"), &row, &best),
         )?;
     }
     if args.json { output::json(&json!(row)) } else { output::text(&describe(&row, costs.as_ref())) }

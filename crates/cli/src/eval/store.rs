@@ -42,7 +42,7 @@ impl Store {
                 folder.display()
             ),
             None => {
-                output::file(&path, &format!("{}\n", json!({ "key": key, "machine": facts })))?;
+                output::file(&path, format!("{}\n", json!({ "key": key, "machine": facts })))?;
                 facts
             }
         };
@@ -108,7 +108,7 @@ impl Store {
         let part = make();
         stopped()?;
         let (part, seconds) = (part?, begin.elapsed().as_secs_f64());
-        output::file(&path, &format!("{}\n", json!({ "seconds": seconds, "part": part })))?;
+        output::file(&path, format!("{}\n", json!({ "seconds": seconds, "part": part })))?;
         Ok((part, seconds))
     }
 

@@ -18,7 +18,8 @@ use beadwork_search::plan::{
 };
 use clap::ValueEnum;
 
-pub(crate) use profile::{Profile, tool_costs};
+pub(crate) use profile::{PrinterArgs, Profile, tool_costs};
+pub(crate) use report::{count, duration};
 
 use crate::part::{Part, PartArgs};
 use crate::{cancel, machine, output, progress};
@@ -133,7 +134,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         bail!("layer {} has no cells: what lies above it would be printed in the air", layer + 1);
     }
     if part.layers.empty_below() > 0 {
-        let count = report::count(part.layers.empty_below() as u64, "layer");
+        let count = count(part.layers.empty_below() as u64, "layer");
         eprintln!("beadwork: the part is lowered by {count} without cells: its tip is thinner than a bead");
     }
     let settings = profile.complete(&part.model.materials)?;
@@ -178,14 +179,14 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         bail!("stopped; nothing was written");
     }
     if let Some(path) = &args.svg {
-        output::file(path, &drawing::draw(&part, &plan, &printed.settings))?;
+        output::file(path, drawing::draw(&part, &plan, &printed.settings))?;
     }
     if let Some(path) = &args.out {
         output::file(path, &printed.text)?;
     }
     let document = report.json();
     if let Some(path) = &files.totals {
-        output::file(path, &format!("{document:#}\n"))?;
+        output::file(path, format!("{document:#}\n"))?;
     }
     if args.json { output::json(&document) } else { output::text(&report.summary(&files)) }
 }

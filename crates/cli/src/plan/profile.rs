@@ -15,16 +15,23 @@ use crate::part::Numbers;
 
 /// Flags of the printer.
 #[derive(clap::Args)]
-pub(crate) struct ProfileArgs {
+pub(crate) struct PrinterArgs {
     /// A file with the printer, its tools and its speeds: see configs/plan/example.toml.
     #[arg(long, value_name = "FILE")]
     profile: Option<PathBuf>,
-    /// Dialect of the G-code, in place of the profile's.
-    #[arg(long, value_name = "NAME")]
-    flavour: Option<FlavourName>,
     /// Width, depth and height that can be printed, in mm, in place of the profile's.
     #[arg(long, value_name = "X,Y,Z")]
     bed: Option<Numbers<3>>,
+}
+
+/// Flags of the printer and of what it writes.
+#[derive(clap::Args)]
+pub(crate) struct ProfileArgs {
+    #[command(flatten)]
+    printer: PrinterArgs,
+    /// Dialect of the G-code, in place of the profile's.
+    #[arg(long, value_name = "NAME")]
+    flavour: Option<FlavourName>,
     /// What every change of tools purges, in mm³, in place of the profile's matrix; 140 if there is none.
     #[arg(long, value_name = "MM3")]
     purge: Option<f64>,
@@ -75,21 +82,28 @@ pub(crate) struct Profile {
     tower: TowerPlace,
 }
 
-impl ProfileArgs {
-    pub(crate) fn load(&self) -> anyhow::Result<Profile> {
+impl PrinterArgs {
+    pub(crate) fn load(&self) -> anyhow::Result<gcode::Settings> {
         let mut settings = gcode::Settings::default();
         if let Some(path) = &self.profile {
             let in_file = || format!("cannot read '{}'", path.display());
             let text = fs::read_to_string(path).with_context(in_file)?;
             settings = toml::from_str(&text).with_context(in_file)?;
         }
+        if let Some(Numbers(bed_mm)) = self.bed {
+            settings.printer.bed_mm = bed_mm;
+        }
+        Ok(settings)
+    }
+}
+
+impl ProfileArgs {
+    pub(crate) fn load(&self) -> anyhow::Result<Profile> {
+        let mut settings = self.printer.load()?;
         match self.flavour {
             Some(FlavourName::Marlin) => settings.printer.flavour = Flavour::Marlin,
             Some(FlavourName::Klipper) => settings.printer.flavour = Flavour::Klipper,
             None => {}
-        }
-        if let Some(Numbers(bed_mm)) = self.bed {
-            settings.printer.bed_mm = bed_mm;
         }
         if self.purge.is_some_and(|purge| !(0.0..=1e6).contains(&purge)) {
             wrong_use("--purge is a volume from 0 to a million mm³");

@@ -3,7 +3,7 @@
 //! - [`Program`]: the lines of a file. [`Program::parse`] reads real files, [`Program::emit`] writes them; numbers are exact ([`Number`]), so that
 //!   reading what was written gives the same program.
 //! - [`Program::trace`]: what the head does, one [`Event`] after the other, whichever slicer wrote the program: motions, changes of tool, heat, pauses.
-//! - [`Program::print_seconds`]: how long that takes, with acceleration and corners.
+//! - [`Program::print_seconds`]: how long that takes, with acceleration and corners; [`Program::paced`]: how long each motion does.
 //! - [`Print::new`]: the program of planned [`Layer`]s, and its [`Totals`].
 //! - [`Program::check`]: whether a program, from its text alone, prints the layers it is to print.
 //!
@@ -52,6 +52,7 @@ mod feature;
 mod header;
 mod layer;
 mod number;
+mod pace;
 mod parse;
 mod print;
 mod program;
@@ -66,6 +67,7 @@ pub use command::{Arc, Command, Move, Verbatim, VerbatimError, Wait};
 pub use feature::Feature;
 pub use layer::Layer;
 pub use number::{Number, NumberError};
+pub use pace::{Pace, Paced};
 pub use parse::{ParseError, ParseFault};
 pub use print::{Print, Title};
 pub use program::{CommentError, Line, Program};

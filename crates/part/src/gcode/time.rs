@@ -10,6 +10,7 @@
 //! single axes (`M203`), what a program says of corners and of the greatest speed (`M205`, and all of `SET_VELOCITY_LIMIT` but `ACCEL`: [`Limits`] holds
 //! throughout), acceleration of filament alone (`M204 R`) and Klipper's limit of speed where the flow changes, heating, and what macros and changes of tool take.
 
+use super::pace::Pace;
 use super::{Event, Motion, Program, TraceError, Wait};
 
 /// What the printer can do, where a program does not say.
@@ -68,26 +69,34 @@ impl Stopwatch {
 
     /// The next event.
     pub fn take(&mut self, event: &Event) {
+        self.take_to(event, &mut |_| {});
+    }
+
+    /// The next event; tells the paces of all motions and pauses that are now certain, in their order.
+    pub(super) fn take_to(&mut self, event: &Event, told: &mut impl FnMut(Pace)) {
         match event {
-            Event::Motion(motion) => self.motion(motion),
+            Event::Motion(motion) => self.motion(motion, told),
             Event::Heat { wait: Wait::No, .. } => {}
             Event::ToolChange { .. }
             | Event::Heat { .. }
             | Event::HeatersOff { .. }
-            | Event::MotorsOff { .. } => self.stop(),
-            Event::Pause { seconds, .. } => {
-                self.stop();
-                self.seconds += seconds;
-            }
+            | Event::MotorsOff { .. } => self.stop(told),
+            Event::Pause { seconds, .. } => self.rest(*seconds, told),
         }
     }
 
-    fn motion(&mut self, motion: &Motion) {
+    /// The head comes to rest, and stays so for a while.
+    fn rest(&mut self, seconds: f64, told: &mut impl FnMut(Pace)) {
+        self.stop(told);
+        self.seconds += seconds;
+        told(Pace::rest(seconds));
+    }
+
+    fn motion(&mut self, motion: &Motion, told: &mut impl FnMut(Pace)) {
         let length = motion.length_mm();
         if length <= 0.0 {
             // Filament alone: the head stands meanwhile.
-            self.stop();
-            self.seconds += motion.extruded_mm.abs() / motion.feed_mm_s;
+            self.rest(motion.extruded_mm.abs() / motion.feed_mm_s, told);
             return;
         }
         let direction = [0, 1, 2].map(|axis| (motion.to_mm[axis] - motion.from_mm[axis]) / length);
@@ -99,40 +108,41 @@ impl Stopwatch {
         }
         self.chain.push(leg);
         if self.chain.len() >= self.most_legs {
-            self.settle();
+            self.settle(told);
         }
     }
 
     /// The head comes to rest.
-    fn stop(&mut self) {
+    pub(super) fn stop(&mut self, told: &mut impl FnMut(Pace)) {
         let speeds = speeds2(&self.chain, 0.0);
-        self.pass(self.chain.len(), &speeds);
+        self.pass(self.chain.len(), &speeds, told);
     }
 
     /// Lets go of the legs whose speeds are the same whatever comes.
     ///
     /// The speeds lie between those with a stop behind the last leg and those without any limit there. Where both agree they agree in all legs before too: what
     /// slows down in one of them only would have to do so in every leg up to the last.
-    fn settle(&mut self) {
+    fn settle(&mut self, told: &mut impl FnMut(Pace)) {
         let (least, greatest) = (speeds2(&self.chain, 0.0), speeds2(&self.chain, f64::INFINITY));
         let settled = least.iter().zip(&greatest).rposition(|(least, greatest)| least >= greatest);
         // At least half of them, lest each leg be looked at again and again.
         let settled = settled.unwrap_or(0).max(self.chain.len() / 2);
-        self.pass(settled, &least);
+        self.pass(settled, &least, told);
         if let Some(first) = self.chain.first_mut() {
             first.junction2 = least[settled];
         }
     }
 
     /// Counts the time of the first legs, and lets go of them.
-    fn pass(&mut self, legs: usize, speeds: &[f64]) {
+    fn pass(&mut self, legs: usize, speeds: &[f64], told: &mut impl FnMut(Pace)) {
         let passed = self.chain.drain(..legs).zip(speeds.windows(2));
-        self.seconds += passed.map(|(leg, ends)| leg.seconds(ends[0], ends[1])).sum::<f64>();
+        let paces = passed.map(|(leg, ends)| leg.pace(ends[0], ends[1]));
+        self.seconds += paces.inspect(|&pace| told(pace)).map(|pace| pace.seconds()).sum::<f64>();
     }
 
     /// The time until the head rests after the last event, in s.
     pub fn seconds(mut self) -> f64 {
-        self.stop();
+        self.stop(&mut |_| {});
         self.seconds
     }
 }
@@ -154,13 +164,10 @@ impl Leg {
         2.0 * self.acceleration * self.length
     }
 
-    /// Time from one speed to another, both given as squares and within reach of each other.
-    fn seconds(&self, begin2: f64, end2: f64) -> f64 {
+    /// From one speed to another, both given as squares and within reach of each other.
+    fn pace(&self, begin2: f64, end2: f64) -> Pace {
         let peak2 = self.cruise2.min(f64::midpoint(begin2, end2) + self.change2() / 2.0);
-        let [begin, end, peak] = [begin2, end2, peak2].map(f64::sqrt);
-        let ramps = (2.0 * peak2 - begin2 - end2) / (2.0 * self.acceleration);
-        let changing = (2.0 * peak - begin - end) / self.acceleration;
-        changing + (self.length - ramps).max(0.0) / peak
+        Pace::motion(self.length, self.acceleration, [begin2, peak2, end2])
     }
 }
 

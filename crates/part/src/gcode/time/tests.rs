@@ -131,7 +131,7 @@ proptest! {
             prop_assert!((a - b).abs() <= 1e-9 * a.max(1.0));
         }
         for (leg, ends) in chain.iter().zip(fast.windows(2)).take(3) {
-            let (exact, slow) = (leg.seconds(ends[0], ends[1]), slow_seconds(leg, ends[0], ends[1]));
+            let (exact, slow) = (leg.pace(ends[0], ends[1]).seconds(), slow_seconds(leg, ends[0], ends[1]));
             prop_assert!((exact - slow).abs() <= 0.01 * exact, "{leg:?} {ends:?}: {exact}, {slow}");
         }
     }

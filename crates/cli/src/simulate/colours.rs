@@ -1,0 +1,122 @@
+//! Temperatures as colours, from cold to hot.
+
+use super::map::Map;
+
+/// The colour map `plasma` of matplotlib (CC0) at equal steps: equal steps look alike to people with any colour vision, and each is lighter than
+/// the one before, so that it survives a print in grey.
+const STOPS: [[u8; 3]; 9] = [
+    [13, 8, 135],
+    [76, 2, 161],
+    [126, 3, 168],
+    [170, 35, 149],
+    [204, 71, 120],
+    [230, 108, 92],
+    [248, 149, 64],
+    [253, 197, 39],
+    [240, 249, 33],
+];
+
+/// A share of the hottest voxels that may lie beyond the scale: those just laid down are so hot that all others would look alike.
+const BEYOND: f64 = 0.005;
+
+/// How much longer the scale has to be with them.
+const STRETCH: f64 = 1.3;
+
+/// The temperatures that have colours of their own, °C.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Scale {
+    pub(super) low_c: f64,
+    pub(super) high_c: f64,
+    /// Whether there are hotter ones, which have the last colour.
+    pub(super) is_exceeded: bool,
+}
+
+impl Scale {
+    /// One for all of these.
+    pub(super) fn of<'a>(maps: impl Iterator<Item = &'a Map>) -> Self {
+        let mut all: Vec<f32> = maps.flat_map(Map::celsius).collect();
+        all.sort_unstable_by(f32::total_cmp);
+        let (Some(&low), Some(&last)) = (all.first(), all.last()) else {
+            return Self { low_c: 0.0, high_c: 1.0, is_exceeded: false };
+        };
+        let [low_c, most_c] = [low, last].map(f64::from);
+        let nearly_c = f64::from(all[((all.len() - 1) as f64 * (1.0 - BEYOND)) as usize]);
+        let is_exceeded = nearly_c > low_c && most_c - low_c > STRETCH * (nearly_c - low_c);
+        let high_c = if is_exceeded { nearly_c } else { most_c };
+        // A single temperature is a scale, too.
+        Self { low_c, high_c: high_c.max(low_c + 0.1), is_exceeded }
+    }
+
+    /// The colour of a temperature.
+    pub(super) fn colour(&self, celsius: f64) -> [u8; 3] {
+        colour((celsius - self.low_c) / (self.high_c - self.low_c))
+    }
+
+    /// Whole numbers, or tenths and so on, that divide it into a few parts; and how many decimals they have.
+    pub(super) fn ticks(&self) -> (Vec<f64>, usize) {
+        ticks(self.low_c, self.high_c, 5.0)
+    }
+}
+
+/// The colour of a share of the scale, from 0 to 1.
+pub(super) fn colour(share: f64) -> [u8; 3] {
+    let at = share.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
+    let stop = (at as usize).min(STOPS.len() - 2);
+    let between = |i: usize| {
+        let [a, b] = [STOPS[stop][i], STOPS[stop + 1][i]].map(f64::from);
+        (a + (b - a) * (at - stop as f64)).round() as u8
+    };
+    [between(0), between(1), between(2)]
+}
+
+/// Round numbers from `low` to `high`, about so many, and how many decimals they have.
+pub(super) fn ticks(low: f64, high: f64, about: f64) -> (Vec<f64>, usize) {
+    let rough = (high - low) / about;
+    let power = 10_f64.powf(rough.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter().find(|&step| step >= rough);
+    let step = step.unwrap_or(10.0 * power);
+    let decimals = (-step.log10().floor()).max(0.0) as usize;
+    let first = (low / step - 1e-9).ceil() as i64;
+    let last = (high / step + 1e-9).floor() as i64;
+    ((first..=last).map(|tick| tick as f64 * step).collect(), decimals)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hotter_is_lighter() {
+        let light = |share: f64| {
+            let [red, green, blue] = colour(share).map(f64::from);
+            0.2126 * red + 0.7152 * green + 0.0722 * blue
+        };
+        assert!((0..100).all(|i| light(f64::from(i) / 100.0) <= light(f64::from(i + 1) / 100.0) + 0.5));
+        assert_eq!((colour(-1.0), colour(2.0)), (STOPS[0], STOPS[8]));
+    }
+
+    #[test]
+    fn ticks_are_round() {
+        let near = |(found, decimals): (Vec<f64>, usize), expected: &[f64], places: usize| {
+            assert_eq!(decimals, places);
+            assert_eq!(found.len(), expected.len(), "{found:?}");
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
+        };
+        near(ticks(78.3, 121.0, 5.0), &[80.0, 90.0, 100.0, 110.0, 120.0], 0);
+        near(ticks(0.0, 60.0, 5.0), &[0.0, 20.0, 40.0, 60.0], 0);
+        near(ticks(80.0, 80.1, 5.0), &[80.0, 80.02, 80.04, 80.06, 80.08, 80.1], 2);
+    }
+
+    #[test]
+    fn a_few_hot_voxels_do_not_stretch_the_scale() {
+        let map = |hot: f64| {
+            let value = |x: u32, _| if x == 0 { hot } else { 80.0 + f64::from(x) / 100.0 };
+            Map::new(String::new(), ["x", "y"], [1.0; 2], [1000, 1], value)
+        };
+        let hot = Scale::of([map(230.0)].iter());
+        assert!(hot.is_exceeded && hot.high_c < 90.0);
+        let even = Scale::of([map(90.0)].iter());
+        assert!(!even.is_exceeded && even.high_c >= 89.9);
+        assert_eq!(hot.colour(230.0), STOPS[8]);
+    }
+}

@@ -1,0 +1,115 @@
+//! Temperatures by layer as charts, and some layers as maps.
+
+use beadwork_thermal::Simulation;
+
+use super::layers::Measure;
+use super::map::{self, Map, Scale};
+use crate::chart::{Axis, BLUE, Chart, GREEN, GREY, Series, Stroke, charts};
+
+/// Layers that are drawn, at most: two rows.
+const MAPS: usize = 6;
+
+/// Of so many layers, which are drawn.
+pub(super) fn chosen(depth: usize) -> Vec<usize> {
+    let count = depth.min(MAPS);
+    (0..count).map(|map| if count > 1 { map * (depth - 1) / (count - 1) } else { 0 }).collect()
+}
+
+/// A layer as it is now.
+pub(super) fn layer_map(layer: usize, simulation: &Simulation) -> Map {
+    let frame = simulation.part().frame;
+    let celsius = |x, y| simulation.temperature_c([x, y, layer as u32]).unwrap_or(f64::NAN);
+    let title = format!("layer {}, complete", layer + 1);
+    Map::new(title, ["x", "y"], [frame.cell_mm; 2], [frame.width, frame.height], celsius)
+}
+
+/// Charts over all layers above maps of some.
+pub(super) fn draw(title: &str, layers: &[Measure], maps: &[Map]) -> anyhow::Result<String> {
+    const HEAD: u32 = 34;
+    const HEIGHT: u32 = 250;
+    const COLUMNS: usize = 3;
+
+    let series = |name: &str, colour, stroke, value: fn(&Measure) -> f64| Series {
+        name: name.to_owned(),
+        colour,
+        stroke,
+        points: layers.iter().map(|layer| (layer.layer as f64, value(layer))).collect(),
+    };
+    let plain = |label: &'static str, shown: &'static [f64]| Axis { label, logarithmic: false, shown };
+    let chart = |title: &str, y, series| Chart { title: title.to_owned(), x: plain("layer", &[]), y, series };
+    let drawn = charts(
+        &[
+            chart(
+                "All that is printed",
+                plain("°C", &[]),
+                vec![
+                    series("mean", BLUE, Stroke::Plain, |layer| layer.mean_c),
+                    series("least", GREY, Stroke::Thin, |layer| layer.min_c),
+                ],
+            ),
+            chart(
+                "Unevenness",
+                plain("°C", &[0.0]),
+                vec![series("standard deviation", BLUE, Stroke::Plain, |layer| layer.std_c)],
+            ),
+            chart(
+                "Time to print a layer",
+                plain("s", &[0.0]),
+                vec![series("seconds", GREEN, Stroke::Plain, |layer| layer.print_seconds)],
+            ),
+        ],
+        COLUMNS,
+        (map::WIDTH / COLUMNS as u32, HEIGHT),
+    )?;
+    let below = map::svg(maps, COLUMNS, Scale::of(maps.iter()));
+    let begin = HEAD + height(&drawn);
+    let (width, whole) = (map::WIDTH, begin + height(&below));
+    let title = map::escaped(title);
+    Ok(format!(
+        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{whole}" viewBox="0 0 {width} {whole}">
+<rect width="{width}" height="{whole}" fill="white"/>
+<text x="14" y="23" font-family="sans-serif" font-size="16" font-weight="bold">{title}</text>
+<g transform="translate(0,{HEAD})">
+{drawn}</g>
+<g transform="translate(0,{begin})">
+{below}</g>
+</svg>
+"#
+    ))
+}
+
+/// The height that a drawing states first.
+fn height(svg: &str) -> u32 {
+    let stated = svg.split_once(" height=\"").and_then(|(_, rest)| rest.split_once('"'));
+    stated.and_then(|(height, _)| height.parse().ok()).expect("drawings state their height")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_and_the_last_layer_are_drawn() {
+        assert_eq!(chosen(0), [0; 0]);
+        assert_eq!(chosen(1), [0]);
+        assert_eq!(chosen(4), [0, 1, 2, 3]);
+        assert_eq!(chosen(77), [0, 15, 30, 45, 60, 76]);
+    }
+
+    #[test]
+    fn charts_and_maps_make_one_drawing() {
+        let measure = |layer| Measure {
+            layer,
+            voxels: 4,
+            mean_c: 90.0,
+            std_c: 3.0,
+            min_c: 80.0,
+            max_c: 230.0,
+            print_seconds: 2.0,
+        };
+        let map = Map::new("layer 1".to_owned(), ["x", "y"], [0.5; 2], [2, 2], |x, y| f64::from(x + y));
+        let text = draw("a & b", &[measure(1), measure(2)], &[map]).unwrap();
+        assert!(text.contains("a &amp; b") && text.matches("<svg").count() == 3);
+        assert_eq!(text.matches("</svg>").count(), 3);
+    }
+}

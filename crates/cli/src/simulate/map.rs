@@ -1,0 +1,307 @@
+//! Planes of temperatures as pictures.
+
+use std::fmt::Write;
+
+use png::{BitDepth, ColorType, Encoder};
+
+pub(super) use super::colours::Scale;
+use super::colours::{colour, ticks};
+use super::digits;
+
+/// The temperatures of a plane of voxels, seen from one side.
+pub(super) struct Map {
+    title: String,
+    /// Names of the axes to the right and upwards.
+    axes: [&'static str; 2],
+    /// Width and height of a voxel as seen, mm.
+    voxel_mm: [f64; 2],
+    size: [u32; 2],
+    /// °C, row by row from the top; no number where nothing is deposited.
+    values: Vec<f32>,
+}
+
+impl Map {
+    /// Asks for the temperature in each column, from the left, and row, from the top.
+    pub(super) fn new(
+        title: String,
+        axes: [&'static str; 2],
+        voxel_mm: [f64; 2],
+        size: [u32; 2],
+        celsius: impl Fn(u32, u32) -> f64,
+    ) -> Self {
+        let celsius = &celsius;
+        let [columns, rows] = size;
+        let values = (0..rows).flat_map(|row| (0..columns).map(move |column| celsius(column, row) as f32));
+        Self { title, axes, voxel_mm, size, values: values.collect() }
+    }
+
+    /// All temperatures there are.
+    pub(super) fn celsius(&self) -> impl Iterator<Item = f32> {
+        self.values.iter().copied().filter(|celsius| celsius.is_finite())
+    }
+
+    fn size_mm(&self) -> [f64; 2] {
+        [0, 1].map(|axis| f64::from(self.size[axis]) * self.voxel_mm[axis])
+    }
+
+    /// One pixel a voxel; transparent where nothing is deposited.
+    fn pixels(&self, scale: Scale) -> Vec<u8> {
+        let pixel = |&celsius: &f32| {
+            let [red, green, blue] = if celsius.is_finite() { scale.colour(celsius.into()) } else { [0; 3] };
+            [red, green, blue, if celsius.is_finite() { u8::MAX } else { 0 }]
+        };
+        self.values.iter().flat_map(pixel).collect()
+    }
+}
+
+/// Width of a drawing, in pixels.
+pub(super) const WIDTH: u32 = 1080;
+
+/// Room for the scale beside the maps.
+const SCALE_WIDTH: f64 = 90.0;
+const SCALE_HEIGHT: f64 = 170.0;
+
+/// Room around a map for its title and axes.
+const LEFT: f64 = 46.0;
+const TOP: f64 = 30.0;
+const BELOW: f64 = 40.0;
+const RIGHT: f64 = 14.0;
+
+/// The highest map, in pixels.
+const MOST_HEIGHT: f64 = 640.0;
+
+/// Draws maps row by row with one scale beside them.
+pub(super) fn svg(maps: &[Map], columns: usize, scale: Scale) -> String {
+    let mut text = String::new();
+    write(&mut text, maps, columns, scale).expect("a string takes all text");
+    text
+}
+
+fn write(text: &mut String, maps: &[Map], columns: usize, scale: Scale) -> std::fmt::Result {
+    let columns = columns.min(maps.len()).max(1);
+    let panel = (f64::from(WIDTH) - SCALE_WIDTH) / columns as f64;
+    let most = |axis: usize| maps.iter().map(|map| map.size_mm()[axis]).fold(1e-9, f64::max);
+    let per_mm = ((panel - LEFT - RIGHT) / most(0)).min(MOST_HEIGHT / most(1));
+    let height = TOP + most(1) * per_mm + BELOW;
+    let rows = maps.len().div_ceil(columns);
+    let whole = (rows as f64 * height).max(SCALE_HEIGHT + 70.0);
+    writeln!(
+        text,
+        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{whole:.0}" viewBox="0 0 {WIDTH} {whole:.0}" font-family="sans-serif" font-size="12" fill="black">"#
+    )?;
+    writeln!(text, r#"<rect width="{WIDTH}" height="{whole:.0}" fill="white"/>"#)?;
+    for (number, map) in maps.iter().enumerate() {
+        let (column, row) = (number % columns, number / columns);
+        let place = [column as f64 * panel + LEFT, row as f64 * height + TOP];
+        panel_of(text, map, scale, place, per_mm)?;
+    }
+    let place = [f64::from(WIDTH) - SCALE_WIDTH + 8.0, TOP + 14.0];
+    scale_of(text, scale, place)?;
+    writeln!(text, "</svg>")
+}
+
+fn panel_of(text: &mut String, map: &Map, scale: Scale, [x, y]: [f64; 2], per_mm: f64) -> std::fmt::Result {
+    let [wide, high] = map.size_mm().map(|mm| mm * per_mm);
+    let title = escaped(&map.title);
+    writeln!(
+        text,
+        r#"<text x="{x:.1}" y="{:.1}" font-size="13" font-weight="bold">{title}</text>"#,
+        y - 10.0
+    )?;
+    let picture = base64(&encode(map.size, &map.pixels(scale)));
+    writeln!(
+        text,
+        r#"<image x="{x:.1}" y="{y:.1}" width="{wide:.1}" height="{high:.1}" preserveAspectRatio="none" style="image-rendering:pixelated" href="data:image/png;base64,{picture}"/>"#
+    )?;
+    writeln!(
+        text,
+        r##"<rect x="{x:.1}" y="{y:.1}" width="{wide:.1}" height="{high:.1}" fill="none" stroke="#888"/>"##
+    )?;
+    let [wide_mm, high_mm] = map.size_mm();
+    let [across, up] = map.axes;
+    let (marks, decimals) = ticks(0.0, wide_mm, (wide / 60.0).clamp(1.0, 6.0));
+    for mm in marks {
+        let at = x + mm * per_mm;
+        writeln!(
+            text,
+            r#"<text x="{at:.1}" y="{:.1}" font-size="11" text-anchor="middle">{mm:.decimals$}</text>"#,
+            y + high + 14.0
+        )?;
+    }
+    let (marks, decimals) = ticks(0.0, high_mm, (high / 40.0).clamp(1.0, 6.0));
+    for mm in marks {
+        let at = y + high - mm * per_mm + 4.0;
+        writeln!(
+            text,
+            r#"<text x="{:.1}" y="{at:.1}" font-size="11" text-anchor="end">{mm:.decimals$}</text>"#,
+            x - 5.0
+        )?;
+    }
+    writeln!(
+        text,
+        r#"<text x="{:.1}" y="{:.1}" font-size="11" text-anchor="middle">{across}, mm</text>"#,
+        x + wide / 2.0,
+        y + high + 28.0
+    )?;
+    let (at_x, at_y) = (x - 32.0, y + high / 2.0);
+    writeln!(
+        text,
+        r#"<text transform="translate({at_x:.1},{at_y:.1}) rotate(-90)" font-size="11" text-anchor="middle">{up}, mm</text>"#
+    )
+}
+
+fn scale_of(text: &mut String, scale: Scale, [x, y]: [f64; 2]) -> std::fmt::Result {
+    const PARTS: u32 = 16;
+
+    writeln!(text, r#"<defs><linearGradient id="heat" x1="0" y1="1" x2="0" y2="0">"#)?;
+    for part in 0..=PARTS {
+        let share = f64::from(part) / f64::from(PARTS);
+        let [red, green, blue] = colour(share);
+        writeln!(text, r#"<stop offset="{share}" stop-color="rgb({red},{green},{blue})"/>"#)?;
+    }
+    writeln!(text, "</linearGradient></defs>")?;
+    writeln!(text, r#"<text x="{x:.1}" y="{:.1}">°C</text>"#, y - 10.0)?;
+    writeln!(
+        text,
+        r##"<rect x="{x:.1}" y="{y:.1}" width="18" height="{SCALE_HEIGHT}" fill="url(#heat)" stroke="#888"/>"##
+    )?;
+    for (label, share) in labels(scale) {
+        let at = y + SCALE_HEIGHT * (1.0 - share);
+        writeln!(
+            text,
+            r##"<path d="M{:.1} {at:.1}h5" stroke="#444"/><text x="{:.1}" y="{:.1}">{}</text>"##,
+            x + 18.0,
+            x + 27.0,
+            at + 4.0,
+            escaped(&label)
+        )?;
+    }
+    Ok(())
+}
+
+/// What is written beside the scale, and where on it, from 0 to 1.
+fn labels(scale: Scale) -> Vec<(String, f64)> {
+    let (marks, decimals) = scale.ticks();
+    let share = |celsius: f64| (celsius - scale.low_c) / (scale.high_c - scale.low_c);
+    let mut labels: Vec<_> =
+        marks.into_iter().map(|celsius| (format!("{celsius:.decimals$}"), share(celsius))).collect();
+    if scale.is_exceeded {
+        labels.retain(|(_, share)| *share < 0.93);
+        labels.push((format!("> {:.decimals$}", scale.high_c), 1.0));
+    }
+    labels
+}
+
+/// The longer side of a map as pixels, about, and the shortest scale beside it.
+const PIXELS: f64 = 900.0;
+const LEAST_SCALE: usize = 150;
+
+/// A map with its scale as a PNG picture, some pixels a voxel.
+pub(super) fn png(map: &Map, scale: Scale) -> Vec<u8> {
+    const MARGIN: usize = 14;
+    const GAP: usize = 18;
+    const BAR: usize = 20;
+    const LABEL: usize = 84;
+    const HEAD: usize = 24;
+
+    let [columns, rows] = map.size.map(|count| count as usize);
+    let [wide_mm, high_mm] = map.size_mm();
+    let per_mm = PIXELS / wide_mm.max(high_mm);
+    let [zoom_x, zoom_y] = map.voxel_mm.map(|mm| ((mm * per_mm) as usize).max(1));
+    let (wide, high) = (columns * zoom_x, rows * zoom_y);
+    let bar = high.clamp(LEAST_SCALE, 2 * LEAST_SCALE);
+    let size = [MARGIN + wide + GAP + BAR + LABEL, 2 * MARGIN + high.max(HEAD + bar)];
+    let mut canvas = digits::Canvas::white(size);
+    for (row, values) in map.values.chunks(columns.max(1)).enumerate() {
+        for (column, &celsius) in values.iter().enumerate().filter(|(_, celsius)| celsius.is_finite()) {
+            let place = [MARGIN + column * zoom_x, MARGIN + row * zoom_y];
+            canvas.fill(place, [zoom_x, zoom_y], scale.colour(celsius.into()));
+        }
+    }
+    let left = MARGIN + wide + GAP;
+    let top = MARGIN + HEAD;
+    canvas.write([left, MARGIN], "°C");
+    for line in 0..bar {
+        let share = 1.0 - (line as f64 + 0.5) / bar as f64;
+        canvas.fill([left, top + line], [BAR, 1], colour(share));
+    }
+    for (label, share) in labels(scale) {
+        let at = top + ((1.0 - share) * (bar - 1) as f64) as usize;
+        canvas.fill([left + BAR, at], [5, 1], [0; 3]);
+        canvas.write([left + BAR + 9, at.saturating_sub(digits::HEIGHT / 2)], &label);
+    }
+    encode(size.map(|side| side as u32), canvas.pixels())
+}
+
+fn encode([width, height]: [u32; 2], pixels: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = Encoder::new(&mut bytes, width, height);
+    encoder.set_color(ColorType::Rgba);
+    encoder.set_depth(BitDepth::Eight);
+    let mut writer = encoder.write_header().expect("memory takes all bytes");
+    writer.write_image_data(pixels).expect("there are as many pixels as the size says");
+    writer.finish().expect("memory takes all bytes");
+    bytes
+}
+
+pub(super) fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+/// Bytes as text (RFC 4648, section 4).
+fn base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for chunk in bytes.chunks(3) {
+        let byte = |i: usize| u32::from(chunk.get(i).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for i in 0..4 {
+            let letter = char::from(LETTERS[(bits >> (18 - 6 * i) & 63) as usize]);
+            text.push(if i <= chunk.len() { letter } else { '=' });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn map() -> Map {
+        let celsius = |x: u32, y: u32| if x == y { f64::NAN } else { 80.0 + f64::from(x + 3 * y) };
+        Map::new("a < b".to_owned(), ["x", "z"], [0.5, 0.25], [30, 12], celsius)
+    }
+
+    #[test]
+    fn base64_as_in_its_definition() {
+        for (bytes, text) in
+            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")]
+        {
+            assert_eq!(base64(bytes.as_bytes()), text);
+        }
+    }
+
+    #[test]
+    fn voxels_become_blocks_of_pixels_and_the_rest_stays_white() {
+        let map = map();
+        let bytes = png(&map, Scale::of([&map].into_iter()));
+        let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        assert_eq!(info.width, 14 + 30 * 30 + 18 + 20 + 84);
+        let at = |x: usize, y: usize| &pixels[4 * (y * info.width as usize + x)..][..4];
+        assert_eq!(at(14, 14), [255; 4], "nothing is deposited there");
+        assert_eq!(at(14 + 30, 14), at(14 + 59, 14 + 14));
+        assert_ne!(at(14 + 30, 14), at(14 + 60, 14));
+    }
+
+    #[test]
+    fn drawings_are_whole() {
+        let maps = [map(), map(), map()];
+        let text = svg(&maps, 2, Scale::of(maps.iter()));
+        assert!(text.starts_with("<svg") && text.ends_with("</svg>\n"));
+        assert!(text.contains("a &lt; b") && text.matches("<image").count() == 3);
+        assert!(svg(&[], 3, Scale::of([].iter())).ends_with("</svg>\n"));
+    }
+}

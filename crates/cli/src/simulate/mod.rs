@@ -1,0 +1,282 @@
+//! `simulate`: how warm a part gets while it is printed.
+
+mod colours;
+mod digits;
+mod drawing;
+mod layers;
+mod map;
+mod report;
+mod section;
+mod source;
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+use anyhow::bail;
+use beadwork_part::Pattern;
+use beadwork_thermal::{Accuracy, Material, Method, Process, Simulation};
+use clap::ValueEnum;
+
+use crate::part::PartArgs;
+use crate::plan::PrinterArgs;
+use crate::{cancel, output, progress};
+use layers::Measure;
+use report::Report;
+use section::{Section, Target};
+use source::Source;
+
+/// Simulate how warm a part gets while it is printed.
+///
+/// Every voxel of the part is laid down in the order of a pattern, or as a G-code program has it, and heat flows between voxels, into the plate
+/// and into the air. Told are the temperatures of all that is printed, at the end of each layer.
+#[derive(clap::Args)]
+#[command(
+    // A program may show its part by itself.
+    mut_arg("parts", |parts| parts.required(false).required_unless_present("gcode")),
+    after_help = "\
+Examples:
+  beadwork simulate example:u-shape
+  beadwork simulate example:pyramid --pattern spiral-in-0 --csv pyramid.csv --svg pyramid.svg
+  beadwork simulate part.stl --material petg --nozzle-c 240 --plate-c 85 --json
+  beadwork simulate example:u-shape --section x=22 --section z=1.5 --section-out sections --end-seconds 60
+  beadwork plan example:logo-plate --objective tools --out logo.gcode
+  beadwork simulate example:logo-plate --gcode logo.gcode
+  beadwork simulate --gcode logo.gcode"
+)]
+pub(crate) struct Args {
+    #[command(flatten)]
+    part: PartArgs,
+    #[command(flatten)]
+    printer: PrinterArgs,
+    /// The order of every layer's voxels: zigzag, raster or contour-zigzag-x-0, and so on; one of 38.
+    #[arg(long, value_name = "NAME", default_value = "contour-zigzag-x-0", conflicts_with = "gcode")]
+    pattern: Pattern,
+    /// A program that prints the part, in place of a pattern. Without PART, the part is what its beads fill.
+    #[arg(long, value_name = "FILE")]
+    gcode: Option<PathBuf>,
+    /// Share of the part's voxels that the program may leave out; 0 if not given.
+    #[arg(long, value_name = "SHARE", value_parser = share, requires = "gcode", allow_hyphen_values = true)]
+    left_out: Option<f64>,
+    /// What is printed.
+    #[arg(long, value_name = "NAME", default_value = "abs")]
+    material: MaterialName,
+    /// How the heat equation is stepped: as in the paper (naive), exactly (reference, four steps of second order for each
+    /// voxel), or fast.
+    #[arg(long, value_name = "NAME", default_value = "fast")]
+    method: MethodName,
+    /// Accuracy of the fast method; standard if not given.
+    #[arg(long, value_name = "NAME")]
+    accuracy: Option<AccuracyName>,
+    /// Temperature at which a voxel is laid down, in °C; that of the program, or 230.
+    #[arg(long, value_name = "C", allow_hyphen_values = true)]
+    nozzle_c: Option<f64>,
+    /// Temperature of the build plate, in °C, or none for a plate that takes up no heat; that of the program, or 80.
+    #[arg(long, value_name = "C", allow_hyphen_values = true)]
+    plate_c: Option<OrNone>,
+    /// Temperature of the air, in °C.
+    #[arg(long, value_name = "C", default_value_t = 25.0, allow_hyphen_values = true)]
+    ambient_c: f64,
+    /// Heat transfer to the air, in W/(m² K).
+    #[arg(long, value_name = "H", default_value_t = 10.0, allow_hyphen_values = true)]
+    convection: f64,
+    /// Speed of printing by a pattern, in mm/s; 30 if not given.
+    #[arg(long, value_name = "MM_S", conflicts_with = "gcode", allow_hyphen_values = true)]
+    print_mm_s: Option<f64>,
+    /// Speed of travel in a pattern, in mm/s, or none for a nozzle that is there at once; 150 if not given.
+    #[arg(long, value_name = "MM_S", conflicts_with = "gcode", allow_hyphen_values = true)]
+    travel_mm_s: Option<OrNone>,
+    /// Let heat cross half a voxel before it leaves a surface, which the paper's scheme neglects.
+    #[arg(long)]
+    surface_resistance: bool,
+    /// Go on for so many seconds after the print, in which it cools.
+    #[arg(long, value_name = "S", value_parser = seconds, allow_hyphen_values = true)]
+    end_seconds: Option<f64>,
+    /// Write the measures of all layers.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Draw temperatures by layer, and maps of some layers as they are when complete.
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+    /// Draw a plane through the part as it is at the end: x=30 is 30 mm from its left side, y from its front, z from its bottom.
+    /// May be given several times.
+    #[arg(long, value_name = "AXIS=MM", requires = "section_out")]
+    section: Vec<Section>,
+    /// Where to: a .png or .svg file for a single plane, or a folder, which gets both for each.
+    #[arg(long, value_name = "FILE|DIR", requires = "section")]
+    section_out: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum MaterialName {
+    Abs,
+    Pla,
+    Petg,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum MethodName {
+    Naive,
+    Reference,
+    Fast,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum AccuracyName {
+    Standard,
+    High,
+}
+
+/// A number, or the word none.
+#[derive(Clone, Copy)]
+struct OrNone(Option<f64>);
+
+impl FromStr for OrNone {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "none" {
+            return Ok(Self(None));
+        }
+        text.parse().map(|number| Self(Some(number))).map_err(|_| "give a number or none".to_owned())
+    }
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share = text.parse().ok().filter(|share| (0.0..=1.0).contains(share));
+    share.ok_or_else(|| "give a number from 0 to 1".to_owned())
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds| (0.0..=1e6).contains(seconds));
+    seconds.ok_or_else(|| "give seconds from 0 to a million".to_owned())
+}
+
+pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
+    let target = args.check()?;
+    let source = Source::load(args)?;
+    let part = &source.part;
+    let frame = part.frame;
+    let size_mm = [
+        f64::from(frame.width) * frame.cell_mm,
+        f64::from(frame.height) * frame.cell_mm,
+        part.depth as f64 * frame.layer_mm,
+    ];
+    for section in &args.section {
+        section.check(size_mm)?;
+    }
+    let material = match args.material {
+        MaterialName::Abs => Material::abs(),
+        MaterialName::Pla => Material::pla(),
+        MaterialName::Petg => Material::petg(),
+    };
+    let process = args.process(&source);
+    let mut simulation = Simulation::new(part.clone(), &material, &process, args.method())?;
+
+    let begin = Instant::now();
+    let drawn = if args.svg.is_some() { drawing::chosen(part.depth) } else { Vec::new() };
+    let (mut layers, mut maps) = (Vec::new(), Vec::new());
+    let bar = progress::bar(part.count() as u64, "simulate");
+    source.print(&mut simulation, &bar, |layer, seconds, simulation| {
+        layers.push(Measure::at_end_of(layer, seconds, simulation));
+        if drawn.contains(&layer) {
+            maps.push(drawing::layer_map(layer, simulation));
+        }
+    })?;
+    let print_seconds = simulation.seconds();
+    let end = args.end_seconds.map(|seconds| {
+        simulation.pause(seconds);
+        Measure::at_end_of(part.depth - 1, seconds, &simulation)
+    });
+    bar.finish_and_clear();
+    if cancel::token()?.load(Ordering::Relaxed) {
+        bail!("stopped; nothing was written");
+    }
+    let report = Report {
+        source: &source,
+        material: &material,
+        process: &process,
+        method: args.method_name(),
+        layers: &layers,
+        end,
+        print_seconds,
+        seconds: begin.elapsed().as_secs_f64(),
+    };
+    if let Some(path) = &args.csv {
+        output::file(path, report.csv())?;
+    }
+    if let Some(path) = &args.svg {
+        output::file(path, drawing::draw(&report.title(), &layers, &maps)?)?;
+    }
+    if let Some(target) = target {
+        let map = |&section: &Section| {
+            (section, section.map(&simulation, format!("{}, {section} mm", source.name)))
+        };
+        target.write(&args.section.iter().map(map).collect::<Vec<_>>())?;
+    }
+    if args.json { output::json(&report.json()) } else { output::text(&report.summary()) }
+}
+
+impl Args {
+    /// Refuses, before any work, flags that mean nothing together and files that can't be written.
+    fn check(&self) -> anyhow::Result<Option<Target>> {
+        if self.accuracy.is_some() && self.method != MethodName::Fast {
+            output::wrong_use("--accuracy means nothing to other methods than fast");
+        }
+        let target = self.section_out.as_deref().map(|path| Target::new(path, self.section.len()));
+        let section = target.as_ref().and_then(Target::file);
+        let files: Vec<&Path> =
+            [self.csv.as_deref(), self.svg.as_deref(), section].into_iter().flatten().collect();
+        for (number, path) in files.iter().enumerate() {
+            if path.is_dir() {
+                bail!("'{}' is a folder", path.display());
+            }
+            if files[..number].contains(path) {
+                output::wrong_use(&format!("two results would go to the same file '{}'", path.display()));
+            }
+        }
+        Ok(target)
+    }
+
+    fn method(&self) -> Method {
+        match self.method {
+            MethodName::Naive => Method::Naive,
+            MethodName::Reference => Method::Reference { steps: 4 },
+            MethodName::Fast => Method::Fast(match self.accuracy {
+                None | Some(AccuracyName::Standard) => Accuracy::Standard,
+                Some(AccuracyName::High) => Accuracy::High,
+            }),
+        }
+    }
+
+    fn method_name(&self) -> &'static str {
+        match (self.method, self.accuracy) {
+            (MethodName::Naive, _) => "naive",
+            (MethodName::Reference, _) => "reference",
+            (MethodName::Fast, Some(AccuracyName::High)) => "fast, high accuracy",
+            (MethodName::Fast, _) => "fast",
+        }
+    }
+
+    /// As typed; what was not, as the program has it, or else as usual.
+    fn process(&self, source: &Source) -> Process {
+        let usual = Process::default();
+        let plate_c = OrNone(source.plate_c.or(usual.plate_c));
+        Process {
+            extrusion_c: self.nozzle_c.or(source.nozzle_c).unwrap_or(usual.extrusion_c),
+            plate_c: self.plate_c.unwrap_or(plate_c).0,
+            ambient_c: self.ambient_c,
+            convection_w_m2k: self.convection,
+            print_mm_s: self.print_mm_s.unwrap_or(usual.print_mm_s),
+            travel_mm_s: match self.travel_mm_s {
+                Some(OrNone(speed)) => speed,
+                None => usual.travel_mm_s,
+            },
+            surface_resistance: self.surface_resistance,
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! What a simulation found, for people and for programs.
+
+use std::fmt::Write;
+
+use beadwork_thermal::{Material, Process};
+use serde_json::{Value, json};
+
+use super::layers::Measure;
+use super::source::{Course, Source};
+use crate::plan::{count, duration};
+
+/// Rows of a table for people, at most.
+const ROWS: usize = 16;
+
+pub(super) struct Report<'a> {
+    pub(super) source: &'a Source,
+    pub(super) material: &'a Material,
+    pub(super) process: &'a Process,
+    pub(super) method: &'a str,
+    /// Of each layer when it is complete.
+    pub(super) layers: &'a [Measure],
+    /// After the time at the end, if any was asked for; its seconds are that time.
+    pub(super) end: Option<Measure>,
+    /// From the beginning of the print to its end, without that time, s.
+    pub(super) print_seconds: f64,
+    /// What the simulation took, s.
+    pub(super) seconds: f64,
+}
+
+impl Report<'_> {
+    /// The sum of the layers' standard deviations, made negative: the reward of the paper (Kim et al. 2026).
+    fn reward(&self) -> f64 {
+        -self.layers.iter().map(|layer| layer.std_c).sum::<f64>()
+    }
+
+    pub(super) fn title(&self) -> String {
+        let order = match &self.source.course {
+            Course::Pattern(pattern) => pattern.name(),
+            Course::Program(_) => "as in the G-code",
+        };
+        format!("{}, {order}, {}", self.source.name, self.material.name)
+    }
+
+    /// Everything, and nothing that differs between two runs but the seconds.
+    pub(super) fn json(&self) -> Value {
+        let Self { source, material, process, .. } = self;
+        let frame = &source.part.frame;
+        let (pattern, missed) = match &source.course {
+            Course::Pattern(pattern) => (Some(pattern.name()), 0),
+            Course::Program(program) => (None, program.missed.len()),
+        };
+        json!({
+            "part": source.name,
+            "width": frame.width,
+            "height": frame.height,
+            "depth": source.part.depth,
+            "bead_mm": frame.cell_mm,
+            "layer_mm": frame.layer_mm,
+            "voxels": source.part.count(),
+            "voxels_left_out": missed,
+            "pattern": pattern,
+            "material": material.name,
+            "method": self.method,
+            "process": {
+                "nozzle_c": process.extrusion_c,
+                "plate_c": process.plate_c,
+                "ambient_c": process.ambient_c,
+                "convection_w_m2k": process.convection_w_m2k,
+                "print_mm_s": pattern.map(|_| process.print_mm_s),
+                "travel_mm_s": pattern.and(process.travel_mm_s),
+                "surface_resistance": process.surface_resistance,
+            },
+            "layers": self.layers,
+            "end": self.end.map(|end| json!({
+                "seconds": end.print_seconds,
+                "mean_c": end.mean_c,
+                "std_c": end.std_c,
+                "min_c": end.min_c,
+                "max_c": end.max_c,
+            })),
+            "reward": self.reward(),
+            "print_seconds": self.print_seconds,
+            "seconds": self.seconds,
+        })
+    }
+
+    /// A row for each layer.
+    pub(super) fn csv(&self) -> String {
+        let mut text = "layer,voxels,mean_c,std_c,min_c,max_c,print_seconds\n".to_owned();
+        for layer in self.layers {
+            let Measure { layer, voxels, mean_c, std_c, min_c, max_c, print_seconds } = layer;
+            writeln!(text, "{layer},{voxels},{mean_c},{std_c},{min_c},{max_c},{print_seconds}")
+                .expect("a string takes all text");
+        }
+        text
+    }
+
+    /// A table and a few lines.
+    pub(super) fn summary(&self) -> String {
+        let mut text = String::new();
+        self.write(&mut text).expect("a string takes all text");
+        text
+    }
+
+    fn write(&self, text: &mut String) -> std::fmt::Result {
+        let Self { source, layers, .. } = self;
+        let frame = &source.part.frame;
+        writeln!(
+            text,
+            "{}: {} in {} of up to {} x {}, each {} x {} x {} mm\n",
+            self.title(),
+            count(source.part.count() as u64, "voxel"),
+            count(source.part.depth as u64, "layer"),
+            frame.width,
+            frame.height,
+            frame.cell_mm,
+            frame.cell_mm,
+            frame.layer_mm,
+        )?;
+        writeln!(text, "All that is printed, in °C, when a layer is complete:\n")?;
+        writeln!(text, "  layer     mean   std dev    least  greatest    print s")?;
+        let shown = ROWS.min(layers.len());
+        for row in 0..shown {
+            let at = if shown > 1 { row * (layers.len() - 1) / (shown - 1) } else { row };
+            let Measure { layer, mean_c, std_c, min_c, max_c, print_seconds, .. } = layers[at];
+            writeln!(
+                text,
+                "{layer:>7} {mean_c:>8.2} {std_c:>9.2} {min_c:>8.2} {max_c:>9.2} {print_seconds:>10.1}"
+            )?;
+        }
+        if shown < layers.len() {
+            writeln!(text, "  ({shown} of {} layers; --csv or --json has them all)", layers.len())?;
+        }
+        writeln!(text, "\nreward {:.2}: minus the sum of all layers' standard deviations", self.reward())?;
+        if let Some(Measure { mean_c, std_c, min_c, max_c, print_seconds, .. }) = self.end {
+            writeln!(
+                text,
+                "{print_seconds} s after the print: {mean_c:.2} °C, standard deviation {std_c:.2}, from {min_c:.2} to {max_c:.2}"
+            )?;
+        }
+        writeln!(text, "{} to print, simulated in {:.2} s", duration(self.print_seconds), self.seconds)
+    }
+}

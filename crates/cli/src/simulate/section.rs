@@ -1,0 +1,178 @@
+//! Flat cuts through a part.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use anyhow::bail;
+use beadwork_thermal::Simulation;
+
+use super::map::{Map, Scale, png, svg};
+use crate::output;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+/// The plane at a distance in mm from the left, the front or the bottom of the part's box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Section {
+    axis: Axis,
+    mm: f64,
+}
+
+impl FromStr for Section {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let axis = |name: &str| match name.trim() {
+            "x" | "X" => Some(Axis::X),
+            "y" | "Y" => Some(Axis::Y),
+            "z" | "Z" => Some(Axis::Z),
+            _ => None,
+        };
+        let found = text.split_once('=').and_then(|(name, mm)| Some((axis(name)?, mm.trim().parse().ok()?)));
+        let found = found.filter(|(_, mm): &(Axis, f64)| mm.is_finite());
+        found.map(|(axis, mm)| Self { axis, mm }).ok_or_else(|| "give x, y or z and mm, as x=30".to_owned())
+    }
+}
+
+impl fmt::Display for Section {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let axis = match self.axis {
+            Axis::X => 'x',
+            Axis::Y => 'y',
+            Axis::Z => 'z',
+        };
+        write!(f, "{axis}={}", self.mm)
+    }
+}
+
+impl Section {
+    /// Refuses a plane outside of a part of so many mm.
+    pub(super) fn check(self, size_mm: [f64; 3]) -> anyhow::Result<()> {
+        let size_mm = size_mm[self.axis as usize];
+        if (0.0..=size_mm).contains(&self.mm) {
+            return Ok(());
+        }
+        bail!("the section {self} lies outside of the part, which ends at {size_mm} mm")
+    }
+
+    /// The temperatures in it: as seen from the right, from the front, or from above.
+    pub(super) fn map(self, simulation: &Simulation, title: String) -> Map {
+        let part = simulation.part();
+        let frame = part.frame;
+        let [width, height, depth] = [frame.width, frame.height, part.depth as u32];
+        // The side between two voxels belongs to the one after it, the last to the one before.
+        let place = |step_mm: f64, count: u32| ((self.mm / step_mm + 1e-9) as u32).min(count - 1);
+        let celsius = |x, y, z| simulation.temperature_c([x, y, z]).unwrap_or(f64::NAN);
+        let (cell_mm, layer_mm) = (frame.cell_mm, frame.layer_mm);
+        let upright = [cell_mm, layer_mm];
+        match self.axis {
+            Axis::X => {
+                let x = place(cell_mm, width);
+                let value = |column: u32, row: u32| celsius(x, height - 1 - column, depth - 1 - row);
+                Map::new(title, ["y", "z"], upright, [height, depth], value)
+            }
+            Axis::Y => {
+                let y = height - 1 - place(cell_mm, height);
+                Map::new(title, ["x", "z"], upright, [width, depth], |x, row| celsius(x, y, depth - 1 - row))
+            }
+            Axis::Z => {
+                let z = place(layer_mm, depth);
+                Map::new(title, ["x", "y"], [cell_mm; 2], [width, height], |x, y| celsius(x, y, z))
+            }
+        }
+    }
+}
+
+/// Where pictures of sections go.
+pub(super) enum Target {
+    File(PathBuf),
+    Folder(PathBuf),
+}
+
+impl Target {
+    /// Of what was typed, for so many sections; ends the process if they don't fit.
+    pub(super) fn new(path: &Path, sections: usize) -> Self {
+        if path.is_dir() {
+            return Self::Folder(path.to_owned());
+        }
+        match path.extension() {
+            None => Self::Folder(path.to_owned()),
+            Some(_) if !is_picture(path) => output::wrong_use(&format!(
+                "--section-out '{}' is neither a .png nor an .svg file nor a folder",
+                path.display()
+            )),
+            Some(_) if sections > 1 => {
+                output::wrong_use("--section-out has to be a folder for more than one section")
+            }
+            Some(_) => Self::File(path.to_owned()),
+        }
+    }
+
+    pub(super) fn file(&self) -> Option<&Path> {
+        match self {
+            Self::File(path) => Some(path),
+            Self::Folder(_) => None,
+        }
+    }
+
+    /// Draws the section of each map, all of them on one scale.
+    pub(super) fn write(&self, sections: &[(Section, Map)]) -> anyhow::Result<()> {
+        let scale = Scale::of(sections.iter().map(|(_, map)| map));
+        for (section, map) in sections {
+            match self {
+                Self::File(path) if has_extension(path, "png") => output::file(path, png(map, scale))?,
+                Self::File(path) => output::file(path, svg(std::slice::from_ref(map), 1, scale))?,
+                Self::Folder(folder) => {
+                    std::fs::create_dir_all(folder)?;
+                    let name = format!("section-{}", section.to_string().replace('=', ""));
+                    output::file(
+                        &folder.join(format!("{name}.svg")),
+                        svg(std::slice::from_ref(map), 1, scale),
+                    )?;
+                    output::file(&folder.join(format!("{name}.png")), png(map, scale))?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
+}
+
+fn is_picture(path: &Path) -> bool {
+    has_extension(path, "png") || has_extension(path, "svg")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_are_named_by_an_axis_and_mm() {
+        assert_eq!("x=30".parse(), Ok(Section { axis: Axis::X, mm: 30.0 }));
+        assert_eq!("Z = 0.25".parse(), Ok(Section { axis: Axis::Z, mm: 0.25 }));
+        for wrong in ["", "x", "w=3", "x=", "x=nan", "3", "x=1=2"] {
+            assert!(wrong.parse::<Section>().is_err(), "{wrong}");
+        }
+        assert_eq!(Section { axis: Axis::Y, mm: 2.5 }.to_string(), "y=2.5");
+    }
+
+    #[test]
+    fn planes_lie_within_the_part() {
+        let section = |text: &str| text.parse::<Section>().unwrap();
+        assert!(
+            section("x=0").check([60.0, 20.0, 3.0]).is_ok()
+                && section("z=3").check([60.0, 20.0, 3.0]).is_ok()
+        );
+        assert!(section("y=20.1").check([60.0, 20.0, 3.0]).is_err());
+        assert!(section("z=-1").check([60.0, 20.0, 3.0]).is_err());
+    }
+}
