@@ -202,7 +202,7 @@ fn no_extreme_runs_away() {
         frame.cell_mm = random.real(0.2, 2.0);
         let part = part_of(frame, shape.depth, |[x, y, z]| shape.material(x as u32, y as u32, z).is_some());
         let mut print = Print::paper(&mut random, part);
-        print.process.convection_w_m2k = [0.0, 100.0, 1e4][random.below(3)];
+        print.process.convection_w_m2k = [0.0, 100.0, 1e4, 1e5][random.below(4)];
         print.process.ambient_c = random.real(-40.0, 300.0);
         print.process.plate_c = (!random.one_in(3)).then(|| random.real(-20.0, 200.0));
         print.process.surface_resistance = random.one_in(2);
