@@ -4,7 +4,7 @@ use beadwork_thermal::Simulation;
 
 use super::layers::Measure;
 use super::map::{self, Map, Scale};
-use crate::chart::{Axis, BLUE, Chart, GREEN, GREY, Series, Stroke, charts};
+use crate::chart::{Axis, BLUE, Chart, GREEN, GREY, ORANGE, Series, Stroke, charts};
 
 /// Layers that are drawn, at most: two rows.
 const MAPS: usize = 6;
@@ -50,7 +50,7 @@ pub(super) fn draw(title: &str, layers: &[Measure], maps: &[Map]) -> anyhow::Res
             chart(
                 "Unevenness",
                 plain("°C", &[0.0]),
-                vec![series("standard deviation", BLUE, Stroke::Plain, |layer| layer.std_c)],
+                vec![series("standard deviation", ORANGE, Stroke::Plain, |layer| layer.std_c)],
             ),
             chart(
                 "Time to print a layer",

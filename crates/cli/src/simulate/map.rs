@@ -111,7 +111,7 @@ fn panel_of(text: &mut String, map: &Map, scale: Scale, [x, y]: [f64; 2], per_mm
     let picture = base64(&encode(map.size, &map.pixels(scale)));
     writeln!(
         text,
-        r#"<image x="{x:.1}" y="{y:.1}" width="{wide:.1}" height="{high:.1}" preserveAspectRatio="none" style="image-rendering:pixelated" href="data:image/png;base64,{picture}"/>"#
+        r#"<image x="{x:.1}" y="{y:.1}" width="{wide:.1}" height="{high:.1}" preserveAspectRatio="none" image-rendering="optimizeSpeed" style="image-rendering:pixelated" href="data:image/png;base64,{picture}"/>"#
     )?;
     writeln!(
         text,
@@ -207,7 +207,10 @@ pub(super) fn png(map: &Map, scale: Scale) -> Vec<u8> {
     let [columns, rows] = map.size.map(|count| count as usize);
     let [wide_mm, high_mm] = map.size_mm();
     let per_mm = PIXELS / wide_mm.max(high_mm);
-    let [zoom_x, zoom_y] = map.voxel_mm.map(|mm| ((mm * per_mm) as usize).max(1));
+    // The longer side of a voxel follows the shorter one, lest rounding both make the part flat.
+    let least_mm = map.voxel_mm[0].min(map.voxel_mm[1]);
+    let least = (least_mm * per_mm).floor().max(1.0);
+    let [zoom_x, zoom_y] = map.voxel_mm.map(|mm| (mm / least_mm * least).round() as usize);
     let (wide, high) = (columns * zoom_x, rows * zoom_y);
     let bar = high.clamp(LEAST_SCALE, 2 * LEAST_SCALE);
     let size = [MARGIN + wide + GAP + BAR + LABEL, 2 * MARGIN + high.max(HEAD + bar)];

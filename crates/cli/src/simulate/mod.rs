@@ -40,7 +40,7 @@ Examples:
   beadwork simulate example:u-shape
   beadwork simulate example:pyramid --pattern spiral-in-0 --csv pyramid.csv --svg pyramid.svg
   beadwork simulate part.stl --material petg --nozzle-c 240 --plate-c 85 --json
-  beadwork simulate example:u-shape --section x=22 --section z=1.5 --section-out sections --end-seconds 60
+  beadwork simulate example:u-shape --end-seconds 60 --section x=22 --section-out cut.png
   beadwork plan example:logo-plate --objective tools --out logo.gcode
   beadwork simulate example:logo-plate --gcode logo.gcode
   beadwork simulate --gcode logo.gcode"
@@ -50,7 +50,8 @@ pub(crate) struct Args {
     part: PartArgs,
     #[command(flatten)]
     printer: PrinterArgs,
-    /// The order of every layer's voxels: zigzag, raster or contour-zigzag-x-0, and so on; one of 38.
+    /// The order of every layer's voxels: one of the 38 patterns, such as zigzag-y-1, raster-x-0, spiral-in-2, spiral-out-3,
+    /// contour-raster-y-3 and diagonal-1.
     #[arg(long, value_name = "NAME", default_value = "contour-zigzag-x-0", conflicts_with = "gcode")]
     pattern: Pattern,
     /// A program that prints the part, in place of a pattern. Without PART, the part is what its beads fill.
