@@ -29,6 +29,16 @@ pub(super) struct Level {
     pub(super) margins: [usize; 2],
 }
 
+impl Level {
+    /// The age up to which births count in a pause: at least two of the longest steps.
+    ///
+    /// In a print, new births keep a window around those before them. In a pause nothing does, and a long step would leave
+    /// up to the whole of the sharpest differences standing.
+    pub(super) fn pause_age_s(&self) -> f64 {
+        self.age_s.max(2.0 * self.seconds)
+    }
+}
+
 /// How a step is taken.
 #[derive(Clone, Debug)]
 pub(super) enum Step {
@@ -84,14 +94,11 @@ const fn blocks(length: f64, age: f64, spreads: f64) -> Spec {
 
 /// The shortest steps first. A birth of the paper's ABS lasts 0.38 in these units: so these are steps of one, 4, 22, 124 and
 /// 1,000 births.
-///
-/// The long steps must not begin before what was printed last has aged by one of them: they leave up to the whole of the
-/// sharpest differences standing, which a pause right after a birth shows (6.8 K at a quarter of a step).
 const STANDARD: [Spec; 5] = [
     voxels(0.4, 0.0, 0.0),
-    voxels(1.54, 1.5, 2.0),
-    voxels(8.5, 2.0, 2.0),
-    voxels(47.8, 1.0, 3.0),
+    voxels(1.93, 1.5, 2.0),
+    voxels(8.5, 1.0, 1.5),
+    voxels(47.8, 0.25, 2.5),
     blocks(381.0, 1.0, 4.0),
 ];
 const HIGH: [Spec; 5] = [

@@ -109,7 +109,7 @@ impl Fast {
             whole.take_up(&self.memory.changes, law);
             self.memory.changes.clear();
         }
-        let oldest = self.now - self.levels.iter().map(|level| level.age_s).fold(0.0, f64::max);
+        let oldest = self.now - self.levels.iter().map(Level::pause_age_s).fold(0.0, f64::max);
         let past = self.history.partition_point(|&(_, time)| time < oldest);
         self.history.drain(..past);
     }
@@ -236,10 +236,15 @@ impl Fast {
 
     /// Where a step over the given pieces has to be taken in shorter ones, if anywhere.
     fn window(&self, patch: &Patch, top: usize, level: usize, pieces: &[Piece]) -> Option<Window> {
-        let Level { age_s, margins, .. } = self.levels[level];
-        let recent = self.history.iter().rev().take_while(|&&(_, time)| time > self.now - age_s);
+        let level = &self.levels[level];
         let coming = pieces.iter().filter_map(|piece| piece.held);
-        Window::around(recent.map(|&(at, _)| at).chain(coming), margins, patch, top)
+        let seconds =
+            |pieces: &mut dyn Iterator<Item = &Piece>| pieces.map(|piece| piece.seconds).sum::<f64>();
+        let busy_s = seconds(&mut pieces.iter().filter(|piece| piece.born));
+        let pause = busy_s < 0.9 * seconds(&mut pieces.iter());
+        let since_s = self.now - if pause { level.pause_age_s() } else { level.age_s };
+        let recent = self.history.iter().rev().take_while(|&&(_, time)| time > since_s);
+        Window::around(recent.map(|&(at, _)| at).chain(coming), level.margins, patch, top)
     }
 
     /// Whether a long step of a patch and short ones of a window take less time than short ones of the patch.
