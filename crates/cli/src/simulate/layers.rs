@@ -1,6 +1,6 @@
 //! How warm all that is printed is when a layer is complete.
 
-use beadwork_thermal::Simulation;
+use beadwork_thermal::{Simulation, Spread};
 use serde::Serialize;
 
 /// Temperatures of all voxels deposited so far, at the end of a layer.
@@ -22,18 +22,8 @@ pub(super) struct Measure {
 impl Measure {
     /// Of the layer with this number, from 0, which took so long.
     pub(super) fn at_end_of(layer: usize, print_seconds: f64, simulation: &Simulation) -> Self {
-        let depth = simulation.part().depth as u32;
-        let all = || (0..depth).flat_map(|layer| simulation.layer_c(layer)).map(|(_, celsius)| celsius);
-        let (mut voxels, mut sum) = (0, 0.0);
-        let (mut min_c, mut max_c) = (f64::INFINITY, f64::NEG_INFINITY);
-        for celsius in all() {
-            voxels += 1;
-            sum += celsius;
-            (min_c, max_c) = (min_c.min(celsius), max_c.max(celsius));
-        }
-        let mean_c = sum / voxels as f64;
-        let squares: f64 = all().map(|celsius| (celsius - mean_c).powi(2)).sum();
-        let std_c = (squares / voxels as f64).sqrt();
-        Self { layer: layer + 1, voxels, mean_c, std_c, min_c, max_c, print_seconds }
+        let spread = simulation.spread().expect("a layer that is complete has voxels");
+        let Spread { count, mean_c, std_c, min_c, max_c } = spread;
+        Self { layer: layer + 1, voxels: count, mean_c, std_c, min_c, max_c, print_seconds }
     }
 }
