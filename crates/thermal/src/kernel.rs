@@ -61,20 +61,20 @@ fn lanes<S: Simd>(numbers: &[f32], start: usize, len: usize) -> &[S::f32s] {
 impl<'a, S: Simd> Stencil<'a, S> {
     /// `here` of the planes begins one row before the range, `back` and `front` with it.
     #[inline(always)]
-    fn new(simd: S, law: &Law, planes: Planes<'a>, row: usize, start: usize, len: usize) -> Self {
+    fn new(simd: S, law: &Law, planes: Planes<'a>, row: usize) -> Self {
         let Planes { back, here, front } = planes;
-        let middle = row + start;
+        let len = back.len();
         Self {
             simd,
             lateral: simd.splat_f32s(law.lateral),
             vertical: simd.splat_f32s(law.vertical),
-            here: lanes::<S>(here, middle, len),
-            left: lanes::<S>(here, middle - 1, len),
-            right: lanes::<S>(here, middle + 1, len),
-            below: lanes::<S>(here, start, len),
-            above: lanes::<S>(here, middle + row, len),
-            back: lanes::<S>(back, start, len),
-            front: lanes::<S>(front, start, len),
+            here: lanes::<S>(here, row, len),
+            left: lanes::<S>(here, row - 1, len),
+            right: lanes::<S>(here, row + 1, len),
+            below: lanes::<S>(here, 0, len),
+            above: lanes::<S>(here, 2 * row, len),
+            back: lanes::<S>(back, 0, len),
+            front: lanes::<S>(front, 0, len),
         }
     }
 
@@ -149,18 +149,21 @@ impl<'a, S: Simd> Surface<'a, S> {
     }
 }
 
-/// The runs of equal lines in a range of a patch: what they are, and where and how long each is.
+/// The runs of equal lines in a range of a patch: what they are, and where each begins and ends, in lanes of a width.
 ///
 /// An iterator and not a function that takes a closure: closures that are not inlined lose the lanes.
 struct Runs<'a> {
     lines: &'a [Line],
     begin: usize,
+    /// Lanes in a line.
+    lanes: usize,
 }
 
 impl<'a> Runs<'a> {
     #[inline(always)]
-    fn new(activity: &'a Activity, start: usize, len: usize) -> Self {
-        Self { lines: &activity.lines[start / LINE..(start + len) / LINE], begin: 0 }
+    fn new<S: Simd>(activity: &'a Activity, start: usize, len: usize) -> Self {
+        let lines = &activity.lines[start / LINE..(start + len) / LINE];
+        Self { lines, begin: 0, lanes: LINE / S::F32_LANES }
     }
 }
 
@@ -175,7 +178,7 @@ impl Iterator for Runs<'_> {
         while self.lines.get(self.begin) == Some(&line) {
             self.begin += 1;
         }
-        Some((line, begin * LINE, (self.begin - begin) * LINE))
+        Some((line, begin * self.lanes, self.begin * self.lanes))
     }
 }
 
@@ -204,25 +207,26 @@ impl WithSimd for Euler<'_> {
         for y in 1..shape.planes - 1 {
             let start = y * plane + row;
             let around = Planes::of(from, start, swept, row, plane);
-            let to = &mut to[start..start + swept];
-            for (line, at, len) in Runs::new(activity, start, swept) {
-                if line == Line::Empty {
-                    continue;
-                }
-                let stencil = Stencil::new(s, law, around, row, at, len);
-                let n = stencil.len();
-                let to = &mut S::as_mut_simd_f32s(&mut to[at..at + len]).0[..n];
-                if line == Line::Interior {
-                    for i in 0..n {
-                        let rate = s.mul_add_f32s(interior, stencil.here[i], stencil.inflow(i));
-                        to[i] = s.mul_add_f32s(dt, rate, stencil.here[i]);
+            let stencil = Stencil::new(s, law, around, row);
+            let n = stencil.len();
+            let surface = Surface::<S>::new(s, law, activity, start, n, false);
+            let to = &mut S::as_mut_simd_f32s(&mut to[start..start + swept]).0[..n];
+            for (line, begin, end) in Runs::new::<S>(activity, start, swept) {
+                let run = begin..end.min(n);
+                match line {
+                    Line::Empty => {}
+                    Line::Interior => {
+                        for i in run {
+                            let rate = s.mul_add_f32s(interior, stencil.here[i], stencil.inflow(i));
+                            to[i] = s.mul_add_f32s(dt, rate, stencil.here[i]);
+                        }
                     }
-                } else {
-                    let surface = Surface::<S>::new(s, law, activity, start + at, n, false);
-                    for i in 0..n {
-                        let here = stencil.here[i];
-                        let rate = s.mul_add_f32s(surface.damping(i, here), here, stencil.inflow(i));
-                        to[i] = s.mul_add_f32s(dt, surface.active(i, rate), here);
+                    Line::Mixed => {
+                        for i in run {
+                            let here = stencil.here[i];
+                            let rate = s.mul_add_f32s(surface.damping(i, here), here, stencil.inflow(i));
+                            to[i] = s.mul_add_f32s(dt, surface.active(i, rate), here);
+                        }
                     }
                 }
             }
@@ -342,27 +346,27 @@ fn rate<S: Simd>(
     (row, plane): (usize, usize),
     rates: &mut [f32],
 ) {
-    let start = start + row;
-    let around = Planes::of(theta, start, rates.len(), row, plane);
+    let (start, len) = (start + row, rates.len());
     let interior = s.splat_f32s(law.interior().damping);
-    for (line, at, len) in Runs::new(activity, start, rates.len()) {
-        if line == Line::Empty {
-            rates[at..at + len].fill(0.0);
-            continue;
-        }
-        let stencil = Stencil::new(s, law, around, row, at, len);
-        let n = stencil.len();
-        let rates = &mut S::as_mut_simd_f32s(&mut rates[at..at + len]).0[..n];
-        if line == Line::Interior {
-            for i in 0..n {
-                rates[i] = s.mul_add_f32s(interior, stencil.here[i], stencil.inflow(i));
+    let stencil = Stencil::new(s, law, Planes::of(theta, start, len, row, plane), row);
+    let n = stencil.len();
+    let surface = Surface::<S>::new(s, law, activity, start, n, false);
+    let rates = &mut S::as_mut_simd_f32s(rates).0[..n];
+    for (line, begin, end) in Runs::new::<S>(activity, start, len) {
+        let run = begin..end.min(n);
+        match line {
+            Line::Empty => rates[run].fill(s.splat_f32s(0.0)),
+            Line::Interior => {
+                for i in run {
+                    rates[i] = s.mul_add_f32s(interior, stencil.here[i], stencil.inflow(i));
+                }
             }
-        } else {
-            let surface = Surface::<S>::new(s, law, activity, start + at, n, false);
-            for i in 0..n {
-                let here = stencil.here[i];
-                rates[i] =
-                    surface.active(i, s.mul_add_f32s(surface.damping(i, here), here, stencil.inflow(i)));
+            Line::Mixed => {
+                for i in run {
+                    let here = stencil.here[i];
+                    let rate = s.mul_add_f32s(surface.damping(i, here), here, stencil.inflow(i));
+                    rates[i] = surface.active(i, rate);
+                }
             }
         }
     }
@@ -383,24 +387,28 @@ fn second<S: Simd>(
 ) {
     let (a, b) = (s.splat_f32s(a), s.splat_f32s(b));
     let interior = s.splat_f32s(law.interior().damping);
-    for (line, at, len) in Runs::new(activity, start, theta.len()) {
-        if line == Line::Empty {
-            continue;
-        }
-        let stencil = Stencil::new(s, law, around, row, at, len);
-        let n = stencil.len();
-        let theta = &mut S::as_mut_simd_f32s(&mut theta[at..at + len]).0[..n];
-        if line == Line::Interior {
-            for i in 0..n {
-                let change = s.mul_add_f32s(interior, stencil.here[i], stencil.inflow(i));
-                theta[i] = s.mul_add_f32s(b, change, s.mul_add_f32s(a, stencil.here[i], theta[i]));
+    let len = theta.len();
+    let stencil = Stencil::new(s, law, around, row);
+    let n = stencil.len();
+    let surface = Surface::<S>::new(s, law, activity, start, n, true);
+    let theta = &mut S::as_mut_simd_f32s(theta).0[..n];
+    for (line, begin, end) in Runs::new::<S>(activity, start, len) {
+        let run = begin..end.min(n);
+        match line {
+            Line::Empty => {}
+            Line::Interior => {
+                for i in run {
+                    let change = s.mul_add_f32s(interior, stencil.here[i], stencil.inflow(i));
+                    theta[i] = s.mul_add_f32s(b, change, s.mul_add_f32s(a, stencil.here[i], theta[i]));
+                }
             }
-        } else {
-            let surface = Surface::<S>::new(s, law, activity, start + at, n, true);
-            for i in 0..n {
-                let damping = surface.damping(i, theta[i]);
-                let change = surface.active(i, s.mul_add_f32s(damping, stencil.here[i], stencil.inflow(i)));
-                theta[i] = s.mul_add_f32s(b, change, s.mul_add_f32s(a, stencil.here[i], theta[i]));
+            Line::Mixed => {
+                for i in run {
+                    let damping = surface.damping(i, theta[i]);
+                    let change =
+                        surface.active(i, s.mul_add_f32s(damping, stencil.here[i], stencil.inflow(i)));
+                    theta[i] = s.mul_add_f32s(b, change, s.mul_add_f32s(a, stencil.here[i], theta[i]));
+                }
             }
         }
     }
