@@ -7,10 +7,6 @@
     clippy::inline_always,
     reason = "only what is inlined into a sweep is compiled for the processor's lanes"
 )]
-#![expect(
-    clippy::needless_range_loop,
-    reason = "one index into many slices of a length that is checked once"
-)]
 
 use pulp::{Arch, Simd, WithSimd};
 
