@@ -19,7 +19,7 @@ const TRIAD: usize = 50_000;
 /// Rates in 10⁹ a second.
 #[derive(Serialize)]
 pub(super) struct Kernel {
-    /// a[i] = b[i] + s c[i], within the second-level cache: 12 bytes each, as many as an update moves.
+    /// The sum of one array and a multiple of another into a third, within the second-level cache: 12 bytes each, as many as an update moves.
     triad_g_per_s: f64,
     /// Voxels of the rectangular part, all of them deposited, in explicit steps.
     updates_g_per_s: f64,
