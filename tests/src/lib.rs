@@ -1,6 +1,6 @@
 //! End-to-end tests of the binary `beadwork`: what these helpers start is what a user would.
 //!
-//! `cargo xtask test` builds the binary, optimised, and names it in `BEADWORK_BIN`; without that the one in the target folder
+//! `cargo xtask test` builds the binary in release and names it in `BEADWORK_BIN`; without that the one in the target folder
 //! serves.
 
 use std::collections::BTreeMap;

@@ -14,8 +14,8 @@ pub(crate) fn run() -> Result<()> {
     cargo_step(&["fmt", "--all", "--check"], None)?;
     cargo_step(&["clippy", "--locked", "--all-targets", "--", "-D", "warnings"], None)?;
     step("tidy", tidy::run)?;
-    // The end-to-end tests run an optimised binary; which file that is, only cargo knows for sure.
-    let binary = step("cargo build --locked --profile checked -p beadwork-cli --bin beadwork", build_binary)?;
+    // The end-to-end tests run the binary as it ships; which file that is, only cargo knows for sure.
+    let binary = step("cargo build --locked --release -p beadwork-cli --bin beadwork", build_binary)?;
     let binary = Some(("BEADWORK_BIN", binary));
     if has_nextest() {
         cargo_step(&["nextest", "run", "--locked"], binary.clone())?;
@@ -60,9 +60,9 @@ fn has_nextest() -> bool {
     ask.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
 }
 
-/// Builds `beadwork`, optimised, and gives the path of the file.
+/// Builds `beadwork` in release and gives the path of the file.
 fn build_binary() -> Result<PathBuf> {
-    let words = ["build", "--locked", "--profile", "checked", "-p", "beadwork-cli", "--bin", "beadwork"];
+    let words = ["build", "--locked", "--release", "-p", "beadwork-cli", "--bin", "beadwork"];
     let output = cargo_at_root(&words)
         .arg("--message-format=json-render-diagnostics")
         .stderr(Stdio::inherit())
