@@ -95,9 +95,8 @@ impl Occupancy {
             self.faces[other] |= from;
             changes.push(self.settle(neighbour, other, law));
         }
-        let axis = |place: usize| [0, 0, 1, 1, 2, 2][place];
         let active = neighbours.iter().enumerate().filter(|(_, (towards, _, _))| faces & towards != 0);
-        self.tally.birth(at, active.map(|(place, &(_, _, neighbour))| (neighbour, axis(place))));
+        self.tally.birth(at, active.map(|(place, &(_, _, neighbour))| (neighbour, place / 2)));
         self.faces[index] = faces;
         changes[own] = Change { born: true, ..self.settle(at, index, law) };
     }

@@ -23,3 +23,8 @@ impl Piece {
         })
     }
 }
+
+/// How long some pieces take, s.
+pub(crate) fn seconds<'a>(pieces: impl IntoIterator<Item = &'a Piece>) -> f64 {
+    pieces.into_iter().map(|piece| piece.seconds).sum()
+}

@@ -19,7 +19,7 @@ use crate::kernel::{Pair, Rates, dispatch};
 use crate::law::Law;
 use crate::occupancy::Change;
 use crate::patch::Patch;
-use crate::piece::Piece;
+use crate::piece::{self, Piece};
 use crate::state::{StateMut, Voxels};
 
 use self::coarse::Coarse;
@@ -156,22 +156,27 @@ impl Fast {
         level: usize,
         pieces: &[Piece],
     ) {
-        let seconds: f64 = pieces.iter().map(|piece| piece.seconds).sum();
-        let window = self.window(nested.patch, voxels.top(), level, pieces);
         let blocks = matches!(self.levels[level].step, Step::Blocks { .. });
         let few = nested.patch.shape.len() / nested.patch.shape.rows * voxels.top() < MANY_VOXELS;
-        if blocks && few || window.is_some_and(|window| !self.saves(window, nested.patch, level, seconds)) {
+        if blocks && few {
+            self.advance(nested, voxels, law, level - 1, pieces);
+            return;
+        }
+        let seconds = piece::seconds(pieces);
+        let window = self.window(nested.patch, voxels.top(), level, pieces, seconds);
+        if window.is_some_and(|window| !self.saves(window, nested.patch, level, seconds)) {
             self.advance(nested, voxels, law, level - 1, pieces);
             return;
         }
         nested.take_up(&self.memory.changes, law);
-        let mut inner = self.memory.windows.pop().unwrap_or_default();
-        if let Some(window) = window {
+        let inner = window.map(|window| {
+            let mut inner = self.memory.windows.pop().unwrap_or_default();
             inner.copy_window(window, nested.patch);
-        }
+            inner
+        });
         nested.move_rim(seconds);
         self.step(nested.patch, voxels, law, level, seconds, None);
-        if window.is_some() {
+        if let Some(mut inner) = inner {
             let outer = Some(&*nested.patch);
             let known = nested.known;
             let mut finer =
@@ -179,16 +184,16 @@ impl Fast {
             self.advance(&mut finer, voxels, law, level - 1, pieces);
             nested.take_up(&self.memory.changes, law);
             inner.put_back(nested.patch);
+            self.memory.windows.push(inner);
         } else {
             self.now += seconds;
         }
         nested.done_s += seconds;
-        self.memory.windows.push(inner);
     }
 
     /// Takes a patch through pieces, each in one step or more.
     fn births(&mut self, nested: &mut Nested<'_>, voxels: &mut Voxels<'_>, law: &Law, pieces: &[Piece]) {
-        let seconds: f64 = pieces.iter().map(|piece| piece.seconds).sum();
+        let seconds = piece::seconds(pieces);
         nested.move_rim(seconds);
         nested.done_s += seconds;
         for piece in pieces {
@@ -234,14 +239,18 @@ impl Fast {
         }
     }
 
-    /// Where a step over the given pieces has to be taken in shorter ones, if anywhere.
-    fn window(&self, patch: &Patch, top: usize, level: usize, pieces: &[Piece]) -> Option<Window> {
+    /// Where a step over the given pieces, of so many seconds, has to be taken in shorter ones, if anywhere.
+    fn window(
+        &self,
+        patch: &Patch,
+        top: usize,
+        level: usize,
+        pieces: &[Piece],
+        seconds: f64,
+    ) -> Option<Window> {
         let level = &self.levels[level];
         let coming = pieces.iter().filter_map(|piece| piece.held);
-        let seconds =
-            |pieces: &mut dyn Iterator<Item = &Piece>| pieces.map(|piece| piece.seconds).sum::<f64>();
-        let busy_s = seconds(&mut pieces.iter().filter(|piece| piece.born));
-        let pause = busy_s < 0.9 * seconds(&mut pieces.iter());
+        let pause = piece::seconds(pieces.iter().filter(|piece| piece.born)) < 0.9 * seconds;
         let since_s = self.now - if pause { level.pause_age_s() } else { level.age_s };
         let recent = self.history.iter().rev().take_while(|&&(_, time)| time > since_s);
         Window::around(recent.map(|&(at, _)| at).chain(coming), level.margins, patch, top)

@@ -49,9 +49,9 @@ impl Window {
     }
 }
 
-/// Calls `each` for all rows of a window: where the row lies in the patch around it, where in the window's own, and
+/// Calls `each` for all rows of a window: where the row lies in the box around it, where in the window's own, and
 /// whether it belongs to the rim.
-fn rows(window: Window, outer: &Patch, mut each: impl FnMut(usize, usize, bool)) {
+fn rows(window: Window, outer: Window, mut each: impl FnMut(usize, usize, bool)) {
     let [x, y, z] = [0, 1, 2].map(|axis: usize| window.origin[axis] - outer.origin[axis]);
     let Shape { row, rows, planes } = window.shape;
     for plane in 0..planes {
@@ -82,7 +82,7 @@ impl Patch {
         own.exposure.resize(len);
         own.caps.resize(if outer.activity.caps.is_empty() { 0 } else { len });
         own.lines.resize(len / LINE, Line::Empty);
-        rows(window, outer, |from, to, rim| {
+        rows(window, outer.window(), |from, to, rim| {
             self.theta[to..to + row].copy_from_slice(&outer.theta[from..from + row]);
             if rim {
                 return;
@@ -109,15 +109,11 @@ impl Patch {
     /// Puts the temperatures inside the rim back into the patch they were copied from.
     pub(super) fn put_back(&self, outer: &mut Self) {
         let row = self.shape.row;
-        let mut places = Vec::with_capacity(self.shape.rows * self.shape.planes);
-        rows(self.window(), outer, |to, from, rim| {
+        rows(self.window(), outer.window(), |to, from, rim| {
             if !rim {
-                places.push((to, from));
+                outer.theta[to + 1..to + row - 1].copy_from_slice(&self.theta[from + 1..from + row - 1]);
             }
         });
-        for (to, from) in places {
-            outer.theta[to + 1..to + row - 1].copy_from_slice(&self.theta[from + 1..from + row - 1]);
-        }
     }
 
     /// Moves the temperatures of the rim towards those of the patch around it, by a part of the difference.
@@ -125,7 +121,7 @@ impl Patch {
         let row = self.shape.row;
         let window = self.window();
         let theta = &mut self.theta;
-        rows(window, outer, |from, to, rim| {
+        rows(window, outer.window(), |from, to, rim| {
             if rim {
                 for (own, other) in theta[to..to + row].iter_mut().zip(&outer.theta[from..from + row]) {
                     *own += part * (other - *own);

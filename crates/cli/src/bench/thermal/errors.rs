@@ -1,7 +1,7 @@
 //! How far a simulation is from a more exact one.
 
 use beadwork_grid::Cell;
-use beadwork_thermal::Simulation;
+use beadwork_thermal::{Simulation, Spread};
 use serde::Serialize;
 
 /// Births before a layer's end in which a difference of temperatures is told apart: those near the nozzle are the largest.
@@ -62,7 +62,5 @@ impl Errors {
 }
 
 fn deviation(field: &[f32]) -> f64 {
-    let count = field.len() as f64;
-    let mean = field.iter().map(|&celsius| f64::from(celsius)).sum::<f64>() / count;
-    (field.iter().map(|&celsius| (f64::from(celsius) - mean).powi(2)).sum::<f64>() / count).sqrt()
+    Spread::of(field.iter().map(|&celsius| f64::from(celsius))).map_or(0.0, |spread| spread.std_c)
 }
