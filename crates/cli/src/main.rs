@@ -6,6 +6,7 @@
 #![allow(clippy::print_stderr, reason = "a command line talks to its terminal")]
 #![allow(clippy::doc_markdown, reason = "the comments on flags are their help, where backticks are noise")]
 
+mod accuracy;
 mod bench;
 mod cancel;
 mod chart;

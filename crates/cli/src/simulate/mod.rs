@@ -19,6 +19,7 @@ use beadwork_part::Pattern;
 use beadwork_thermal::{Accuracy, Material, Method, Process, Simulation};
 use clap::ValueEnum;
 
+use crate::accuracy::AccuracyName;
 use crate::part::PartArgs;
 use crate::plan::PrinterArgs;
 use crate::{cancel, output, progress};
@@ -126,12 +127,6 @@ enum MethodName {
     Naive,
     Reference,
     Fast,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum AccuracyName {
-    Standard,
-    High,
 }
 
 /// A number, or the word none.
@@ -249,10 +244,7 @@ impl Args {
         match self.method {
             MethodName::Naive => Method::Naive,
             MethodName::Reference => Method::Reference { steps: 4 },
-            MethodName::Fast => Method::Fast(match self.accuracy {
-                None | Some(AccuracyName::Standard) => Accuracy::Standard,
-                Some(AccuracyName::High) => Accuracy::High,
-            }),
+            MethodName::Fast => Method::Fast(self.accuracy.map_or_else(Accuracy::default, Into::into)),
         }
     }
 

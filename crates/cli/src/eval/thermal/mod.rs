@@ -9,13 +9,13 @@ use anyhow::ensure;
 use beadwork_grid::Cell;
 use beadwork_part::Pattern;
 use beadwork_part::slice::Voxels;
-use beadwork_thermal::{Accuracy, Material, Method, Plane, Process, Simulation, Warpage};
-use clap::ValueEnum;
+use beadwork_thermal::{Material, Method, Plane, Process, Simulation, Warpage};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 use serde_json::json;
 
+use crate::accuracy::AccuracyName;
 use crate::heat_parts::HeatPart;
 use crate::{cancel, machine, output, progress};
 
@@ -38,19 +38,13 @@ pub(super) struct ThermalArgs {
     part: Vec<HeatPart>,
     /// How exact the solver is.
     #[arg(long, value_name = "NAME", default_value = "standard")]
-    accuracy: Exactness,
+    accuracy: AccuracyName,
     /// Threads; 0 for one a core.
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Exactness {
-    Standard,
-    High,
 }
 
 /// What one part is worth in one way to print it.
@@ -86,22 +80,25 @@ impl PartRow {
         &self.patterns[Pattern::CONVENTIONAL.number()]
     }
 
-    /// The best of one pattern in all layers.
+    /// The number of the best of one pattern in all layers.
+    fn best_number(&self) -> usize {
+        let reward = |number: usize| self.patterns[number].reward;
+        (0..Pattern::COUNT).max_by(|&a, &b| reward(a).total_cmp(&reward(b))).expect("there are 38 patterns")
+    }
+
     fn best(&self) -> &Printed {
-        let better = |a: &&Printed, b: &&Printed| a.reward.total_cmp(&b.reward);
-        self.patterns.iter().max_by(better).expect("there are 38 patterns")
+        &self.patterns[self.best_number()]
     }
 }
 
 pub(super) fn run(args: &ThermalArgs) -> anyhow::Result<()> {
     let parts = if args.part.is_empty() { &HeatPart::PAPER[..] } else { &args.part };
     let pool = ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
-    let accuracy = match args.accuracy {
-        Exactness::Standard => Accuracy::Standard,
-        Exactness::High => Accuracy::High,
+    let bench = Bench {
+        method: Method::Fast(args.accuracy.into()),
+        material: Material::abs(),
+        process: Process::default(),
     };
-    let bench =
-        Bench { method: Method::Fast(accuracy), material: Material::abs(), process: Process::default() };
     let rows = parts.iter().map(|&part| bench.part(part, &pool)).collect::<anyhow::Result<Vec<_>>>()?;
     if args.json {
         let threads = pool.current_num_threads();
@@ -131,10 +128,11 @@ impl Bench {
         let orders = orders.collect::<anyhow::Result<Vec<Vec<Vec<Cell>>>>>()?;
         let stop = cancel::token()?;
         let bar = progress::bar((Pattern::COUNT + part.depth) as u64, which.name());
+        let plan_of =
+            |number: usize| orders.iter().map(|orders| &orders[number][..]).collect::<Vec<&[Cell]>>();
         let one = |&pattern: &Pattern| -> anyhow::Result<Printed> {
             ensure!(!stop.load(Ordering::Relaxed), "stopped");
-            let plan: Vec<&[Cell]> = orders.iter().map(|orders| &orders[pattern.number()][..]).collect();
-            let printed = self.print(&part, pattern.name(), &plan)?;
+            let printed = self.print(&part, pattern.name(), &plan_of(pattern.number()))?;
             bar.inc(1);
             Ok(printed)
         };
@@ -166,11 +164,7 @@ impl Bench {
             lifts_mm: [0.0; 3],
             seconds: 0.0,
         };
-        let plan_of = |name: &str| -> anyhow::Result<Vec<&[Cell]>> {
-            let number = name.parse::<Pattern>()?.number();
-            Ok(orders.iter().map(|orders| &orders[number][..]).collect())
-        };
-        let plans = [plan_of(&row.conventional().pattern)?, plan_of(&row.best().pattern)?, chosen];
+        let plans = [plan_of(Pattern::CONVENTIONAL.number()), plan_of(row.best_number()), chosen];
         let lifts =
             pool.install(|| plans.par_iter().map(|plan| self.lift_mm(&part, plan)).collect::<Vec<_>>());
         for (lift, own) in lifts.into_iter().zip(&mut row.lifts_mm) {
