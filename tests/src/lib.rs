@@ -1,7 +1,7 @@
 //! End-to-end tests of the binary `beadwork`: what these helpers start is what a user would.
 //!
-//! `cargo xtask test` builds the binary in release and names it in `BEADWORK_BIN`; without that the one in the target folder
-//! serves.
+//! It is the one in the target folder, which cargo builds with the tests of the whole workspace, or the one that
+//! `BEADWORK_BIN` names.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -31,7 +31,7 @@ pub fn binary() -> PathBuf {
     let binary = profile.join("beadwork").with_extension(std::env::consts::EXE_EXTENSION);
     assert!(
         binary.exists(),
-        "build the binary first: `cargo build -p beadwork-cli`, or run `cargo xtask test`"
+        "the binary is built with all tests: run `cargo xtask test`, or `cargo build -p beadwork-cli` first"
     );
     binary
 }
