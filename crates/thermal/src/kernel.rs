@@ -310,27 +310,6 @@ impl WithSimd for Pair<'_> {
     }
 }
 
-/// The rates of change of one plane of a patch, row by row like the plane itself.
-pub(crate) struct PlaneRates<'a> {
-    pub(crate) law: &'a Law,
-    pub(crate) patch: &'a Patch,
-    /// Which plane, rim counted.
-    pub(crate) y: usize,
-    /// From the first row inside the rim on, as many rows as are wanted.
-    pub(crate) rates: &'a mut [f32],
-}
-
-impl WithSimd for PlaneRates<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, s: S) {
-        let Self { law, patch, y, rates } = self;
-        let (row, plane) = (patch.shape.row, patch.shape.plane());
-        rate(s, law, &patch.activity, &patch.theta, y * plane, (row, plane), rates);
-    }
-}
-
 /// The rates of change of one plane, which starts at `start`: the first stage.
 #[inline(always)]
 fn rate<S: Simd>(

@@ -141,6 +141,19 @@ impl Law {
         }
     }
 
+    /// What a voxel at a temperature loses to the air, K/s, given its exposure and its caps.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "to be compiled for the lanes of the processor")]
+    pub(crate) fn lost(&self, theta: f32, exposure: f32, caps: f32) -> f32 {
+        let [r0, r1, r2, r3] = self.radiation;
+        let h = ((r3 * theta + r2) * theta + r1) * theta + r0 + self.air[0];
+        let passed = match self.resistance {
+            None => h * exposure,
+            Some([_, side, cap]) => h / (1.0 + h * side) * exposure + h / (1.0 + h * cap) * caps,
+        };
+        passed * theta
+    }
+
     /// What surfaces at a temperature lose for each kelvin more, 1/s: so many sides, tops and bottoms of voxels.
     pub(crate) fn air_loss(&self, theta: f32, sides: f32, caps: f32) -> f32 {
         let [convection, side, cap] = self.air;
@@ -148,6 +161,16 @@ impl Law {
         let h = convection + ((4.0 * r3 * theta + 3.0 * r2) * theta + 2.0 * r1) * theta + r0;
         let [behind_side, behind_cap] = self.resistance.map_or([0.0; 2], |[_, side, cap]| [side, cap]);
         h / (1.0 + h * behind_side) * side * sides + h / (1.0 + h * behind_cap) * cap * caps
+    }
+
+    /// The conductance to the next voxel along an axis, 1/s.
+    pub(crate) fn conductance(&self, axis: usize) -> f32 {
+        if axis == 2 { self.vertical } else { self.lateral }
+    }
+
+    /// The damping of a voxel with one neighbour less along an axis.
+    pub(crate) fn closed(&self, damping: f32, axis: usize) -> f32 {
+        (damping + self.conductance(axis)).min(ISOLATED)
     }
 
     /// The numbers of an interior voxel.

@@ -1,5 +1,7 @@
 //! A box of voxels, as flat arrays that can be swept from end to end.
 
+use std::ops::Range;
+
 use crate::aligned::{Aligned, LINE};
 use crate::law::{Law, Voxel};
 use crate::occupancy::Change;
@@ -111,6 +113,13 @@ impl Patch {
         let [x, y, z] = [0, 1, 2].map(|axis: usize| at[axis].wrapping_sub(self.origin[axis]));
         let inner = |i: usize, n: usize| i.wrapping_sub(1) < n - 2;
         (inner(x, row) && inner(y, planes) && inner(z, rows)).then(|| self.shape.index([x, y, z]))
+    }
+
+    /// Places along an axis, inside the rim, of the voxels of a block of so many; blocks are counted in the part.
+    pub(crate) fn voxels(&self, axis: usize, block: usize, fold: usize) -> Range<usize> {
+        let Shape { row, rows, planes } = self.shape;
+        let first = (block - 1) * fold + 1 - self.origin[axis];
+        first..(first + fold).min([row, planes, rows][axis] - 1)
     }
 
     /// Takes up births.

@@ -44,8 +44,24 @@ impl Tally {
         Self { fold, shape, blocks: vec![Block::default(); shape.len()] }
     }
 
+    /// Layers of blocks that lie, at least in part, below a row of voxels; both count the rim.
+    pub(crate) fn layers(&self, top: usize) -> usize {
+        (top - 1).div_ceil(self.fold[2])
+    }
+
+    /// A block full of voxels amid others.
+    pub(crate) fn whole(&self) -> Block {
+        let [x, y, z] = self.fold.map(|fold| fold as u16);
+        Block { voxels: x * y * z, links: [y * z, x * z, x * y], ..Block::default() }
+    }
+
+    /// From a block to the next along x, y and z.
+    pub(crate) fn strides(&self) -> [usize; 3] {
+        [1, self.shape.plane(), self.shape.row]
+    }
+
     /// The block of a voxel: its index. Both count the rim.
-    fn block(&self, at: [usize; 3]) -> usize {
+    pub(crate) fn block(&self, at: [usize; 3]) -> usize {
         self.shape.index([0, 1, 2].map(|axis: usize| (at[axis] - 1) / self.fold[axis] + 1))
     }
 

@@ -25,7 +25,8 @@ pub(super) struct Level {
     pub(super) seconds: f64,
     /// Shorter steps are taken wherever a voxel was born within this time before the step, s, or will be in it, ...
     pub(super) age_s: f64,
-    /// ... and so many voxels around, in x and y, and in z.
+    /// ... and so many voxels around, in x and y, and in z: at least two around steps on blocks, so that births change no
+    /// voxel at the border.
     pub(super) margins: [usize; 2],
 }
 
@@ -44,24 +45,19 @@ impl Level {
 pub(super) enum Step {
     /// On the voxels, in stages.
     Voxels(Polynomial),
-    /// On blocks of voxels, but for the last so many seconds.
-    Blocks {
-        /// The short step that follows on the voxels.
-        after: Polynomial,
-        /// Its length, s.
-        after_s: f64,
-    },
+    /// On blocks of voxels.
+    Blocks,
 }
 
 /// What a step on blocks costs: in sweeps of the voxels.
-const BLOCK_STAGES: f64 = 8.0;
+const BLOCK_STAGES: f64 = 1.0;
 
 impl Level {
     /// What a step costs: sweeps of the voxels.
     pub(super) fn stages(&self) -> f64 {
         match &self.step {
             Step::Voxels(polynomial) => polynomial.stages() as f64,
-            Step::Blocks { after, .. } => after.stages() as f64 + BLOCK_STAGES,
+            Step::Blocks => BLOCK_STAGES,
         }
     }
 
@@ -76,37 +72,45 @@ impl Level {
 struct Spec {
     /// Longest step, times the fastest rate of the voxels.
     length: f64,
-    /// Whether it is taken on blocks.
-    blocks: bool,
+    /// What it is taken as.
+    kind: Kind,
     /// Age, in longest steps.
     age: f64,
     /// Margins, in lengths by which heat spreads within a longest step.
     spreads: f64,
 }
 
-const fn voxels(length: f64, age: f64, spreads: f64) -> Spec {
-    Spec { length, blocks: false, age, spreads }
+/// What steps are taken as.
+#[derive(Clone, Copy)]
+enum Kind {
+    /// A polynomial of as few stages as make the length stable.
+    Voxels,
+    /// The fitted polynomial.
+    Fitted,
+    /// A step on blocks.
+    Blocks,
 }
 
-const fn blocks(length: f64, age: f64, spreads: f64) -> Spec {
-    Spec { length, blocks: true, age, spreads }
+const fn level(kind: Kind, length: f64, age: f64, spreads: f64) -> Spec {
+    Spec { length, kind, age, spreads }
 }
 
-/// The shortest steps first. A birth of the paper's ABS lasts 0.38 in these units: so these are steps of one, 4, 22, 124 and
-/// 1,000 births.
+/// The shortest steps first. A birth of the paper's ABS lasts 0.38 in these units: so these are steps of one, 5, 22, 188 and
+/// 564 births.
 const STANDARD: [Spec; 5] = [
-    voxels(0.4, 0.0, 0.0),
-    voxels(1.93, 1.5, 2.0),
-    voxels(8.5, 1.0, 1.5),
-    voxels(47.8, 0.25, 2.5),
-    blocks(381.0, 1.0, 4.0),
+    level(Kind::Voxels, 0.4, 0.0, 0.0),
+    level(Kind::Voxels, 1.93, 1.5, 2.0),
+    level(Kind::Voxels, 8.5, 1.0, 1.5),
+    level(Kind::Fitted, 71.4, 0.25, 2.5),
+    level(Kind::Blocks, 214.4, 2.0, 2.0),
 ];
+/// One, 4, 22, 125 and 1,000 births.
 const HIGH: [Spec; 5] = [
-    voxels(0.4, 0.0, 0.0),
-    voxels(1.54, 3.0, 2.5),
-    voxels(8.5, 2.0, 2.5),
-    voxels(47.8, 1.5, 3.0),
-    blocks(381.0, 1.0, 4.0),
+    level(Kind::Voxels, 0.4, 0.0, 0.0),
+    level(Kind::Voxels, 1.54, 3.0, 2.5),
+    level(Kind::Voxels, 8.5, 2.0, 2.5),
+    level(Kind::Voxels, 47.8, 1.5, 3.0),
+    level(Kind::Blocks, 381.0, 1.5, 3.0),
 ];
 
 /// The levels of an accuracy, the shortest steps first.
@@ -115,19 +119,22 @@ pub(super) fn levels(accuracy: Accuracy, law: &Law) -> Vec<Level> {
         Accuracy::Standard => STANDARD,
         Accuracy::High => HIGH,
     };
-    let after = specs[2].length;
-    specs.into_iter().map(|spec| spec.level(after, law)).collect()
+    specs.into_iter().map(|spec| spec.level(law)).collect()
 }
 
 impl Spec {
-    fn level(self, after: f64, law: &Law) -> Level {
+    fn level(self, law: &Law) -> Level {
         let seconds = self.length / law.fastest;
-        let step = if self.blocks {
-            Step::Blocks { after: Polynomial::reaching(after), after_s: after / law.fastest }
-        } else {
-            Step::Voxels(Polynomial::reaching(self.length))
+        let step = match self.kind {
+            Kind::Voxels => Step::Voxels(Polynomial::reaching(self.length)),
+            Kind::Fitted => Step::Voxels(Polynomial::fitted()),
+            Kind::Blocks => Step::Blocks,
         };
-        let margin = |rate: f32| (self.spreads * (2.0 * f64::from(rate) * seconds).sqrt()).ceil() as usize;
+        let least = if matches!(self.kind, Kind::Blocks) { 2 } else { 0 };
+        let margin = |rate: f32| {
+            let spread = (2.0 * f64::from(rate) * seconds).sqrt();
+            ((self.spreads * spread).ceil() as usize).max(least)
+        };
         let margins = [margin(law.lateral), margin(law.vertical)];
         Level { step, seconds, age_s: self.age * seconds, margins }
     }

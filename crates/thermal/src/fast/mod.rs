@@ -11,8 +11,10 @@
 //! of a step grows with the root of its length only. A window that would save nothing is not used.
 
 mod chebyshev;
-mod coarse;
+mod composite;
+mod far;
 mod level;
+mod nested;
 mod window;
 
 use crate::kernel::{Pair, Rates, dispatch};
@@ -22,8 +24,9 @@ use crate::patch::Patch;
 use crate::piece::{self, Piece};
 use crate::state::{StateMut, Voxels};
 
-use self::coarse::Coarse;
+use self::far::FarField;
 use self::level::{Level, Step, levels};
+use self::nested::{Nested, Outer};
 use self::window::Window;
 
 pub use self::level::Accuracy;
@@ -34,8 +37,10 @@ const RUN: usize = 4096;
 /// Takes a copy of a window, and puts it back: in sweeps of as many voxels.
 const COPY_STAGES: f64 = 3.0;
 
-/// Voxels, rim and all, from which on steps on blocks are taken: for fewer they save no time that anyone would notice,
-/// and cost some accuracy.
+/// The same of a region of the far field, whose blocks have to be looked at, too.
+const LOOK_STAGES: f64 = 20.0;
+
+/// For fewer voxels steps on blocks save no time that anyone would notice, and cost some accuracy.
 const MANY_VOXELS: usize = 1 << 18;
 
 /// A window has to bring the time below this part of what it takes without one: each costs some accuracy.
@@ -47,6 +52,8 @@ pub(crate) struct Fast {
     /// Births that are still of interest, oldest first: where, and when their slots ended.
     history: Vec<([usize; 3], f64)>,
     now: f64,
+    /// Voxels, rim and all, from which on steps on blocks are taken.
+    many_voxels: usize,
     memory: Memory,
 }
 
@@ -55,60 +62,47 @@ pub(crate) struct Fast {
 struct Memory {
     windows: Vec<Patch>,
     rates: Rates,
-    coarse: Coarse,
+    far: FarField,
     /// What the births of the run have changed, in their order.
     changes: Vec<Change>,
 }
 
 impl Clone for Fast {
     fn clone(&self) -> Self {
-        let Self { levels, history, now, .. } = self;
-        Self { levels: levels.clone(), history: history.clone(), now: *now, memory: Memory::default() }
-    }
-}
-
-/// A patch in the middle of a step of the patch around it.
-struct Nested<'a> {
-    patch: &'a mut Patch,
-    /// Changes that the patch has taken up.
-    known: usize,
-    /// The patch around it, at the end of its step; `None` for the whole part.
-    outer: Option<&'a Patch>,
-    /// Length of that step, s, and how much of it is over.
-    step_s: f64,
-    done_s: f64,
-    /// How far the rim has moved, as a part of the step.
-    rim: f64,
-}
-
-impl Nested<'_> {
-    /// Brings the rim to where it is in the middle of the next so many seconds.
-    fn move_rim(&mut self, seconds: f64) {
-        let Some(outer) = self.outer else { return };
-        let to = (self.done_s + seconds / 2.0) / self.step_s;
-        self.patch.move_rim(outer, ((to - self.rim) / (1.0 - self.rim)) as f32);
-        self.rim = to;
-    }
-
-    fn take_up(&mut self, changes: &[Change], law: &Law) {
-        self.patch.take_up(&changes[self.known..], law);
-        self.known = changes.len();
+        let Self { levels, history, now, many_voxels, .. } = self;
+        Self {
+            levels: levels.clone(),
+            history: history.clone(),
+            now: *now,
+            many_voxels: *many_voxels,
+            memory: Memory::default(),
+        }
     }
 }
 
 impl Fast {
     pub(crate) fn new(accuracy: Accuracy, law: &Law) -> Self {
-        Self { levels: levels(accuracy, law), history: Vec::new(), now: 0.0, memory: Memory::default() }
+        Self {
+            levels: levels(accuracy, law),
+            history: Vec::new(),
+            now: 0.0,
+            many_voxels: MANY_VOXELS,
+            memory: Memory::default(),
+        }
     }
 
     pub(crate) fn run(&mut self, state: StateMut<'_>, law: &Law, pieces: &[Piece]) {
         let StateMut { patch, mut voxels } = state;
         for pieces in pieces.chunks(RUN) {
-            let mut whole = Nested { patch, known: 0, outer: None, step_s: 0.0, done_s: 0.0, rim: 0.0 };
-            self.advance(&mut whole, &mut voxels, law, self.levels.len() - 1, pieces);
+            let mut whole = Nested::whole(patch);
+            let shape = whole.patch.shape;
+            let many = shape.row * shape.planes * voxels.top() >= self.many_voxels;
+            let level = self.levels.len() - if many { 1 } else { 2 };
+            self.advance(&mut whole, &mut voxels, law, level, pieces);
             whole.take_up(&self.memory.changes, law);
             self.memory.changes.clear();
         }
+        self.end_composite(patch, &voxels, law);
         let oldest = self.now - self.levels.iter().map(Level::pause_age_s).fold(0.0, f64::max);
         let past = self.history.partition_point(|&(_, time)| time < oldest);
         self.history.drain(..past);
@@ -156,16 +150,18 @@ impl Fast {
         level: usize,
         pieces: &[Piece],
     ) {
-        let blocks = matches!(self.levels[level].step, Step::Blocks { .. });
-        let few = nested.patch.shape.len() / nested.patch.shape.rows * voxels.top() < MANY_VOXELS;
-        if blocks && few {
-            self.advance(nested, voxels, law, level - 1, pieces);
-            return;
-        }
+        let blocks = matches!(self.levels[level].step, Step::Blocks);
         let seconds = piece::seconds(pieces);
         let window = self.window(nested.patch, voxels.top(), level, pieces, seconds);
         if window.is_some_and(|window| !self.saves(window, nested.patch, level, seconds)) {
+            if blocks {
+                self.end_composite(nested.patch, voxels, law);
+            }
             self.advance(nested, voxels, law, level - 1, pieces);
+            return;
+        }
+        if blocks {
+            self.composite(nested, voxels, law, level, pieces, window);
             return;
         }
         nested.take_up(&self.memory.changes, law);
@@ -177,10 +173,9 @@ impl Fast {
         nested.move_rim(seconds);
         self.step(nested.patch, voxels, law, level, seconds, None);
         if let Some(mut inner) = inner {
-            let outer = Some(&*nested.patch);
+            let outer = Outer::Patch(&*nested.patch);
             let known = nested.known;
-            let mut finer =
-                Nested { patch: &mut inner, known, outer, step_s: seconds, done_s: 0.0, rim: 0.0 };
+            let mut finer = Nested::new(&mut inner, known, outer, seconds);
             self.advance(&mut finer, voxels, law, level - 1, pieces);
             nested.take_up(&self.memory.changes, law);
             inner.put_back(nested.patch);
@@ -188,14 +183,12 @@ impl Fast {
         } else {
             self.now += seconds;
         }
-        nested.done_s += seconds;
     }
 
     /// Takes a patch through pieces, each in one step or more.
     fn births(&mut self, nested: &mut Nested<'_>, voxels: &mut Voxels<'_>, law: &Law, pieces: &[Piece]) {
         let seconds = piece::seconds(pieces);
         nested.move_rim(seconds);
-        nested.done_s += seconds;
         for piece in pieces {
             if let Some(at) = piece.held.filter(|_| piece.born) {
                 voxels.birth(at, nested.patch, law, &mut self.memory.changes);
@@ -223,16 +216,10 @@ impl Fast {
     ) {
         // A window may lie above all that is printed so far, where the first birth needs nothing to lie on.
         let top = voxels.top().saturating_sub(patch.origin[2]).clamp(1, patch.shape.rows - 1);
-        let Memory { rates, coarse, .. } = &mut self.memory;
-        let (polynomial, seconds) = match &self.levels[level].step {
-            Step::Voxels(polynomial) => (polynomial, seconds),
-            Step::Blocks { after, after_s } => {
-                let rest_s = after_s.min(seconds);
-                coarse.step(patch, voxels.tally(), law, seconds - rest_s, top);
-                (after, rest_s)
-            }
+        let Step::Voxels(polynomial) = &self.levels[level].step else {
+            unreachable!("steps on blocks are taken elsewhere")
         };
-        let rates = rates.of(patch.shape, top);
+        let rates = self.memory.rates.of(patch.shape, top);
         for factor in &polynomial.factors {
             let (a, b) = ((factor.a * seconds) as f32, (factor.b * seconds * seconds) as f32);
             dispatch(Pair { law, patch, rates, a, b, held, top });
@@ -260,6 +247,10 @@ impl Fast {
     fn saves(&self, window: Window, patch: &Patch, level: usize, seconds: f64) -> bool {
         let (long, short) = (&self.levels[level], self.levels[level - 1].stages_per_second() * seconds);
         let (whole, part) = (patch.shape.len() as f64, window.shape.len() as f64);
-        whole * long.stages() + part * (short + COPY_STAGES) < WORTHWHILE * whole * short
+        let copy = if matches!(long.step, Step::Blocks) { LOOK_STAGES } else { COPY_STAGES };
+        whole * long.stages() + part * (short + copy) < WORTHWHILE * whole * short
     }
 }
+
+#[cfg(test)]
+mod tests;

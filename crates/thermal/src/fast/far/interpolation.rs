@@ -1,0 +1,177 @@
+//! From blocks to their voxels: linear between the blocks' middles, and in the mean of each block the block's own.
+
+use crate::kernel::dispatch;
+use crate::law::Law;
+use crate::patch::Patch;
+use crate::tally::Tally;
+
+use super::Region;
+
+/// Memory for the interpolation of one row of blocks.
+#[derive(Debug, Default)]
+pub(super) struct Lines {
+    /// Numbers between blocks in y and z, block by block.
+    mixed: Vec<f32>,
+    /// The same, voxel by voxel.
+    spread: Vec<f32>,
+    /// The numbers of each row of voxels.
+    rows: Vec<f32>,
+    /// Their sums, and in the end what blocks still lack.
+    sums: Vec<f32>,
+}
+
+/// A number for each block, to be spread over voxels.
+#[derive(Clone, Copy)]
+pub(super) struct Spread<'a> {
+    pub(super) blocks: &'a [f32],
+    /// 1 over the number of voxels; 0 for blocks without any.
+    pub(super) share: &'a [f32],
+    /// What the numbers are to be multiplied by.
+    pub(super) times: f32,
+}
+
+/// The part of a number that comes from the next block, for one voxel of so many in a block, and whether that is the block
+/// after it.
+fn weight(within: usize, fold: usize) -> (f32, bool) {
+    let off = (within as f32 + 0.5) / fold as f32 - 0.5;
+    (off.abs(), off > 0.0)
+}
+
+impl Spread<'_> {
+    /// Adds the numbers of a region to the temperatures of its voxels, which are the whole inside of a patch.
+    pub(super) fn add(self, patch: &mut Patch, region: Region, tally: &Tally, lines: &mut Lines) {
+        let (coarse, [fold, deep, high]) = (tally.shape, tally.fold);
+        let row = patch.shape.row;
+        // Blocks of a patch's row, with one more at each end.
+        let (first_x, blocks) = (patch.origin[0] / fold, row / fold + 1);
+        let Lines { mixed, spread, rows, sums } = lines;
+        mixed.resize(blocks, 0.0);
+        spread.resize(blocks * fold, 0.0);
+        rows.resize(deep * high * row, 0.0);
+        sums.resize(row, 0.0);
+        let at = |y: usize, z: usize| &self.blocks[coarse.index([first_x, y, z])..][..blocks];
+        let next = |block: usize, after: bool| if after { block + 1 } else { block - 1 };
+        for (y, z) in region.rows() {
+            sums.fill(0.0);
+            let (own_planes, own_rows) = (patch.voxels(1, y, deep), patch.voxels(2, z, high));
+            let starts = || {
+                let rows = own_rows.clone();
+                own_planes.clone().flat_map(move |plane| rows.clone().map(move |row| (plane, row)))
+            };
+            for ((plane, voxels), line) in starts().zip(rows.chunks_exact_mut(row)) {
+                let ((by_y, after_y), (by_z, after_z)) =
+                    (weight(plane - own_planes.start, deep), weight(voxels - own_rows.start, high));
+                let (ny, nz) = (next(y, after_y), next(z, after_z));
+                let corners = [at(y, z), at(ny, z), at(y, nz), at(ny, nz)];
+                let damping = &patch.activity.damping[patch.shape.index([0, plane, voxels])..][..row];
+                dispatch(|| {
+                    mix(mixed, corners, by_y, by_z);
+                    repeat(spread, mixed);
+                    smooth(line, spread, damping, sums);
+                });
+            }
+            let start = coarse.index([first_x + 1, y, z]);
+            let lacking = self.blocks[start..].iter().zip(&self.share[start..]);
+            for (sums, (number, share)) in sums[1..row - 1].chunks_exact_mut(fold).zip(lacking) {
+                sums.fill(number - sums.iter().sum::<f32>() * share);
+            }
+            for ((plane, voxels), line) in starts().zip(rows.chunks_exact(row)) {
+                let start = patch.shape.index([0, plane, voxels]);
+                let damping = &patch.activity.damping[start..][..row];
+                let theta = &mut patch.theta[start..][..row];
+                dispatch(|| add(theta, line, damping, sums, self.times));
+            }
+        }
+    }
+}
+
+/// Interpolates between four lines of blocks, in two directions.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "to be compiled for the lanes of the processor")]
+fn mix(mixed: &mut [f32], [own, beside, over, across]: [&[f32]; 4], by_y: f32, by_z: f32) {
+    let n = mixed.len();
+    let (own, beside, over, across) = (&own[..n], &beside[..n], &over[..n], &across[..n]);
+    for i in 0..n {
+        let near = own[i] + by_y * (beside[i] - own[i]);
+        let far = over[i] + by_y * (across[i] - over[i]);
+        mixed[i] = near + by_z * (far - near);
+    }
+}
+
+/// Gives both voxels of each block its number.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "to be compiled for the lanes of the processor")]
+fn repeat(spread: &mut [f32], blocks: &[f32]) {
+    for (voxels, &block) in spread.chunks_exact_mut(2).zip(blocks) {
+        voxels.fill(block);
+    }
+}
+
+/// Interpolates along a line, in which each block's number stands twice: the voxel at `i` stands at `i + 1` there. Gives 0
+/// where none is active, and adds all to the sums.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "to be compiled for the lanes of the processor")]
+fn smooth(line: &mut [f32], spread: &[f32], damping: &[f32], sums: &mut [f32]) {
+    let n = line.len();
+    let (before, here, after) = (&spread[..n], &spread[1..][..n], &spread[2..][..n]);
+    let (damping, sums) = (&damping[..n], &mut sums[..n]);
+    for i in 0..n {
+        let number = 0.5 * here[i] + 0.25 * (before[i] + after[i]);
+        line[i] = if damping[i] < 0.0 { number } else { 0.0 };
+        sums[i] += line[i];
+    }
+}
+
+/// Adds so many times a line's numbers, and what its blocks still lack.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "to be compiled for the lanes of the processor")]
+fn add(theta: &mut [f32], line: &[f32], damping: &[f32], lacking: &[f32], times: f32) {
+    let n = theta.len();
+    let (line, damping, lacking) = (&line[..n], &damping[..n], &lacking[..n]);
+    for i in 0..n {
+        theta[i] += times * (line[i] + if damping[i] < 0.0 { lacking[i] } else { 0.0 });
+    }
+}
+
+/// Gives blocks without voxels, in a region and around it, the mean number of their neighbours, so that there is something
+/// to interpolate towards beside every block; across the plate, which keeps its temperature, that is the opposite.
+pub(super) fn extend(blocks: &mut [f32], known: &mut [bool], region: Region, tally: &Tally, law: &Law) {
+    let (shape, strides) = (tally.shape, tally.strides());
+    let ends = [shape.row, shape.planes, shape.rows];
+    // Each pass below reaches one block farther.
+    let around = Region {
+        low: region.low.map(|low| low.saturating_sub(3)),
+        high: [0, 1, 2].map(|axis: usize| (region.high[axis] + 3).min(ends[axis])),
+    };
+    let mut empty: Vec<usize> = Vec::new();
+    for line in around.lines(tally) {
+        empty.extend(line.filter(|&i| !known[i]));
+    }
+    let mut all = Vec::new();
+    // Three times: across faces, edges and corners.
+    for _ in 0..3 {
+        let begin = all.len();
+        for &i in empty.iter().filter(|&&i| !known[i]) {
+            let beside = strides.into_iter().flat_map(|stride| [i.wrapping_sub(stride), i + stride]);
+            let near = beside.filter(|&j| known.get(j) == Some(&true));
+            let (sum, count) = near.fold((0.0, 0.0), |(sum, count), j| (sum + blocks[j], count + 1.0));
+            if count > 0.0 {
+                all.push((i, sum / count));
+            }
+        }
+        for &(i, number) in &all[begin..] {
+            blocks[i] = number;
+            known[i] = true;
+        }
+    }
+    for (i, _) in all {
+        known[i] = false;
+    }
+    if law.plate && around.low[2] == 0 {
+        for y in around.low[1]..around.high[1] {
+            for x in around.low[0]..around.high[0] {
+                blocks[shape.index([x, y, 0])] = -blocks[shape.index([x, y, 1])];
+            }
+        }
+    }
+}

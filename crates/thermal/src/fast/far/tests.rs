@@ -1,0 +1,287 @@
+//! Sums, conductances and interpolation against slow ones, and smooth differences against short steps.
+
+use std::f64::consts::PI;
+
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use super::*;
+use crate::kernel::{Pair, Rates, dispatch};
+use crate::material::Material;
+use crate::patch::Shape;
+use crate::process::Process;
+use crate::state::State;
+
+fn places(size: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
+    let [x, y, z] = size;
+    (1..=z).flat_map(move |z| (1..=y).flat_map(move |y| (1..=x).map(move |x| [x, y, z])))
+}
+
+/// Voxels at temperatures above the air; `None` where there is none.
+fn printed(size: [usize; 3], law: &Law, mut theta: impl FnMut([usize; 3]) -> Option<f64>) -> State {
+    let mut state = State::empty(Shape::around(size[0], size[1], size[2]), law);
+    let mut changes = Vec::new();
+    let state_mut = state.make_mut();
+    let mut voxels = state_mut.voxels;
+    for at in places(size) {
+        if let Some(theta) = theta(at) {
+            voxels.birth(at, state_mut.patch, law, &mut changes);
+            state_mut.patch.take_up(&changes, law);
+            changes.clear();
+            let index = state_mut.patch.shape.index(at);
+            state_mut.patch.theta[index] = theta as f32;
+        }
+    }
+    state
+}
+
+/// Nothing is lost.
+fn insulated() -> Law {
+    let material = Material { emissivity: 0.0, ..Material::abs() };
+    let process = Process { plate_c: None, convection_w_m2k: 0.0, ..Process::default() };
+    Law::new(&material, &process, 0.5e-3, 0.25e-3)
+}
+
+fn heat(state: &State) -> f64 {
+    state.patch.theta[..].iter().map(|&theta| f64::from(theta)).sum()
+}
+
+/// A random part with everything that heat can do.
+fn random_state(random: &mut Xoshiro256PlusPlus) -> (State, Law) {
+    let process = Process {
+        plate_c: random.random_bool(0.7).then_some(80.0),
+        surface_resistance: random.random_bool(0.5),
+        ..Process::default()
+    };
+    let law = Law::new(&Material::abs(), &process, 0.5e-3, 0.25e-3);
+    let size = [0, 1, 2].map(|axis: usize| random.random_range(2..[50, 12, 14][axis]));
+    let filled = random.random_range(0.5..1.0);
+    let state = printed(size, &law, |_| random.random_bool(filled).then(|| random.random_range(10.0..200.0)));
+    (state, law)
+}
+
+/// A random region, and the window into it.
+fn random_region(random: &mut Xoshiro256PlusPlus, state: &State) -> (Region, Patch) {
+    let tally = state.occupancy.tally();
+    let whole = Region::whole(tally, state.top);
+    let mut region = whole;
+    for axis in 1..3 {
+        region.low[axis] = random.random_range(whole.low[axis]..whole.high[axis]);
+        region.high[axis] = random.random_range(region.low[axis] + 1..=whole.high[axis]);
+    }
+    let mut patch = Patch::default();
+    patch.copy_window(region.window(tally, state.patch.shape), &state.patch);
+    (region, patch)
+}
+
+#[test]
+fn blocks_hear_what_voxels_lose() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+    for _ in 0..300 {
+        let (state, law) = random_state(&mut random);
+        let tally = state.occupancy.tally();
+        let (region, patch) = random_region(&mut random, &state);
+        let mut sums = Sums::default();
+        sums.reset(tally.shape.len());
+        sums.take(&patch, region, tally, &law, state.top);
+        let size = [state.patch.shape.row, state.patch.shape.planes, state.patch.shape.rows].map(|n| n - 2);
+        let mut slow = vec![[0.0_f64; 2]; tally.shape.len()];
+        for at in places(size) {
+            let index = state.patch.shape.index(at);
+            if !state.occupancy.is_active(index) {
+                continue;
+            }
+            let theta = f64::from(state.patch.theta[index]);
+            let voxel = law.voxels[usize::from(state.occupancy.faces()[index])];
+            let lost = f64::from(law.lost(theta as f32, voxel.exposure, voxel.caps));
+            let plate = if law.plate && at[2] == 1 {
+                f64::from(law.vertical) * (f64::from(law.ghost) - 2.0 * theta)
+            } else {
+                0.0
+            };
+            let block = &mut slow[tally.block(at)];
+            *block = [block[0] + theta, block[1] + plate - lost];
+        }
+        for i in region.blocks(tally) {
+            let [theta, gain] = slow[i];
+            assert!((f64::from(sums.theta[i]) - theta).abs() < 1e-2, "{} and {theta}", sums.theta[i]);
+            assert!((f64::from(sums.gains[i]) - gain).abs() < 1e-5 * gain.abs().max(100.0));
+        }
+    }
+}
+
+/// Radiation and convection of one voxel, as the sweeps have it: rates with and without them.
+#[test]
+fn the_air_takes_what_the_sweeps_take() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
+    for resistance in [false, true] {
+        let process = Process { plate_c: None, surface_resistance: resistance, ..Process::default() };
+        let law = Law::new(&Material::abs(), &process, 0.5e-3, 0.25e-3);
+        for _ in 0..100 {
+            let warm = random.random_range(1.0..200.0);
+            let mut state = printed([1, 1, 1], &law, |_| Some(warm));
+            let index = state.patch.shape.index([1, 1, 1]);
+            let voxel = law.voxels[usize::from(state.occupancy.faces()[index])];
+            let top = state.top;
+            let patch = state.make_mut().patch;
+            let mut memory = Rates::default();
+            let rates = memory.of(patch.shape, top);
+            let seconds = 1e-2;
+            dispatch(Pair { law: &law, patch, rates, a: seconds, b: 0.0, held: None, top });
+            let lost = law.lost(warm as f32, voxel.exposure, voxel.caps);
+            let swept = (warm as f32 - patch.theta[index]) / seconds;
+            assert!((swept / lost - 1.0).abs() < 2e-2, "{swept} and {lost}");
+        }
+    }
+}
+
+#[test]
+fn conductances_do_not_depend_on_the_region_they_are_taken_in() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
+    for i in 0..200 {
+        let (state, law) = if i % 4 == 0 {
+            let law = insulated();
+            (printed([30, 12, 16], &law, |_| Some(50.0)), law)
+        } else {
+            random_state(&mut random)
+        };
+        let tally = state.occupancy.tally();
+        let theta = vec![40.0; tally.shape.len()];
+        let [mut whole, mut parts] = [(); 2].map(|()| Conduction::default());
+        whole.reset(tally.shape.len());
+        parts.reset(tally.shape.len());
+        whole.weigh(Region::whole(tally, state.top), tally, &law, &theta);
+        let (region, _) = random_region(&mut random, &state);
+        parts.weigh(region, tally, &law, &theta);
+        let strides = tally.strides();
+        for i in region.blocks(tally) {
+            assert_eq!((whole.share(i), whole.loss(i)), (parts.share(i), parts.loss(i)));
+            for (axis, stride) in strides.into_iter().enumerate() {
+                let links =
+                    |conduction: &Conduction| [i, i - stride].map(|i| conduction.link(i, axis).to_bits());
+                assert_eq!(links(&whole), links(&parts));
+            }
+        }
+    }
+}
+
+#[test]
+fn each_block_gets_its_mean_and_planes_stay_planes() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(4);
+    let law = insulated();
+    for _ in 0..100 {
+        let size = [0, 1, 2].map(|axis: usize| random.random_range(8..[50, 20, 24][axis]));
+        let state = printed(size, &law, |_| Some(0.0));
+        let tally = state.occupancy.tally();
+        let slope = [0; 3].map(|_: usize| random.random_range(-2.0..2.0));
+        let plane = |at: [f64; 3]| (0..3).map(|axis| slope[axis] * at[axis]).sum::<f64>();
+        let mut far = FarField::default();
+        far.begin(&state.patch, tally, &law, state.top);
+        let blocks = |axis: usize| (size[axis]).div_ceil(tally.fold[axis]);
+        let mut numbers = vec![0.0; tally.shape.len()];
+        for block in places([blocks(0), blocks(1), blocks(2)]) {
+            let middle = |axis: usize| (block[axis] as f64 - 0.5) * tally.fold[axis] as f64 + 0.5;
+            numbers[tally.shape.index(block)] = plane([middle(0), middle(1), middle(2)]) as f32;
+        }
+        far.theta.iter_mut().zip(&numbers).for_each(|(theta, number)| *theta += number);
+        let (region, mut patch) = random_region(&mut random, &state);
+        far.add(2.0, &mut patch, region, tally, &law);
+        let mut sums = vec![0.0; tally.shape.len()];
+        for at in places(size) {
+            let Some(index) = patch.index(at) else { continue };
+            sums[tally.block(at)] += f64::from(patch.theta[index]);
+            // Inside, where all blocks beside are full.
+            let inside = (0..3).all(|axis| {
+                let block = (at[axis] - 1) / tally.fold[axis];
+                block > 0 && (block + 2) * tally.fold[axis] <= size[axis]
+            });
+            if inside {
+                let wanted = 2.0 * plane(at.map(|i| i as f64));
+                assert!((f64::from(patch.theta[index]) - wanted).abs() < 2e-3, "{at:?}: {wanted}");
+            }
+        }
+        for i in region.blocks(tally).filter(|&i| tally.blocks[i].voxels > 0) {
+            let mean = sums[i] / f64::from(tally.blocks[i].voxels);
+            assert!((mean - 2.0 * f64::from(numbers[i])).abs() < 1e-3, "{mean} and {}", numbers[i]);
+        }
+    }
+}
+
+#[test]
+fn what_crosses_the_border_of_a_region_is_what_its_window_loses() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
+    let law = insulated();
+    for _ in 0..100 {
+        let mut state = printed([60, 14, 20], &law, |_| {
+            random.random_bool(0.97).then(|| 100.0 + random.random_range(0.0..20.0))
+        });
+        let (region, _) = random_region(&mut random, &state);
+        let (top, tally) = (state.top, state.occupancy.tally().clone());
+        let mut far = FarField::default();
+        far.begin(&state.patch, &tally, &law, top);
+        let mut window = Patch::default();
+        window.copy_window(region.window(&tally, state.patch.shape), &state.patch);
+        let rim = Rim::close(&mut window, &state.patch, region, &tally, &law);
+        let inside = |patch: &Patch| -> f64 {
+            let places = places([60, 14, 20]);
+            places.filter_map(|at| patch.index(at)).map(|i| f64::from(patch.theta[i])).sum()
+        };
+        let blocks = |far: &FarField| -> f64 {
+            region.blocks(&tally).map(|i| f64::from(far.theta[i]) * f64::from(tally.blocks[i].voxels)).sum()
+        };
+        let (before, blocks_before) = (inside(&window), blocks(&far));
+        let border: Vec<_> = region.border(&tally).collect();
+        let flows = far.step(2.0, &border, &tally, &law, top);
+        rim.set(&mut window, &flows);
+        let own_top = (top - window.origin[2]).min(window.shape.rows - 1);
+        let mut memory = Rates::default();
+        let rates = memory.of(window.shape, own_top);
+        for _ in 0..40 {
+            let (a, b) = (0.05, 0.05 * 0.05 / 2.0);
+            let patch = &mut window;
+            dispatch(Pair { law: &law, patch, rates, a, b, held: None, top: own_top });
+        }
+        let (gained, coarse) = (inside(&window) - before, blocks(&far) - blocks_before);
+        assert!((gained - coarse).abs() < 2e-5 * before, "{gained} and {coarse} of {before}");
+        // And outside, blocks have the opposite.
+        let all = Region::whole(&tally, top);
+        let total: f64 =
+            all.blocks(&tally).map(|i| f64::from(far.theta[i]) * f64::from(tally.blocks[i].voxels)).sum();
+        assert!((total / heat(&state) - 1.0).abs() < 1e-5);
+        far.end(state.make_mut().patch, &tally, &law, top);
+        assert!((total / heat(&state) - 1.0).abs() < 1e-5);
+    }
+}
+
+#[test]
+fn a_smooth_difference_evens_out_as_it_does_in_short_steps() {
+    // The slowest mode of a bar along each axis in turn, blocks at whose ends are filled in part.
+    let size = [31, 27, 30];
+    let law = insulated();
+    for axis in 0..3 {
+        let length = size[axis] as f64;
+        let mode = |at: [usize; 3]| 100.0 + 20.0 * (PI * (at[axis] as f64 - 0.5) / length).cos();
+        let mut long = printed(size, &law, |at| Some(mode(at)));
+        let mut short = long.clone();
+        let (seconds, before) = (15.0, heat(&long));
+        let (top, tally) = (long.top, long.occupancy.tally().clone());
+        let mut far = FarField::default();
+        far.begin(&long.patch, &tally, &law, top);
+        far.step(seconds, &[], &tally, &law, top);
+        far.end(long.make_mut().patch, &tally, &law, top);
+        let dt = 0.05;
+        let mut memory = Rates::default();
+        for _ in 0..(seconds / dt).round() as usize {
+            let patch = short.make_mut().patch;
+            let rates = memory.of(patch.shape, top);
+            let (a, b) = (dt as f32, (dt * dt / 2.0) as f32);
+            dispatch(Pair { law: &law, patch, rates, a, b, held: None, top });
+        }
+        let error = long.patch.theta[..].iter().zip(&short.patch.theta[..]);
+        let error = error.map(|(long, short)| (long - short).abs()).fold(0.0, f32::max);
+        // Second order in the blocks' size: of the mode along z, whose bar is seven blocks long, this is the most.
+        assert!(error < [0.05, 0.05, 0.5][axis], "axis {axis}: {error}");
+        let lost = heat(&long) / before - 1.0;
+        assert!(lost.abs() < 3e-6, "axis {axis}: {lost} of the heat is lost");
+    }
+}
