@@ -38,7 +38,9 @@ impl Explicit {
         Self { scheme, longest_s, scratch: Aligned::default(), rates: Rates::default(), changes: Vec::new() }
     }
 
-    pub(crate) fn run(&mut self, mut state: StateMut<'_>, law: &Law, pieces: &[Piece]) {
+    /// In so many threads of the current pool; the plain scheme takes one.
+    pub(crate) fn run(&mut self, mut state: StateMut<'_>, law: &Law, pieces: &[Piece], threads: usize) {
+        self.rates.threads = threads;
         self.scratch.clone_from(&state.patch.theta);
         for piece in pieces {
             if let Some(at) = piece.held.filter(|_| piece.born) {
@@ -79,9 +81,8 @@ impl Explicit {
             Scheme::Heun { steps } => {
                 let seconds = seconds / f64::from(steps);
                 let (a, b) = (seconds as f32, (seconds * seconds / 2.0) as f32);
-                let rates = self.rates.of(shape, top);
                 for _ in 0..steps {
-                    dispatch(Pair { law, patch, rates, a, b, held, top });
+                    Pair { law, patch, a, b, held, top }.sweep(&mut self.rates);
                 }
             }
         }

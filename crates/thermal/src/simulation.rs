@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use beadwork_grid::Cell;
 use beadwork_part::slice::Voxels;
+use rayon::ThreadPool;
 use thiserror::Error;
 
 use crate::explicit::{Explicit, Scheme};
@@ -146,6 +147,8 @@ pub struct Simulation {
     voxel_j_k: f64,
     /// The last voxel deposited.
     last: Option<[u32; 3]>,
+    /// Threads that share long steps.
+    pool: Option<Arc<ThreadPool>>,
 }
 
 impl Simulation {
@@ -184,7 +187,26 @@ impl Simulation {
         let state = State::empty(shape, &law);
         let voxel_j_k = material.heat_capacity_j_m3k() * frame.cell_mm3() / 1e9;
         let (process, law) = (Arc::new(process.clone()), Arc::new(law));
-        Ok(Self { part, process, law, state, stepper, seconds: 0.0, stable_s, voxel_j_k, last: None })
+        Ok(Self {
+            part,
+            process,
+            law,
+            state,
+            stepper,
+            seconds: 0.0,
+            stable_s,
+            voxel_j_k,
+            last: None,
+            pool: None,
+        })
+    }
+
+    /// The same, with its long steps shared out among some threads where the part is large: from some 100,000 voxels in a
+    /// step on, of which there are few in parts below a million. The results are the same bit for bit.
+    ///
+    /// To try many orders, or to simulate many parts, one thread for each pays more.
+    pub fn with_pool(self, pool: Option<Arc<ThreadPool>>) -> Self {
+        Self { pool, ..self }
     }
 
     /// The part.
@@ -294,10 +316,17 @@ impl Simulation {
 
     /// Runs through slots that have been checked.
     pub(crate) fn step(&mut self, slots: &[Slot], pieces: &[Piece]) {
-        let state = self.state.make_mut();
-        match &mut self.stepper {
-            Stepper::Explicit(explicit) => explicit.run(state, &self.law, pieces),
-            Stepper::Fast(fast) => fast.run(state, &self.law, pieces),
+        let Self { state, stepper, law, pool, .. } = self;
+        let mut run = |threads| {
+            let state = state.make_mut();
+            match stepper {
+                Stepper::Explicit(explicit) => explicit.run(state, law, pieces, threads),
+                Stepper::Fast(fast) => fast.run(state, law, pieces, threads),
+            }
+        };
+        match pool {
+            Some(pool) => pool.install(|| run(pool.current_num_threads())),
+            None => run(1),
         }
         self.seconds += slots.iter().map(|slot| slot.seconds).sum::<f64>();
         self.last = slots.iter().rev().find_map(|slot| slot.voxel).or(self.last);

@@ -17,7 +17,7 @@ mod level;
 mod nested;
 mod window;
 
-use crate::kernel::{Pair, Rates, dispatch};
+use crate::kernel::{Pair, Rates};
 use crate::law::Law;
 use crate::occupancy::Change;
 use crate::patch::Patch;
@@ -91,7 +91,9 @@ impl Fast {
         }
     }
 
-    pub(crate) fn run(&mut self, state: StateMut<'_>, law: &Law, pieces: &[Piece]) {
+    /// In so many threads of the current pool.
+    pub(crate) fn run(&mut self, state: StateMut<'_>, law: &Law, pieces: &[Piece], threads: usize) {
+        self.memory.rates.threads = threads;
         let StateMut { patch, mut voxels } = state;
         for pieces in pieces.chunks(RUN) {
             let mut whole = Nested::whole(patch);
@@ -219,10 +221,9 @@ impl Fast {
         let Step::Voxels(polynomial) = &self.levels[level].step else {
             unreachable!("steps on blocks are taken elsewhere")
         };
-        let rates = self.memory.rates.of(patch.shape, top);
         for factor in &polynomial.factors {
             let (a, b) = ((factor.a * seconds) as f32, (factor.b * seconds * seconds) as f32);
-            dispatch(Pair { law, patch, rates, a, b, held, top });
+            Pair { law, patch, a, b, held, top }.sweep(&mut self.memory.rates);
         }
     }
 

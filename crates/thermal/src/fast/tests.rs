@@ -43,8 +43,8 @@ fn errors(size: [usize; 3], process: &Process, layers: &[Vec<Piece>], accuracy: 
     let mut heun = Explicit::new(Scheme::Heun { steps: 2 }, BIRTH_S);
     let (mut squares, mut count, mut most) = (0.0, 0_u32, 0.0_f64);
     for pieces in layers {
-        fast.run(long.make_mut(), &law, pieces);
-        heun.run(short.make_mut(), &law, pieces);
+        fast.run(long.make_mut(), &law, pieces, 1);
+        heun.run(short.make_mut(), &law, pieces, 1);
         for (index, theta) in long.patch.theta.iter().enumerate() {
             if long.occupancy.is_active(index) {
                 let error = f64::from((theta - short.patch.theta[index]).abs());
@@ -112,8 +112,8 @@ fn nothing_is_lost_where_nothing_can_be() {
     let mut fast = Fast { many_voxels: 0, ..Fast::new(Accuracy::Standard, &law) };
     let mut heun = Explicit::new(Scheme::Heun { steps: 2 }, BIRTH_S);
     for pieces in zigzag(size, |_| true) {
-        fast.run(long.make_mut(), &law, &pieces);
-        heun.run(short.make_mut(), &law, &pieces);
+        fast.run(long.make_mut(), &law, &pieces, 1);
+        heun.run(short.make_mut(), &law, &pieces, 1);
         heats = [&long, &short]
             .map(|state| state.patch.theta.iter().map(|&theta| f64::from(theta)).sum::<f64>())
             .to_vec();

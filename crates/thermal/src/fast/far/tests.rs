@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::*;
-use crate::kernel::{Pair, Rates, dispatch};
+use crate::kernel::{Pair, Rates};
 use crate::material::Material;
 use crate::patch::Shape;
 use crate::process::Process;
@@ -125,9 +125,8 @@ fn the_air_takes_what_the_sweeps_take() {
             let top = state.top;
             let patch = state.make_mut().patch;
             let mut memory = Rates::default();
-            let rates = memory.of(patch.shape, top);
             let seconds = 1e-2;
-            dispatch(Pair { law: &law, patch, rates, a: seconds, b: 0.0, held: None, top });
+            Pair { law: &law, patch, a: seconds, b: 0.0, held: None, top }.sweep(&mut memory);
             let lost = law.lost(warm as f32, voxel.exposure, voxel.caps);
             let swept = (warm as f32 - patch.theta[index]) / seconds;
             assert!((swept / lost - 1.0).abs() < 2e-2, "{swept} and {lost}");
@@ -235,11 +234,10 @@ fn what_crosses_the_border_of_a_region_is_what_its_window_loses() {
         rim.set(&mut window, &flows);
         let own_top = (top - window.origin[2]).min(window.shape.rows - 1);
         let mut memory = Rates::default();
-        let rates = memory.of(window.shape, own_top);
         for _ in 0..40 {
             let (a, b) = (0.05, 0.05 * 0.05 / 2.0);
             let patch = &mut window;
-            dispatch(Pair { law: &law, patch, rates, a, b, held: None, top: own_top });
+            Pair { law: &law, patch, a, b, held: None, top: own_top }.sweep(&mut memory);
         }
         let (gained, coarse) = (inside(&window) - before, blocks(&far) - blocks_before);
         assert!((gained - coarse).abs() < 2e-5 * before, "{gained} and {coarse} of {before}");
@@ -273,9 +271,8 @@ fn a_smooth_difference_evens_out_as_it_does_in_short_steps() {
         let mut memory = Rates::default();
         for _ in 0..(seconds / dt).round() as usize {
             let patch = short.make_mut().patch;
-            let rates = memory.of(patch.shape, top);
             let (a, b) = (dt as f32, (dt * dt / 2.0) as f32);
-            dispatch(Pair { law: &law, patch, rates, a, b, held: None, top });
+            Pair { law: &law, patch, a, b, held: None, top }.sweep(&mut memory);
         }
         let error = long.patch.theta[..].iter().zip(&short.patch.theta[..]);
         let error = error.map(|(long, short)| (long - short).abs()).fold(0.0, f32::max);

@@ -1,0 +1,61 @@
+//! The plain scheme.
+
+#![expect(clippy::inline_always, reason = "see the module above")]
+
+use pulp::{Simd, WithSimd};
+
+use super::{Planes, Runs, Stencil, Surface};
+use crate::law::Law;
+use crate::patch::{Activity, Line, Shape};
+
+/// One explicit step of a whole patch, from one array into another: the plain scheme.
+pub(crate) struct Euler<'a> {
+    pub(crate) law: &'a Law,
+    pub(crate) shape: Shape,
+    pub(crate) activity: &'a Activity,
+    pub(crate) from: &'a [f32],
+    pub(crate) to: &'a mut [f32],
+    /// Rows of each plane from here on are left alone.
+    pub(crate) top: usize,
+    pub(crate) seconds: f32,
+}
+
+impl WithSimd for Euler<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, s: S) {
+        let Self { law, shape, activity, from, to, top, seconds } = self;
+        let (row, plane) = (shape.row, shape.plane());
+        let dt = s.splat_f32s(seconds);
+        let interior = s.splat_f32s(law.interior().damping);
+        let swept = (top - 1) * row;
+        for y in 1..shape.planes - 1 {
+            let start = y * plane + row;
+            let around = Planes::of([y - 1, y, y + 1].map(|y| &from[y * plane..]), swept, row);
+            let stencil = Stencil::new(s, law, around, row);
+            let n = stencil.len();
+            let surface = Surface::<S>::new(s, law, activity, start, n, false);
+            let to = &mut S::as_mut_simd_f32s(&mut to[start..start + swept]).0[..n];
+            for (line, begin, end) in Runs::new::<S>(activity, start, swept) {
+                let run = begin..end.min(n);
+                match line {
+                    Line::Empty => {}
+                    Line::Interior => {
+                        for i in run {
+                            let rate = s.mul_add_f32s(interior, stencil.here[i], stencil.inflow(i));
+                            to[i] = s.mul_add_f32s(dt, rate, stencil.here[i]);
+                        }
+                    }
+                    Line::Mixed => {
+                        for i in run {
+                            let here = stencil.here[i];
+                            let rate = s.mul_add_f32s(surface.damping(i, here), here, stencil.inflow(i));
+                            to[i] = s.mul_add_f32s(dt, surface.active(i, rate), here);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! The sweeps over a patch: where all the time goes.
+//!
+//! Written on lanes of whatever width the processor has, chosen when the program runs. Products are fused into sums
+//! wherever the source says so and nowhere else, so that every processor computes the same bits.
+
+#![expect(
+    clippy::inline_always,
+    reason = "only what is inlined into a sweep is compiled for the processor's lanes"
+)]
+
+mod euler;
+mod pair;
+
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::aligned::LINE;
+use crate::law::Law;
+use crate::patch::{Activity, Line};
+
+pub(crate) use self::euler::Euler;
+pub(crate) use self::pair::{Pair, Rates};
+
+/// A range of a plane of temperatures, or of their rates, with the same of the planes behind and before it.
+#[derive(Clone, Copy)]
+struct Planes<'a> {
+    back: &'a [f32],
+    /// With the row below and the row above.
+    here: &'a [f32],
+    front: &'a [f32],
+}
+
+impl<'a> Planes<'a> {
+    /// From the second row of three planes on.
+    #[inline(always)]
+    fn of([back, here, front]: [&'a [f32]; 3], len: usize, row: usize) -> Self {
+        Self { back: &back[row..][..len], here: &here[..len + 2 * row], front: &front[row..][..len] }
+    }
+}
+
+/// One range of a plane and its six neighbours, in lanes.
+struct Stencil<'a, S: Simd> {
+    simd: S,
+    lateral: S::f32s,
+    vertical: S::f32s,
+    here: &'a [S::f32s],
+    left: &'a [S::f32s],
+    right: &'a [S::f32s],
+    back: &'a [S::f32s],
+    front: &'a [S::f32s],
+    below: &'a [S::f32s],
+    above: &'a [S::f32s],
+}
+
+#[inline(always)]
+fn lanes<S: Simd>(numbers: &[f32], start: usize, len: usize) -> &[S::f32s] {
+    S::as_simd_f32s(&numbers[start..start + len]).0
+}
+
+impl<'a, S: Simd> Stencil<'a, S> {
+    /// `here` of the planes begins one row before the range, `back` and `front` with it.
+    #[inline(always)]
+    fn new(simd: S, law: &Law, planes: Planes<'a>, row: usize) -> Self {
+        let Planes { back, here, front } = planes;
+        let len = back.len();
+        Self {
+            simd,
+            lateral: simd.splat_f32s(law.lateral),
+            vertical: simd.splat_f32s(law.vertical),
+            here: lanes::<S>(here, row, len),
+            left: lanes::<S>(here, row - 1, len),
+            right: lanes::<S>(here, row + 1, len),
+            below: lanes::<S>(here, 0, len),
+            above: lanes::<S>(here, 2 * row, len),
+            back: lanes::<S>(back, 0, len),
+            front: lanes::<S>(front, 0, len),
+        }
+    }
+
+    /// So many lanes: known to the compiler, it need not check the loops over them.
+    #[inline(always)]
+    fn len(&self) -> usize {
+        let n = self.here.len();
+        let all = [self.left, self.right, self.back, self.front, self.below, self.above];
+        assert!(all.iter().all(|numbers| numbers.len() == n), "all neighbours have the range's length");
+        n
+    }
+
+    /// What flows in from the neighbours.
+    #[inline(always)]
+    fn inflow(&self, i: usize) -> S::f32s {
+        let s = self.simd;
+        let x = s.add_f32s(self.left[i], self.right[i]);
+        let y = s.add_f32s(self.back[i], self.front[i]);
+        let z = s.add_f32s(self.below[i], self.above[i]);
+        s.mul_add_f32s(self.lateral, s.add_f32s(x, y), s.mul_f32s(self.vertical, z))
+    }
+}
+
+/// What a surface loses, in lanes.
+struct Surface<'a, S: Simd> {
+    simd: S,
+    radiation: [S::f32s; 4],
+    damping: &'a [S::f32s],
+    exposure: &'a [S::f32s],
+    caps: &'a [S::f32s],
+    resistance: Option<[S::f32s; 3]>,
+}
+
+impl<'a, S: Simd> Surface<'a, S> {
+    #[inline(always)]
+    fn new(simd: S, law: &Law, activity: &'a Activity, start: usize, n: usize, derived: bool) -> Self {
+        let len = n * S::F32_LANES;
+        // The derivative of θ · radiation(θ) is a cubic polynomial too.
+        let power = |i: usize| if derived { (i + 1) as f32 } else { 1.0 };
+        Self {
+            simd,
+            radiation: std::array::from_fn(|i| simd.splat_f32s(power(i) * law.radiation[i])),
+            damping: &lanes::<S>(&activity.damping, start, len)[..n],
+            exposure: &lanes::<S>(&activity.exposure, start, len)[..n],
+            caps: if activity.caps.is_empty() { &[] } else { &lanes::<S>(&activity.caps, start, len)[..n] },
+            resistance: law.resistance.map(|numbers| numbers.map(|number| simd.splat_f32s(number))),
+        }
+    }
+
+    /// The factor of a voxel's own temperature, or of its rate.
+    #[inline(always)]
+    fn damping(&self, i: usize, theta: S::f32s) -> S::f32s {
+        let s = self.simd;
+        let [r0, r1, r2, r3] = self.radiation;
+        let radiated = s.mul_add_f32s(s.mul_add_f32s(s.mul_add_f32s(r3, theta, r2), theta, r1), theta, r0);
+        let Some([convection, side, cap]) = self.resistance else {
+            return s.negate_mul_add_f32s(radiated, self.exposure[i], self.damping[i]);
+        };
+        let h = s.add_f32s(radiated, convection);
+        let one = s.splat_f32s(1.0);
+        let passed =
+            |exposure, distance| s.div_f32s(s.mul_f32s(h, exposure), s.mul_add_f32s(h, distance, one));
+        let lost = s.add_f32s(passed(self.exposure[i], side), passed(self.caps[i], cap));
+        s.sub_f32s(self.damping[i], lost)
+    }
+
+    /// Numbers of active voxels; 0 for all others.
+    #[inline(always)]
+    fn active(&self, i: usize, number: S::f32s) -> S::f32s {
+        let zero = self.simd.splat_f32s(0.0);
+        self.simd.select_f32s(self.simd.less_than_f32s(self.damping[i], zero), number, zero)
+    }
+}
+
+/// The runs of equal lines in a range of a patch: what they are, and where each begins and ends, in lanes of a width.
+///
+/// An iterator and not a function that takes a closure: closures that are not inlined lose the lanes.
+struct Runs<'a> {
+    lines: &'a [Line],
+    begin: usize,
+    /// Lanes in a line.
+    lanes: usize,
+}
+
+impl<'a> Runs<'a> {
+    #[inline(always)]
+    fn new<S: Simd>(activity: &'a Activity, start: usize, len: usize) -> Self {
+        let lines = &activity.lines[start / LINE..(start + len) / LINE];
+        Self { lines, begin: 0, lanes: LINE / S::F32_LANES }
+    }
+}
+
+impl Iterator for Runs<'_> {
+    type Item = (Line, usize, usize);
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Self::Item> {
+        let begin = self.begin;
+        let line = *self.lines.get(begin)?;
+        self.begin += 1;
+        while self.lines.get(self.begin) == Some(&line) {
+            self.begin += 1;
+        }
+        Some((line, begin * self.lanes, self.begin * self.lanes))
+    }
+}
+
+/// Runs a sweep on the widest lanes that the processor has.
+pub(crate) fn dispatch<W: WithSimd>(sweep: W) -> W::Output {
+    Arch::new().dispatch(sweep)
+}

@@ -1,0 +1,313 @@
+//! Two stages of a step at once.
+
+#![expect(clippy::inline_always, reason = "see the module above")]
+
+use pulp::{Simd, WithSimd};
+use rayon::prelude::*;
+
+use super::{Planes, Runs, Stencil, Surface, dispatch};
+use crate::aligned::Aligned;
+use crate::law::Law;
+use crate::patch::{Activity, Line, Patch, Shape};
+
+/// Numbers that are worth a thread of their own.
+const SHARE: usize = 1 << 16;
+
+/// Two stages of a step in place: θ + a f(θ) + b J f(θ), where f is the rate of change and J its derivative.
+///
+/// With a = dt and b = dt² / 2 that is Heun's method; steps of more stages are products of such pairs. Rates are kept of
+/// three planes only, so that each temperature is read and written once for both stages.
+pub(crate) struct Pair<'a> {
+    pub(crate) law: &'a Law,
+    pub(crate) patch: &'a mut Patch,
+    pub(crate) a: f32,
+    pub(crate) b: f32,
+    /// A voxel that keeps the temperature of its birth.
+    pub(crate) held: Option<usize>,
+    /// Rows of each plane from here on are left alone.
+    pub(crate) top: usize,
+}
+
+/// Memory for [`Pair`].
+#[derive(Debug)]
+pub(crate) struct Rates {
+    /// For each thread, three planes of rates, and one of zeros that stands for the rim's.
+    slabs: Vec<Aligned>,
+    /// Planes beside the ranges of threads, as they were.
+    halo: Aligned,
+    /// How many threads of the current pool may share a sweep.
+    pub(crate) threads: usize,
+}
+
+impl Default for Rates {
+    fn default() -> Self {
+        Self { slabs: Vec::new(), halo: Aligned::default(), threads: 1 }
+    }
+}
+
+impl Pair<'_> {
+    /// Takes both stages. The result does not depend on the number of threads.
+    pub(crate) fn sweep(self, memory: &mut Rates) {
+        let Self { law, patch, a, b, held, top } = self;
+        let Patch { shape, activity, theta, .. } = patch;
+        let (shape, plane, planes) = (*shape, shape.plane(), shape.planes - 2);
+        let most = (top * shape.row * planes / SHARE).min(planes / 2);
+        let count = memory.threads.min(most).max(1);
+        memory.slabs.resize_with(memory.slabs.len().max(count), Aligned::default);
+        let all = Sweep { law, shape, activity, a, b, held, top };
+        let (before, rest) = theta.split_at_mut(plane);
+        let (own, after) = rest.split_at_mut(planes * plane);
+        if count == 1 {
+            let rates = zeroed(&mut memory.slabs[0], shape, top);
+            dispatch(Slab { all, before, own, after, first: 1, rates });
+        } else {
+            all.share(before, own, after, &mut memory.slabs[..count], &mut memory.halo);
+        }
+        if let Some(held) = held {
+            theta[held] = law.birth;
+        }
+    }
+}
+
+/// What all threads of a sweep know.
+#[derive(Clone, Copy)]
+struct Sweep<'a> {
+    law: &'a Law,
+    shape: Shape,
+    activity: &'a Activity,
+    a: f32,
+    b: f32,
+    held: Option<usize>,
+    top: usize,
+}
+
+impl Sweep<'_> {
+    /// Shares the inside of a patch out among as many threads as there is memory for.
+    fn share(
+        self,
+        before: &[f32],
+        mut inside: &mut [f32],
+        after: &[f32],
+        rates: &mut [Aligned],
+        halo: &mut Aligned,
+    ) {
+        let (count, plane) = (rates.len(), self.shape.plane());
+        let planes = inside.len() / plane;
+        let ends: Vec<usize> = (0..=count).map(|i| planes * i / count).collect();
+        // Two planes on each side of every end but the outer ones, as they are now.
+        halo.resize(4 * (count - 1) * plane);
+        for (halo, end) in halo.chunks_exact_mut(4 * plane).zip(&ends[1..]) {
+            halo.copy_from_slice(&inside[(end - 2) * plane..(end + 2) * plane]);
+        }
+        let mut slabs = Vec::with_capacity(count);
+        for (i, rates) in rates.iter_mut().enumerate() {
+            let (own, others) = inside.split_at_mut((ends[i + 1] - ends[i]) * plane);
+            inside = others;
+            let halo = |i: usize| halo[4 * i * plane..][..4 * plane].split_at(2 * plane);
+            let before = if i == 0 { before } else { halo(i - 1).0 };
+            let after = if i + 1 == count { after } else { halo(i).1 };
+            let rates = zeroed(rates, self.shape, self.top);
+            slabs.push(Slab { all: self, before, own, after, first: 1 + ends[i], rates });
+        }
+        slabs.into_par_iter().for_each(dispatch);
+    }
+}
+
+/// The rates of a range: the rows that are read but never written hold 0.
+fn zeroed(rates: &mut Aligned, shape: Shape, top: usize) -> &mut [f32] {
+    let (row, plane) = (shape.row, shape.plane());
+    rates.resize(4 * plane);
+    for rates in rates[..3 * plane].chunks_exact_mut(plane) {
+        rates[..row].fill(0.0);
+        rates[top * row..(top + 1) * row].fill(0.0);
+    }
+    rates[3 * plane..].fill(0.0);
+    rates
+}
+
+/// A range of planes that is swept by one thread.
+struct Slab<'a> {
+    all: Sweep<'a>,
+    /// The planes before and after it, as they were: one of rim, or two of another slab's.
+    before: &'a [f32],
+    own: &'a mut [f32],
+    after: &'a [f32],
+    /// Its first plane.
+    first: usize,
+    rates: &'a mut [f32],
+}
+
+impl WithSimd for Slab<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, s: S) {
+        let Self { all, before, own, after, first, rates } = self;
+        let Sweep { law, shape, activity, a, b, held, top } = all;
+        let (row, plane) = (shape.row, shape.plane());
+        let (kept, zeros) = rates.split_at_mut(3 * plane);
+        let swept = (top - 1) * row;
+        let end = first + own.len() / plane;
+        let (begin, last) = (first + 1 - before.len() / plane, end + after.len() / plane - 1);
+        for y in begin..=end {
+            if y < last {
+                let theta = |y: usize| {
+                    if y < first {
+                        &before[before.len() - (first - y) * plane..][..plane]
+                    } else if y < end {
+                        &own[(y - first) * plane..][..plane]
+                    } else {
+                        &after[(y - end) * plane..][..plane]
+                    }
+                };
+                let here = y % 3 * plane;
+                let around = Planes::of([y - 1, y, y + 1].map(theta), swept, row);
+                let rates = &mut kept[here + row..][..swept];
+                rate(s, law, activity, y * plane + row, around, row, rates);
+                if let Some(held) = held.filter(|held| held / plane == y) {
+                    kept[here + held % plane] = 0.0;
+                }
+            }
+            if y > first {
+                let y = y - 1;
+                let rates = |y: usize| {
+                    let rim = y == 0 || y == shape.planes - 1;
+                    if rim { &*zeros } else { &kept[y % 3 * plane..][..plane] }
+                };
+                let around = Planes::of([y - 1, y, y + 1].map(rates), swept, row);
+                let theta = &mut own[(y - first) * plane + row..][..swept];
+                second(s, law, activity, theta, y * plane + row, around, row, (a, b));
+            }
+        }
+    }
+}
+
+/// The rates of change of one plane, from the flat index `start` on: the first stage.
+#[inline(always)]
+fn rate<S: Simd>(
+    s: S,
+    law: &Law,
+    activity: &Activity,
+    start: usize,
+    around: Planes<'_>,
+    row: usize,
+    rates: &mut [f32],
+) {
+    let len = rates.len();
+    let interior = s.splat_f32s(law.interior().damping);
+    let stencil = Stencil::new(s, law, around, row);
+    let n = stencil.len();
+    let surface = Surface::<S>::new(s, law, activity, start, n, false);
+    let rates = &mut S::as_mut_simd_f32s(rates).0[..n];
+    for (line, begin, end) in Runs::new::<S>(activity, start, len) {
+        let run = begin..end.min(n);
+        match line {
+            Line::Empty => rates[run].fill(s.splat_f32s(0.0)),
+            Line::Interior => {
+                for i in run {
+                    rates[i] = s.mul_add_f32s(interior, stencil.here[i], stencil.inflow(i));
+                }
+            }
+            Line::Mixed => {
+                for i in run {
+                    let here = stencil.here[i];
+                    let rate = s.mul_add_f32s(surface.damping(i, here), here, stencil.inflow(i));
+                    rates[i] = surface.active(i, rate);
+                }
+            }
+        }
+    }
+}
+
+/// The second stage of a plane, given the rates of the first.
+#[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "inlined, and called once")]
+fn second<S: Simd>(
+    s: S,
+    law: &Law,
+    activity: &Activity,
+    theta: &mut [f32],
+    start: usize,
+    around: Planes<'_>,
+    row: usize,
+    (a, b): (f32, f32),
+) {
+    let (a, b) = (s.splat_f32s(a), s.splat_f32s(b));
+    let interior = s.splat_f32s(law.interior().damping);
+    let len = theta.len();
+    let stencil = Stencil::new(s, law, around, row);
+    let n = stencil.len();
+    let surface = Surface::<S>::new(s, law, activity, start, n, true);
+    let theta = &mut S::as_mut_simd_f32s(theta).0[..n];
+    for (line, begin, end) in Runs::new::<S>(activity, start, len) {
+        let run = begin..end.min(n);
+        match line {
+            Line::Empty => {}
+            Line::Interior => {
+                for i in run {
+                    let change = s.mul_add_f32s(interior, stencil.here[i], stencil.inflow(i));
+                    theta[i] = s.mul_add_f32s(b, change, s.mul_add_f32s(a, stencil.here[i], theta[i]));
+                }
+            }
+            Line::Mixed => {
+                for i in run {
+                    let damping = surface.damping(i, theta[i]);
+                    let change =
+                        surface.active(i, s.mul_add_f32s(damping, stencil.here[i], stencil.inflow(i)));
+                    theta[i] = s.mul_add_f32s(b, change, s.mul_add_f32s(a, stencil.here[i], theta[i]));
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    use super::*;
+    use crate::material::Material;
+    use crate::process::Process;
+    use crate::state::State;
+
+    #[test]
+    fn threads_do_not_change_a_bit() {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(0);
+        let law = Law::new(&Material::abs(), &Process::default(), 0.5e-3, 0.25e-3);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+        for size in [[100, 40, 70], [60, 150, 40], [30, 9, 900]] {
+            let shape = Shape::around(size[0], size[1], size[2]);
+            let mut state = State::empty(shape, &law);
+            let state_mut = state.make_mut();
+            let (patch, mut voxels, mut changes) = (state_mut.patch, state_mut.voxels, Vec::new());
+            let filled = random.random_range(0.5..1.0);
+            for z in 1..=size[2] {
+                for y in 1..=size[1] {
+                    for x in (1..=size[0]).filter(|_| random.random_bool(filled)) {
+                        voxels.birth([x, y, z], patch, &law, &mut changes);
+                        patch.take_up(&changes, &law);
+                        changes.clear();
+                    }
+                }
+            }
+            let active: Vec<usize> = (0..shape.len()).filter(|&i| patch.activity.damping[i] < 0.0).collect();
+            active.iter().for_each(|&i| patch.theta[i] = random.random_range(0.0..200.0));
+            let held = random.random_bool(0.5).then(|| active[active.len() / 2]);
+            let sweep = |mut patch: Patch, threads: usize| {
+                let mut memory = Rates { threads, ..Rates::default() };
+                for _ in 0..3 {
+                    let (patch, top) = (&mut patch, size[2] + 1);
+                    Pair { law: &law, patch, a: 0.02, b: 0.0002, held, top }.sweep(&mut memory);
+                }
+                (patch.theta.to_vec(), memory.slabs.len())
+            };
+            let (alone, one) = sweep(patch.clone(), 1);
+            for threads in 2..=5 {
+                let (shared, slabs) = pool.install(|| sweep(patch.clone(), threads));
+                assert!(one == 1 && slabs > 1, "the part is large enough for two");
+                assert!(shared.iter().zip(&alone).all(|(a, b)| a.to_bits() == b.to_bits()));
+            }
+        }
+    }
+}
