@@ -7,7 +7,7 @@ use super::chebyshev::Polynomial;
 /// How exact the fast stepper is.
 ///
 /// Both are checked against a second-order stepper with four steps a birth, on the paper's three kinds of parts and a
-/// block; `docs/results/thermal.md` has the errors. They were tuned on the first of the parts alone.
+/// block; `docs/results/thermal.md` has the errors. They were tuned on the rectangular part and the block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Accuracy {
     /// More exact than the plain scheme, in a fraction of its time.
