@@ -106,6 +106,9 @@ mod tests {
             min_c: 80.0,
             max_c: 230.0,
             print_seconds: 2.0,
+            hot_spots: 1,
+            ground_mean_c: Some(85.0),
+            ground_min_c: Some(80.0),
         };
         let map = Map::new("layer 1".to_owned(), ["x", "y"], [0.5; 2], [2, 2], |x, y| f64::from(x + y));
         let text = draw("a & b", &[measure(1), measure(2)], &[map]).unwrap();
