@@ -53,6 +53,14 @@ fn layers_are_told_with_their_reward() {
         assert!(25.0 < min && min < mean && mean < 110.0 && mean < max && max <= 230.0 + 1e-3, "{layer}");
         // 384 voxels of half a millimetre at 30 mm/s, and some travel.
         assert!((6.39..7.0).contains(&number(&layer["print_seconds"])), "{layer}");
+        assert!(number(&layer["hot_spots"]) >= 1.0, "the voxel under the nozzle is hot: {layer}");
+        let [ground, coldest] = ["ground_mean_c", "ground_min_c"].map(|key| &layer[key]);
+        if number_of_layer == 1 {
+            assert!(ground.is_null() && coldest.is_null(), "{layer}");
+        } else {
+            assert!(25.0 < number(coldest) && number(coldest) < number(ground), "{layer}");
+            assert!(number(ground) < 110.0, "{layer}");
+        }
         reward -= number(&layer["std_c"]);
     }
     assert!((number(&value["reward"]) - reward).abs() < 1e-9);
@@ -60,9 +68,11 @@ fn layers_are_told_with_their_reward() {
     let seconds: f64 = layers.iter().map(|layer| number(&layer["print_seconds"])).sum();
     assert!((number(&value["print_seconds"]) - seconds).abs() < 1e-9);
 
-    assert_eq!(without_seconds(json(&[&plate])), without_seconds(value), "the same again");
+    assert_eq!(without_seconds(json(&[&plate])), without_seconds(value.clone()), "the same again");
     let summary = run(&["simulate", &plate]);
     assert!(summary.contains("1536 voxels in 4 layers") && summary.contains("\nreward -"), "{summary}");
+    assert!(summary.contains("voxels above 105 °C") && !summary.contains("warpage"), "{summary}");
+    assert!(value["time_above"].is_null() && value["warpage"].is_null());
 }
 
 #[test]
@@ -107,13 +117,15 @@ fn measures_and_pictures_are_written() {
 
     let csv = fs::read_to_string(csv).unwrap();
     let lines: Vec<&str> = csv.lines().collect();
-    assert_eq!(lines[0], "layer,voxels,mean_c,std_c,min_c,max_c,print_seconds");
+    let head = "layer,voxels,mean_c,std_c,min_c,max_c,print_seconds,hot_spots,ground_mean_c,ground_min_c";
+    assert_eq!(lines[0], head);
     assert_eq!(lines.len(), 5);
     let layers = json(&[&plate])["layers"].clone();
     for (line, layer) in lines[1..].iter().zip(layers.as_array().unwrap()) {
-        let values: Vec<f64> = line.split(',').map(|value| value.parse().unwrap()).collect();
-        for (name, value) in lines[0].split(',').zip(values) {
-            assert!((number(&layer[name]) - value).abs() < 1e-9, "{name}");
+        for (name, value) in head.split(',').zip(line.split(',')) {
+            let told = layer[name].as_f64();
+            assert!(value.is_empty() == told.is_none(), "{name}: {value}");
+            assert!(told.is_none_or(|told| (told - value.parse::<f64>().unwrap()).abs() < 1e-9), "{name}");
         }
     }
 
@@ -139,6 +151,89 @@ fn measures_and_pictures_are_written() {
     let single = folder.path().join("cut.PNG");
     run(&["simulate", &plate, "--section", "z=0.1", "--section-out", text(&single)]);
     assert!(fs::read(single).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn the_print_is_watched_if_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let plate = plate(folder.path());
+    let usual = json(&[&plate]);
+    let watched = json(&[&plate, "--time-above", "--warpage"]);
+    // Looks cut long steps: no more than the method's error.
+    assert!((number(&watched["reward"]) / number(&usual["reward"]) - 1.0).abs() < 0.01);
+    let [seconds, longest, mean] =
+        [&watched["print_seconds"], &watched["time_above"]["longest_s"], &watched["time_above"]["mean_s"]]
+            .map(number);
+    assert_eq!(watched["time_above"]["above_c"], watched["glass_transition_c"]);
+    assert!(0.0 < mean && mean < longest && longest < seconds, "{mean} {longest} {seconds}");
+    let [lift, curvature] = ["corner_lift_mm", "curvature_1_m"].map(|key| number(&watched["warpage"][key]));
+    assert!(0.0 < lift && lift < 1.0 && curvature > 0.0, "{lift} {curvature}");
+
+    let hotter = &json(&[&plate, "--time-above=150"])["time_above"];
+    assert!(number(&hotter["above_c"]) > 149.0 && number(&hotter["mean_s"]) < mean, "{hotter}");
+    let summary = run(&["simulate", &plate, "--time-above", "--warpage"]);
+    assert!(summary.contains("above 105 °C: ") && summary.contains("ranks plans, does not predict"));
+}
+
+#[test]
+fn probes_tell_their_history() {
+    let folder = tempfile::tempdir().unwrap();
+    let plate = plate(folder.path());
+    let history = folder.path().join("history.csv");
+    let out = ["--probe-out", text(&history)];
+    let read = |more: &[&str]| -> (String, Vec<Vec<Option<f64>>>) {
+        run(&[&["simulate", &plate], &out[..], more].concat());
+        let content = fs::read_to_string(&history).unwrap();
+        let (head, rows) = content.split_once('\n').unwrap();
+        let row = |row: &str| row.split(',').map(|value| value.parse().ok()).collect();
+        (head.to_owned(), rows.lines().map(row).collect())
+    };
+
+    // A corner at the bottom, and the middle of the top, which comes late.
+    let probes = ["--probe", "0,0,0", "--probe", "6,4,1"];
+    let (head, rows) = read(&[&probes[..], &["--end-seconds", "10"]].concat());
+    assert_eq!(head, "seconds,x0_y0_z0_c,x6_y4_z1_c");
+    let seconds: Vec<f64> = rows.iter().map(|row| row[0].unwrap()).collect();
+    assert!((36..=39).contains(&rows.len()), "{seconds:?}");
+    assert!(
+        seconds.iter().zip(1..).take(35).all(|(s, due)| (s - f64::from(due)).abs() < 0.02),
+        "{seconds:?}"
+    );
+    assert!(rows[0][1].is_some() && rows[0][2].is_none());
+    let born = rows.iter().position(|row| row[2].is_some()).unwrap();
+    assert!(seconds[born] > 19.0 && rows[born..].iter().all(|row| row[2].is_some()));
+    // It cools after the print.
+    let last: Vec<f64> = rows[rows.len() - 6..].iter().map(|row| row[2].unwrap()).collect();
+    assert!(last.windows(2).all(|pair| pair[0] > pair[1]), "{last:?}");
+
+    let (_, often) = read(&[&probes[..2], &["--probe-seconds", "0.25", "--warpage"]].concat());
+    assert!((102..=104).contains(&often.len()), "{}", often.len());
+}
+
+#[test]
+fn probes_need_a_voxel_of_the_part() {
+    let folder = tempfile::tempdir().unwrap();
+    let history = folder.path().join("history.csv");
+    let refused = |probe: &str| {
+        let arguments = ["simulate", "example:u-shape", "--probe", probe, "--probe-out", text(&history)];
+        let error = fail(&arguments);
+        assert!(!history.exists(), "{probe}");
+        error
+    };
+    assert!(refused("22,5,1").ends_with("the part has no voxel at the probe 22,5,1"));
+    assert!(
+        refused("22,-1,1").contains("the probe 22,-1,1 lies outside of the part, which is 45 x 25 x 3 mm")
+    );
+
+    let misuse = |more: &[&str]| misused(&[&["simulate", "example:u-shape"], more].concat());
+    assert!(misuse(&["--probe", "1,2", "--probe-out", "x"]).contains("as 30,5,1.2"));
+    assert!(misuse(&["--probe", "1,2,3"]).contains("--probe-out"));
+    assert!(misuse(&["--probe-out", "x"]).contains("--probe"));
+    assert!(misuse(&["--probe-seconds", "2"]).contains("--probe"));
+    let out = ["--probe", "1,2,3", "--probe-out", "x"];
+    assert!(misuse(&[&out[..], &["--probe-seconds", "0"]].concat()).contains("give seconds from 0.001"));
+    assert!(misuse(&[&out[..], &["--csv", "x"]].concat()).contains("the same file"));
+    assert!(misuse(&["--time-above=warm"]).contains("give °C or glass-transition"));
 }
 
 #[test]

@@ -83,6 +83,9 @@ pub(super) fn ticks(low: f64, high: f64, about: f64) -> (Vec<f64>, usize) {
 
 #[cfg(test)]
 mod tests {
+    use beadwork_part::Frame;
+    use beadwork_thermal::{Plane, Section};
+
     use super::*;
 
     #[test]
@@ -109,9 +112,12 @@ mod tests {
 
     #[test]
     fn a_few_hot_voxels_do_not_stretch_the_scale() {
+        let frame = Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 1.0, layer_mm: 1.0, width: 1000, height: 1 };
         let map = |hot: f64| {
-            let value = |x: u32, _| if x == 0 { hot } else { 80.0 + f64::from(x) / 100.0 };
-            Map::new(String::new(), ["x", "y"], [1.0; 2], [1000, 1], value)
+            let value = |x: u32| Some(if x == 0 { hot } else { 80.0 + f64::from(x) / 100.0 });
+            let celsius = (0..1000).map(value).collect();
+            let section = Section { plane: Plane::Layer(0), rows: 1, columns: 1000, celsius };
+            Map::of(&section, &frame, String::new())
         };
         let hot = Scale::of([map(230.0)].iter());
         assert!(hot.is_exceeded && hot.high_c < 90.0);

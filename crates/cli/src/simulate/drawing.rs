@@ -1,6 +1,6 @@
 //! Temperatures by layer as charts, and some layers as maps.
 
-use beadwork_thermal::Simulation;
+use beadwork_thermal::{Plane, Simulation};
 
 use super::layers::Measure;
 use super::map::{self, Map, Scale};
@@ -17,10 +17,8 @@ pub(super) fn chosen(depth: usize) -> Vec<usize> {
 
 /// A layer as it is now.
 pub(super) fn layer_map(layer: usize, simulation: &Simulation) -> Map {
-    let frame = simulation.part().frame;
-    let celsius = |x, y| simulation.temperature_c([x, y, layer as u32]).unwrap_or(f64::NAN);
-    let title = format!("layer {}, complete", layer + 1);
-    Map::new(title, ["x", "y"], [frame.cell_mm; 2], [frame.width, frame.height], celsius)
+    let section = simulation.section(Plane::Layer(layer as u32));
+    Map::of(&section, &simulation.part().frame, format!("layer {}, complete", layer + 1))
 }
 
 /// Charts over all layers above maps of some.
@@ -86,6 +84,9 @@ fn height(svg: &str) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use beadwork_part::Frame;
+    use beadwork_thermal::Section;
+
     use super::*;
 
     #[test]
@@ -106,8 +107,14 @@ mod tests {
             min_c: 80.0,
             max_c: 230.0,
             print_seconds: 2.0,
+            hot_spots: 1,
+            ground_mean_c: Some(85.0),
+            ground_min_c: Some(80.0),
         };
-        let map = Map::new("layer 1".to_owned(), ["x", "y"], [0.5; 2], [2, 2], |x, y| f64::from(x + y));
+        let section =
+            Section { plane: Plane::Layer(0), rows: 1, columns: 2, celsius: vec![Some(80.0), Some(90.0)] };
+        let frame = Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width: 2, height: 1 };
+        let map = Map::of(&section, &frame, "layer 1".to_owned());
         let text = draw("a & b", &[measure(1), measure(2)], &[map]).unwrap();
         assert!(text.contains("a &amp; b") && text.matches("<svg").count() == 3);
         assert_eq!(text.matches("</svg>").count(), 3);

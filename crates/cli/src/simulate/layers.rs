@@ -1,9 +1,9 @@
 //! How warm all that is printed is when a layer is complete.
 
-use beadwork_thermal::{Simulation, Spread};
+use beadwork_thermal::{Bond, LayerReport, Spread};
 use serde::Serialize;
 
-/// Temperatures of all voxels deposited so far, at the end of a layer.
+/// Temperatures of all voxels deposited so far, at the end of a layer, and what the layer is like in itself.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct Measure {
     /// The layer, from 1.
@@ -17,13 +17,30 @@ pub(super) struct Measure {
     pub(super) max_c: f64,
     /// How long the layer took, with the way to it.
     pub(super) print_seconds: f64,
+    /// Groups of the layer's voxels that are above the glass transition.
+    pub(super) hot_spots: usize,
+    /// Mean of the temperatures of the voxels below, each just before a bead of the layer landed on it; `None` where all lie on the plate.
+    pub(super) ground_mean_c: Option<f64>,
+    /// The coldest of them.
+    pub(super) ground_min_c: Option<f64>,
 }
 
 impl Measure {
-    /// Of the layer with this number, from 0, which took so long.
-    pub(super) fn at_end_of(layer: usize, print_seconds: f64, simulation: &Simulation) -> Self {
-        let spread = simulation.spread().expect("a layer that is complete has voxels");
-        let Spread { count, mean_c, std_c, min_c, max_c } = spread;
-        Self { layer: layer + 1, voxels: count, mean_c, std_c, min_c, max_c, print_seconds }
+    /// Of a layer at its end, and the bonds of all layers, from the bottom up.
+    pub(super) fn new(report: &LayerReport, bonds: &[Bond]) -> Self {
+        let Spread { count, mean_c, std_c, min_c, max_c } = report.all;
+        let bond = bonds.iter().find(|bond| bond.layer == report.layer);
+        Self {
+            layer: report.layer as usize + 1,
+            voxels: count,
+            mean_c,
+            std_c,
+            min_c,
+            max_c,
+            print_seconds: report.print_seconds,
+            hot_spots: report.hot.count,
+            ground_mean_c: bond.map(|bond| bond.landing.mean_c),
+            ground_min_c: bond.map(|bond| bond.landing.min_c),
+        }
     }
 }

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use beadwork_part::Frame;
+use beadwork_thermal::{Plane, Section};
 use png::{BitDepth, ColorType, Encoder};
 
 pub(super) use super::colours::Scale;
@@ -21,18 +23,26 @@ pub(super) struct Map {
 }
 
 impl Map {
-    /// Asks for the temperature in each column, from the left, and row, from the top.
-    pub(super) fn new(
-        title: String,
-        axes: [&'static str; 2],
-        voxel_mm: [f64; 2],
-        size: [u32; 2],
-        celsius: impl Fn(u32, u32) -> f64,
-    ) -> Self {
-        let celsius = &celsius;
-        let [columns, rows] = size;
-        let values = (0..rows).flat_map(|row| (0..columns).map(move |column| celsius(column, row) as f32));
-        Self { title, axes, voxel_mm, size, values: values.collect() }
+    /// A section of a part with this frame: as seen from the right, from the front, or from above.
+    pub(super) fn of(section: &Section, frame: &Frame, title: String) -> Self {
+        let (axes, high_mm) = match section.plane {
+            Plane::X(_) => (["y", "z"], frame.layer_mm),
+            Plane::Y(_) => (["x", "z"], frame.layer_mm),
+            Plane::Layer(_) => (["x", "y"], frame.cell_mm),
+        };
+        let celsius =
+            section.celsius.iter().map(|celsius| celsius.map_or(f32::NAN, |celsius| celsius as f32));
+        // Rows run from the back or from the bottom, columns from the left or from the back.
+        let values = match section.plane {
+            Plane::Layer(_) => celsius.collect(),
+            Plane::X(_) => celsius.rev().collect(),
+            Plane::Y(_) => {
+                let values: Vec<f32> = celsius.collect();
+                values.rchunks(section.columns.max(1)).flatten().copied().collect()
+            }
+        };
+        let size = [section.columns as u32, section.rows as u32];
+        Self { title, axes, voxel_mm: [frame.cell_mm, high_mm], size, values }
     }
 
     /// All temperatures there are.
@@ -271,9 +281,27 @@ fn base64(bytes: &[u8]) -> String {
 mod tests {
     use super::*;
 
+    const FRAME: Frame =
+        Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width: 30, height: 12 };
+
     fn map() -> Map {
-        let celsius = |x: u32, y: u32| if x == y { f64::NAN } else { 80.0 + f64::from(x + 3 * y) };
-        Map::new("a < b".to_owned(), ["x", "z"], [0.5, 0.25], [30, 12], celsius)
+        // Seen from the front, row 11 is the topmost.
+        let celsius = |x: u32, y: u32| (x != y).then(|| 80.0 + f64::from(x + 3 * y));
+        let celsius = (0..12).rev().flat_map(|y| (0..30).map(move |x| celsius(x, y))).collect();
+        let section = Section { plane: Plane::Y(0), rows: 12, columns: 30, celsius };
+        Map::of(&section, &FRAME, "a < b".to_owned())
+    }
+
+    #[test]
+    fn planes_are_seen_from_the_right_from_the_front_and_from_above() {
+        let seen = |plane| {
+            let section =
+                Section { plane, rows: 2, columns: 2, celsius: [1.0, 2.0, 3.0, 4.0].map(Some).to_vec() };
+            Map::of(&section, &FRAME, String::new()).values
+        };
+        assert_eq!(seen(Plane::X(0)), [4.0, 3.0, 2.0, 1.0]);
+        assert_eq!(seen(Plane::Y(0)), [3.0, 4.0, 1.0, 2.0]);
+        assert_eq!(seen(Plane::Layer(0)), [1.0, 2.0, 3.0, 4.0]);
     }
 
     #[test]

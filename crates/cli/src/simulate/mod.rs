@@ -5,9 +5,12 @@ mod digits;
 mod drawing;
 mod layers;
 mod map;
+mod place;
+mod probe;
 mod report;
 mod section;
 mod source;
+mod watch;
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -16,7 +19,7 @@ use std::time::Instant;
 
 use anyhow::bail;
 use beadwork_part::Pattern;
-use beadwork_thermal::{Accuracy, Material, Method, Process, Simulation};
+use beadwork_thermal::{Accuracy, LayerReport, Material, Method, Process, Simulation, Slot};
 use clap::ValueEnum;
 
 use crate::accuracy::AccuracyName;
@@ -24,14 +27,18 @@ use crate::part::PartArgs;
 use crate::plan::PrinterArgs;
 use crate::{cancel, output, progress};
 use layers::Measure;
+use place::size_mm;
+use probe::Probe;
 use report::Report;
 use section::{Section, Target};
 use source::Source;
+use watch::{Wanted, Watch};
 
 /// Simulate how warm a part gets while it is printed.
 ///
 /// Every voxel of the part is laid down in the order of a pattern, or as a G-code program has it, and heat flows between voxels, into the plate
-/// and into the air. Told are the temperatures of all that is printed, at the end of each layer.
+/// and into the air. Told are the temperatures of all that is printed, at the end of each layer, where heat gathers in it, and how warm the ground was on
+/// which its beads landed.
 #[derive(clap::Args)]
 #[command(
     // A program may show its part by itself.
@@ -42,6 +49,8 @@ Examples:
   beadwork simulate example:pyramid --pattern spiral-in-0 --csv pyramid.csv --svg pyramid.svg
   beadwork simulate part.stl --material petg --nozzle-c 240 --plate-c 85 --json
   beadwork simulate example:u-shape --end-seconds 60 --section x=22 --section-out cut.png
+  beadwork simulate example:u-shape --probe 5,5,0 --probe 40,5,1 --probe-out probes.csv
+  beadwork simulate example:u-shape --time-above=120 --warpage
   beadwork plan example:logo-plate --objective tools --out logo.gcode
   beadwork simulate example:logo-plate --gcode logo.gcode
   beadwork simulate --gcode logo.gcode"
@@ -110,6 +119,30 @@ pub(crate) struct Args {
     /// Where to: a .png or .svg file for a single plane, or a folder, which gets both for each.
     #[arg(long, value_name = "FILE|DIR", requires = "section")]
     section_out: Option<PathBuf>,
+    /// Follow the temperature at a place, in mm from the part's left, front and bottom. May be given several times.
+    #[arg(long, value_name = "X,Y,Z", requires = "probe_out", allow_hyphen_values = true)]
+    probe: Vec<Probe>,
+    /// Write the history of all probes: seconds, then a column for each, empty before its voxel is laid down.
+    #[arg(long, value_name = "FILE", requires = "probe")]
+    probe_out: Option<PathBuf>,
+    /// Seconds between readings of the probes; 1 if not given. A reading that is due while a voxel is laid down comes at the
+    /// voxel's end; with --time-above or --warpage, at their next look, where they look less often.
+    #[arg(long, value_name = "S", value_parser = interval, requires = "probe", allow_hyphen_values = true)]
+    probe_seconds: Option<f64>,
+    /// Tell how long voxels were hotter than so many °C, the material's glass transition if none are given. Looks twice a
+    /// second of the print, with which the simulation takes up to three times as long.
+    #[arg(
+        long,
+        value_name = "C",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = Threshold::TRANSITION
+    )]
+    time_above: Option<Threshold>,
+    /// Estimate how far corners lift: a number that ranks plans, and does not predict. Looks twice a second of the print,
+    /// with which the simulation takes up to twice as long.
+    #[arg(long)]
+    warpage: bool,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
@@ -127,6 +160,38 @@ enum MethodName {
     Naive,
     Reference,
     Fast,
+}
+
+/// A temperature to be above.
+#[derive(Clone, Copy)]
+enum Threshold {
+    /// The material's.
+    GlassTransition,
+    /// °C.
+    Celsius(f64),
+}
+
+impl Threshold {
+    const TRANSITION: &str = "glass-transition";
+
+    fn celsius(self, material: &Material) -> f64 {
+        match self {
+            Self::GlassTransition => material.glass_transition_c,
+            Self::Celsius(celsius) => celsius,
+        }
+    }
+}
+
+impl FromStr for Threshold {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == Self::TRANSITION {
+            return Ok(Self::GlassTransition);
+        }
+        let celsius = text.parse().ok().filter(|celsius: &f64| celsius.is_finite());
+        celsius.map(Self::Celsius).ok_or_else(|| format!("give °C or {}", Self::TRANSITION))
+    }
 }
 
 /// A number, or the word none.
@@ -154,19 +219,19 @@ fn seconds(text: &str) -> Result<f64, String> {
     seconds.ok_or_else(|| "give seconds from 0 to a million".to_owned())
 }
 
+fn interval(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds| (1e-3..=1e6).contains(seconds));
+    seconds.ok_or_else(|| "give seconds from 0.001 to a million".to_owned())
+}
+
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let target = args.check()?;
     let source = Source::load(args)?;
     let part = &source.part;
-    let frame = part.frame;
-    let size_mm = [
-        f64::from(frame.width) * frame.cell_mm,
-        f64::from(frame.height) * frame.cell_mm,
-        part.depth as f64 * frame.layer_mm,
-    ];
     for section in &args.section {
-        section.check(size_mm)?;
+        section.check(size_mm(part))?;
     }
+    let probes = args.probe.iter().map(|probe| probe.voxel(part)).collect::<anyhow::Result<Vec<_>>>()?;
     let material = match args.material {
         MaterialName::Abs => Material::abs(),
         MaterialName::Pla => Material::pla(),
@@ -177,19 +242,33 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
 
     let begin = Instant::now();
     let drawn = if args.svg.is_some() { drawing::chosen(part.depth) } else { Vec::new() };
-    let (mut layers, mut maps) = (Vec::new(), Vec::new());
+    let mut watch = Watch::new(
+        &simulation,
+        Wanted {
+            probes,
+            probe_seconds: args.probe_seconds.unwrap_or(1.0),
+            above_c: args.time_above.map(|threshold| threshold.celsius(&material)),
+            warpage: args.warpage.then_some(&material),
+        },
+    );
+    let (mut reports, mut maps) = (Vec::new(), Vec::new());
     let bar = progress::bar(part.count() as u64, "simulate");
-    source.print(&mut simulation, &bar, |layer, seconds, simulation| {
-        layers.push(Measure::at_end_of(layer, seconds, simulation));
+    source.print(&mut simulation, &mut watch, &bar, |layer, seconds, simulation| {
+        let report = LayerReport::of(simulation, layer as u32, seconds, &material);
+        reports.push(report.expect("a layer that is complete has voxels"));
         if drawn.contains(&layer) {
             maps.push(drawing::layer_map(layer, simulation));
         }
     })?;
     let print_seconds = simulation.seconds();
-    let end = args.end_seconds.map(|seconds| {
-        simulation.pause(seconds);
-        Measure::at_end_of(part.depth - 1, seconds, &simulation)
-    });
+    let mut end = None;
+    if let Some(seconds) = args.end_seconds {
+        watch.run(&mut simulation, &[Slot::pause(seconds)])?;
+        end = simulation.spread().map(|spread| (seconds, spread));
+    }
+    let seen = watch.finish(&simulation);
+    let bonds = simulation.bonds(material.glass_transition_c);
+    let layers: Vec<Measure> = reports.iter().map(|report| Measure::new(report, &bonds)).collect();
     bar.finish_and_clear();
     if cancel::token()?.load(Ordering::Relaxed) {
         bail!("stopped; nothing was written");
@@ -201,11 +280,15 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         method: args.method_name(),
         layers: &layers,
         end,
+        seen: &seen,
         print_seconds,
         seconds: begin.elapsed().as_secs_f64(),
     };
     if let Some(path) = &args.csv {
         output::file(path, report.csv())?;
+    }
+    if let (Some(path), Some(probes)) = (&args.probe_out, &seen.probes) {
+        output::file(path, probe::csv(&args.probe, probes))?;
     }
     if let Some(path) = &args.svg {
         output::file(path, drawing::draw(&report.title(), &layers, &maps)?)?;
@@ -228,7 +311,10 @@ impl Args {
         let target = self.section_out.as_deref().map(|path| Target::new(path, self.section.len()));
         let section = target.as_ref().and_then(Target::file);
         let files: Vec<&Path> =
-            [self.csv.as_deref(), self.svg.as_deref(), section].into_iter().flatten().collect();
+            [self.csv.as_deref(), self.svg.as_deref(), self.probe_out.as_deref(), section]
+                .into_iter()
+                .flatten()
+                .collect();
         for (number, path) in files.iter().enumerate() {
             if path.is_dir() {
                 bail!("'{}' is a folder", path.display());

@@ -2,11 +2,12 @@
 
 use std::fmt::Write;
 
-use beadwork_thermal::{Material, Process};
+use beadwork_thermal::{Material, Process, Spread, WarpageEstimate};
 use serde_json::{Value, json};
 
 use super::layers::Measure;
 use super::source::{Course, Source};
+use super::watch::{Excess, Seen};
 use crate::plan::{count, duration};
 
 /// Rows of a table for people, at most.
@@ -19,8 +20,10 @@ pub(super) struct Report<'a> {
     pub(super) method: &'a str,
     /// Of each layer when it is complete.
     pub(super) layers: &'a [Measure],
-    /// After the time at the end, if any was asked for; its seconds are that time.
-    pub(super) end: Option<Measure>,
+    /// Seconds for which it went on after the print, if that was asked for, and the temperatures then.
+    pub(super) end: Option<(f64, Spread)>,
+    /// What was looked at on the way.
+    pub(super) seen: &'a Seen,
     /// From the beginning of the print to its end, without that time, s.
     pub(super) print_seconds: f64,
     /// What the simulation took, s.
@@ -60,6 +63,7 @@ impl Report<'_> {
             "voxels_left_out": missed,
             "pattern": pattern,
             "material": material.name,
+            "glass_transition_c": material.glass_transition_c,
             "method": self.method,
             "process": {
                 "nozzle_c": process.extrusion_c,
@@ -71,12 +75,17 @@ impl Report<'_> {
                 "surface_resistance": process.surface_resistance,
             },
             "layers": self.layers,
-            "end": self.end.map(|end| json!({
-                "seconds": end.print_seconds,
+            "end": self.end.map(|(seconds, end)| json!({
+                "seconds": seconds,
                 "mean_c": end.mean_c,
                 "std_c": end.std_c,
                 "min_c": end.min_c,
                 "max_c": end.max_c,
+            })),
+            "time_above": self.seen.above,
+            "warpage": self.seen.warpage.as_ref().map(|warpage| json!({
+                "corner_lift_mm": warpage.corner_lift_mm,
+                "curvature_1_m": warpage.curvature_1_m,
             })),
             "reward": self.reward(),
             "print_seconds": self.print_seconds,
@@ -84,13 +93,21 @@ impl Report<'_> {
         })
     }
 
-    /// A row for each layer.
+    /// A row for each layer; the ground's temperatures are empty on the plate.
     pub(super) fn csv(&self) -> String {
-        let mut text = "layer,voxels,mean_c,std_c,min_c,max_c,print_seconds\n".to_owned();
-        for layer in self.layers {
-            let Measure { layer, voxels, mean_c, std_c, min_c, max_c, print_seconds } = layer;
-            writeln!(text, "{layer},{voxels},{mean_c},{std_c},{min_c},{max_c},{print_seconds}")
-                .expect("a string takes all text");
+        let mut text =
+            "layer,voxels,mean_c,std_c,min_c,max_c,print_seconds,hot_spots,ground_mean_c,ground_min_c\n"
+                .to_owned();
+        let told = |celsius: Option<f64>| celsius.map_or_else(String::new, |celsius| celsius.to_string());
+        for measure in self.layers {
+            let Measure { layer, voxels, mean_c, std_c, min_c, max_c, print_seconds, hot_spots, .. } =
+                measure;
+            let [mean, min] = [measure.ground_mean_c, measure.ground_min_c].map(told);
+            writeln!(
+                text,
+                "{layer},{voxels},{mean_c},{std_c},{min_c},{max_c},{print_seconds},{hot_spots},{mean},{min}"
+            )
+            .expect("a string takes all text");
         }
         text
     }
@@ -118,24 +135,48 @@ impl Report<'_> {
             frame.layer_mm,
         )?;
         writeln!(text, "All that is printed, in °C, when a layer is complete:\n")?;
-        writeln!(text, "  layer     mean   std dev    least  greatest    print s")?;
+        writeln!(
+            text,
+            "  layer     mean   std dev    least  greatest    print s  hot spots   ground  coldest"
+        )?;
+        let told =
+            |celsius: Option<f64>| celsius.map_or_else(|| "-".to_owned(), |celsius| format!("{celsius:.2}"));
         let shown = ROWS.min(layers.len());
         for row in 0..shown {
             let at = if shown > 1 { row * (layers.len() - 1) / (shown - 1) } else { row };
-            let Measure { layer, mean_c, std_c, min_c, max_c, print_seconds, .. } = layers[at];
-            writeln!(
+            let Measure { layer, mean_c, std_c, min_c, max_c, print_seconds, hot_spots, .. } = layers[at];
+            let [mean, min] = [layers[at].ground_mean_c, layers[at].ground_min_c].map(told);
+            write!(
                 text,
                 "{layer:>7} {mean_c:>8.2} {std_c:>9.2} {min_c:>8.2} {max_c:>9.2} {print_seconds:>10.1}"
             )?;
+            writeln!(text, " {hot_spots:>10} {mean:>8} {min:>8}")?;
         }
         if shown < layers.len() {
             writeln!(text, "  ({shown} of {} layers; --csv or --json has them all)", layers.len())?;
         }
-        writeln!(text, "\nreward {:.2}: minus the sum of all layers' standard deviations", self.reward())?;
-        if let Some(Measure { mean_c, std_c, min_c, max_c, print_seconds, .. }) = self.end {
+        let above_c = self.material.glass_transition_c;
+        writeln!(
+            text,
+            "\nhot spots: groups of the layer's voxels above {above_c} °C; ground: what its beads landed on, mean and coldest"
+        )?;
+        writeln!(text, "reward {:.2}: minus the sum of all layers' standard deviations", self.reward())?;
+        if let Some((seconds, Spread { mean_c, std_c, min_c, max_c, .. })) = self.end {
             writeln!(
                 text,
-                "{print_seconds} s after the print: {mean_c:.2} °C, standard deviation {std_c:.2}, from {min_c:.2} to {max_c:.2}"
+                "{seconds} s after the print: {mean_c:.2} °C, standard deviation {std_c:.2}, from {min_c:.2} to {max_c:.2}"
+            )?;
+        }
+        if let Some(Excess { above_c, longest_s, mean_s }) = self.seen.above {
+            writeln!(
+                text,
+                "above {above_c} °C: a voxel for {mean_s:.1} s in the mean, {longest_s:.1} s at most"
+            )?;
+        }
+        if let Some(WarpageEstimate { corner_lift_mm, curvature_1_m, .. }) = self.seen.warpage {
+            writeln!(
+                text,
+                "warpage: corners lift by {corner_lift_mm:.3} mm, curvature {curvature_1_m:.3} 1/m; it ranks plans, does not predict"
             )?;
         }
         writeln!(text, "{} to print, simulated in {:.2} s", duration(self.print_seconds), self.seconds)

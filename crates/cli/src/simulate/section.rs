@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::bail;
-use beadwork_thermal::Simulation;
+use beadwork_thermal::{Plane, Simulation};
 
 use super::map::{Map, Scale, png, svg};
+use super::place::voxel_at;
 use crate::output;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,29 +64,15 @@ impl Section {
 
     /// The temperatures in it: as seen from the right, from the front, or from above.
     pub(super) fn map(self, simulation: &Simulation, title: String) -> Map {
-        let part = simulation.part();
-        let frame = part.frame;
-        let [width, height, depth] = [frame.width, frame.height, part.depth as u32];
-        // The side between two voxels belongs to the one after it, the last to the one before.
-        let place = |step_mm: f64, count: u32| ((self.mm / step_mm + 1e-9) as u32).min(count - 1);
-        let celsius = |x, y, z| simulation.temperature_c([x, y, z]).unwrap_or(f64::NAN);
-        let (cell_mm, layer_mm) = (frame.cell_mm, frame.layer_mm);
-        let upright = [cell_mm, layer_mm];
-        match self.axis {
-            Axis::X => {
-                let x = place(cell_mm, width);
-                let value = |column: u32, row: u32| celsius(x, height - 1 - column, depth - 1 - row);
-                Map::new(title, ["y", "z"], upright, [height, depth], value)
-            }
-            Axis::Y => {
-                let y = height - 1 - place(cell_mm, height);
-                Map::new(title, ["x", "z"], upright, [width, depth], |x, row| celsius(x, y, depth - 1 - row))
-            }
-            Axis::Z => {
-                let z = place(layer_mm, depth);
-                Map::new(title, ["x", "y"], [cell_mm; 2], [width, height], |x, y| celsius(x, y, z))
-            }
-        }
+        let mut place_mm = [0.0; 3];
+        place_mm[self.axis as usize] = self.mm;
+        let [x, y, z] = voxel_at(simulation.part(), place_mm).expect("the plane has been checked");
+        let plane = match self.axis {
+            Axis::X => Plane::X(x),
+            Axis::Y => Plane::Y(y),
+            Axis::Z => Plane::Layer(z),
+        };
+        Map::of(&simulation.section(plane), &simulation.part().frame, title)
     }
 }
 

@@ -12,6 +12,7 @@ use beadwork_thermal::{ProgramSettings, ProgramSlots, Simulation, program_slots,
 use indicatif::ProgressBar;
 
 use super::Args;
+use super::watch::Watch;
 use crate::plan::count;
 use crate::{cancel, machine};
 
@@ -68,10 +69,11 @@ impl Source {
         Ok(Self { name, part: Arc::new(part), course: Course::Program(slots), nozzle_c, plate_c })
     }
 
-    /// Prints all layers, and tells after each that is complete how long it took, s.
+    /// Prints all layers under watch, and tells after each that is complete how long it took, s.
     pub(super) fn print(
         &self,
         simulation: &mut Simulation,
+        watch: &mut Watch,
         bar: &ProgressBar,
         mut complete: impl FnMut(usize, f64, &Simulation),
     ) -> anyhow::Result<()> {
@@ -88,8 +90,10 @@ impl Source {
             Course::Pattern(pattern) => {
                 for layer in 0..self.part.depth {
                     let order = pattern.order(&self.part.region(layer)?);
-                    let seconds = simulation.deposit(layer as u32, &order)?;
-                    done(layer, seconds, simulation)?;
+                    let before = simulation.seconds();
+                    let slots = simulation.slots(layer as u32, &order);
+                    watch.run(simulation, &slots)?;
+                    done(layer, simulation.seconds() - before, simulation)?;
                 }
             }
             Course::Program(program) => {
@@ -100,11 +104,11 @@ impl Source {
                 let mut begin = 0;
                 for (end, layer) in ends.into_iter().filter(|&(end, _)| end > 0) {
                     let before = simulation.seconds();
-                    simulation.run(&program.slots[begin..end])?;
+                    watch.run(simulation, &program.slots[begin..end])?;
                     begin = end;
                     done(layer, simulation.seconds() - before, simulation)?;
                 }
-                simulation.run(&program.slots[begin..])?;
+                watch.run(simulation, &program.slots[begin..])?;
             }
         }
         Ok(())
