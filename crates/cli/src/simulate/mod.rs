@@ -14,6 +14,7 @@ mod watch;
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
@@ -21,11 +22,12 @@ use anyhow::bail;
 use beadwork_part::Pattern;
 use beadwork_thermal::{Accuracy, LayerReport, Material, Method, Process, Simulation, Slot};
 use clap::ValueEnum;
+use rayon::ThreadPoolBuilder;
 
 use crate::accuracy::AccuracyName;
 use crate::part::PartArgs;
 use crate::plan::PrinterArgs;
-use crate::{cancel, output, progress};
+use crate::{cancel, machine, output, progress};
 use layers::Measure;
 use place::size_mm;
 use probe::Probe;
@@ -143,6 +145,9 @@ pub(crate) struct Args {
     /// with which the simulation takes up to twice as long.
     #[arg(long)]
     warpage: bool,
+    /// Threads, which share the long steps of a large part; 0 for one a core. They change the time and nothing else.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    threads: usize,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
@@ -238,7 +243,9 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         MaterialName::Petg => Material::petg(),
     };
     let process = args.process(&source, &material);
-    let mut simulation = Simulation::new(part.clone(), &material, &process, args.method())?;
+    let pool = ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
+    let simulation = Simulation::new(part.clone(), &material, &process, args.method())?;
+    let mut simulation = simulation.with_pool(Some(Arc::new(pool)));
 
     let begin = Instant::now();
     let drawn = if args.svg.is_some() { drawing::chosen(part.depth) } else { Vec::new() };
