@@ -201,10 +201,11 @@ impl Simulation {
         })
     }
 
-    /// The same, with its long steps shared out among some threads where the part is large: from some 100,000 voxels in a
-    /// step on, of which there are few in parts below a million. The results are the same bit for bit.
+    /// The same, with its long steps shared out among some threads where the part is large. The results are the same bit for
+    /// bit.
     ///
-    /// To try many orders, or to simulate many parts, one thread for each pays more.
+    /// Little is gained: the fast stepper leaves few sweeps that are worth a second thread. To try many orders, or to
+    /// simulate many parts, one thread for each pays more.
     pub fn with_pool(self, pool: Option<Arc<ThreadPool>>) -> Self {
         Self { pool, ..self }
     }

@@ -11,7 +11,7 @@ use crate::law::Law;
 use crate::patch::{Activity, Line, Patch, Shape};
 
 /// Numbers that are worth a thread of their own.
-const SHARE: usize = 1 << 16;
+const SHARE: usize = 1 << 15;
 
 /// Two stages of a step in place: θ + a f(θ) + b J f(θ), where f is the rate of change and J its derivative.
 ///

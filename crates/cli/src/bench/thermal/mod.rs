@@ -7,9 +7,11 @@ mod parts;
 mod patterns;
 
 use std::fmt::Write;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
+use anyhow::ensure;
 use beadwork_grid::Cell;
 use beadwork_part::Pattern;
 use beadwork_part::slice::Voxels;
@@ -29,6 +31,7 @@ use crate::{machine, output};
 ///   beadwork bench thermal                            everything: about ten minutes
 ///   beadwork bench thermal --what parts --part u      time and errors of one part
 ///   beadwork bench thermal --what growth --cube 32 --cube 64
+///   beadwork bench thermal --what growth --svg growth.svg
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct ThermalArgs {
@@ -47,6 +50,9 @@ pub(super) struct ThermalArgs {
     /// Times each figure of parts is measured; the median is shown.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..))]
     repeats: u64,
+    /// Draw the time for each birth against the voxels of the cubes.
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
@@ -66,6 +72,12 @@ enum What {
 
 pub(super) fn run(args: &ThermalArgs) -> anyhow::Result<()> {
     let wanted = |what: What| args.what.is_empty() || args.what.contains(&what);
+    if let Some(path) = &args.svg {
+        if !wanted(What::Growth) {
+            output::wrong_use("--svg draws the growth: add --what growth");
+        }
+        ensure!(!path.is_dir(), "'{}' is a folder", path.display());
+    }
     let parts = if args.part.is_empty() { HeatPart::value_variants() } else { &args.part };
     let mut document =
         json!({ "machine": machine::facts(), "repeats": args.repeats, "pattern": args.pattern.name() });
@@ -96,6 +108,9 @@ pub(super) fn run(args: &ThermalArgs) -> anyhow::Result<()> {
         let rows = rows.collect::<anyhow::Result<Vec<_>>>()?;
         write!(text, "\n{}", growth::table(&rows)?)?;
         document["growth"] = json!(rows);
+        if let Some(path) = &args.svg {
+            output::file(path, growth::svg(&rows)?)?;
+        }
     }
     if args.json { output::json(&document) } else { output::text(&text) }
 }
