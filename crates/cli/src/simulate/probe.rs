@@ -53,7 +53,8 @@ pub(super) fn csv(places: &[Probe], probes: &Probes) -> String {
     }
     let mut columns: Vec<_> = (0..places.len()).map(|probe| probes.celsius(probe)).collect();
     for seconds in probes.seconds() {
-        write!(text, "\n{seconds}").expect("a string takes all text");
+        // To the microsecond: what rounding leaves of a sum of slots would read as if it meant something.
+        write!(text, "\n{}", (seconds * 1e6).round() / 1e6).expect("a string takes all text");
         for column in &mut columns {
             let celsius = column.next().flatten().map_or_else(String::new, |celsius| celsius.to_string());
             write!(text, ",{celsius}").expect("a string takes all text");
