@@ -65,6 +65,9 @@ impl Conduction {
     /// Takes the conductances of a region from what its blocks hold, and from their mean temperatures above the air.
     pub(super) fn weigh(&mut self, region: Region, tally: &Tally, law: &Law, theta: &[f32]) {
         let strides = tally.strides();
+        let link_at = |i: usize, axis: usize| {
+            link(&tally.blocks[i], &tally.blocks[i + strides[axis]], axis, tally, law)
+        };
         let whole = tally.whole();
         // Most blocks are whole, and so are those around them.
         let inner = [0, 1, 2].map(|axis: usize| link(&whole, &whole, axis, tally, law));
@@ -79,9 +82,7 @@ impl Conduction {
                     self.fastest = self.fastest.max(inner_fastest);
                     continue;
                 }
-                for (axis, stride) in strides.into_iter().enumerate() {
-                    self.links[axis][i] = link(block, &tally.blocks[i + stride], axis, tally, law);
-                }
+                (0..3).for_each(|axis| self.links[axis][i] = link_at(i, axis));
                 self.share[i] = if block.voxels > 0 { 1.0 / f32::from(block.voxels) } else { 0.0 };
                 let plate = if law.plate && block.plate > 0 {
                     2.0 * law.vertical * f32::from(block.plate) / reach(block, block.plate, 2, tally)
@@ -94,8 +95,7 @@ impl Conduction {
         }
         for (axis, _, sheet) in region.sides(tally).filter(|&(_, side, _)| side == 0) {
             for i in sheet.blocks(tally).map(|i| i - strides[axis]) {
-                self.links[axis][i] =
-                    link(&tally.blocks[i], &tally.blocks[i + strides[axis]], axis, tally, law);
+                self.links[axis][i] = link_at(i, axis);
             }
         }
         for i in region.blocks(tally).filter(|&i| tally.blocks[i] != whole) {
