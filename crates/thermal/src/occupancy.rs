@@ -96,7 +96,7 @@ impl Occupancy {
             changes.push(self.settle(neighbour, other, law));
         }
         let active = neighbours.iter().enumerate().filter(|(_, (towards, _, _))| faces & towards != 0);
-        self.tally.birth(at, active.map(|(place, &(_, _, neighbour))| (neighbour, place / 2)));
+        self.tally.birth(at, active.map(|(place, _)| (place / 2, place % 2 == 1)));
         self.faces[index] = faces;
         changes[own] = Change { born: true, ..self.settle(at, index, law) };
     }

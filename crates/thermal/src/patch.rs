@@ -124,11 +124,12 @@ impl Patch {
 
     /// Takes up births.
     pub(crate) fn take_up(&mut self, changes: &[Change], law: &Law) {
-        let lines = self.shape.row / LINE;
+        let last = self.shape.row - LINE;
         for change in changes {
             let Some(index) = self.index(change.at) else { continue };
             // The ends of rows are rim, whatever they are in the part.
-            let end = [0, lines - 1].contains(&(index / LINE % lines));
+            let x = change.at[0] - self.origin[0];
+            let end = x < LINE || x >= last;
             self.activity.set(index, change.voxel, if end { Line::Mixed } else { change.line });
             if change.born {
                 self.theta[index] = law.birth;

@@ -126,7 +126,7 @@ pub enum DepositError {
 
 #[derive(Clone, Debug)]
 enum Stepper {
-    Explicit(Explicit),
+    Explicit(Box<Explicit>),
     Fast(Box<Fast>),
 }
 
@@ -176,10 +176,11 @@ impl Simulation {
             Method::Naive if birth_s > stable_s => {
                 return Err(SetupError::Unstable { seconds: birth_s, limit: stable_s });
             }
-            Method::Naive => Stepper::Explicit(Explicit::new(Scheme::Euler, birth_s)),
+            Method::Naive => Stepper::Explicit(Box::new(Explicit::new(Scheme::Euler, birth_s))),
             Method::Reference { steps: 0 } => return Err(SetupError::NoSteps),
             Method::Reference { steps } => {
-                Stepper::Explicit(Explicit::new(Scheme::Heun { steps }, birth_s.min(stable_s)))
+                let scheme = Scheme::Heun { steps };
+                Stepper::Explicit(Box::new(Explicit::new(scheme, birth_s.min(stable_s))))
             }
             Method::Fast(accuracy) => Stepper::Fast(Box::new(Fast::new(accuracy, &law))),
         };
@@ -335,7 +336,8 @@ impl Simulation {
 
     /// The slots as the steppers take them, without those of no length, if all is well with them.
     pub(crate) fn check(&self, slots: &[Slot]) -> Result<Vec<Piece>, DepositError> {
-        let explicit = matches!(&self.stepper, Stepper::Explicit(Explicit { scheme: Scheme::Euler, .. }));
+        let explicit =
+            matches!(&self.stepper, Stepper::Explicit(explicit) if explicit.scheme == Scheme::Euler);
         let shape = self.state.patch.shape;
         let mut fresh = vec![false; shape.len()];
         let mut pieces = Vec::with_capacity(slots.len());

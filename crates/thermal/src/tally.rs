@@ -65,17 +65,23 @@ impl Tally {
         self.shape.index([0, 1, 2].map(|axis: usize| (at[axis] - 1) / self.fold[axis] + 1))
     }
 
-    /// Counts a new voxel, given those of its neighbours that are active and the axes along which they are one.
-    pub(crate) fn birth(&mut self, at: [usize; 3], neighbours: impl Iterator<Item = ([usize; 3], usize)>) {
+    /// Counts a new voxel, given which of its neighbours are active: their axes, and whether they lie ahead of it.
+    pub(crate) fn birth(&mut self, at: [usize; 3], neighbours: impl Iterator<Item = (usize, bool)>) {
         let own = self.block(at);
+        let place = [0, 1, 2].map(|axis: usize| (at[axis] - 1) % self.fold[axis]);
+        let strides = self.strides();
         let on_plate = u16::from(at[2] == 1);
         let block = &mut self.blocks[own];
         block.voxels += 1;
         block.sides += 4;
         block.caps += 2 - on_plate;
         block.plate += on_plate;
-        for (neighbour, axis) in neighbours {
-            let other = self.block(neighbour);
+        for (axis, ahead) in neighbours {
+            let other = match ahead {
+                true if place[axis] == self.fold[axis] - 1 => own + strides[axis],
+                false if place[axis] == 0 => own - strides[axis],
+                _ => own,
+            };
             for index in [own, other] {
                 let block = &mut self.blocks[index];
                 if axis == 2 {
@@ -145,7 +151,7 @@ mod tests {
                 let steps = [[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]];
                 let neighbours = steps.iter().enumerate().filter_map(|(i, step)| {
                     let other = [0, 1, 2].map(|axis: usize| at[axis].wrapping_add_signed(step[axis]));
-                    active[shape.index(other)].then_some((other, i / 2))
+                    active[shape.index(other)].then_some((i / 2, i % 2 == 1))
                 });
                 tally.birth(at, neighbours);
                 active[shape.index(at)] = true;

@@ -172,7 +172,7 @@ impl Fast {
             inner.copy_window(window, nested.patch);
             inner
         });
-        nested.move_rim(seconds);
+        nested.move_rim(seconds, voxels.top());
         self.step(nested.patch, voxels, law, level, seconds, None);
         if let Some(mut inner) = inner {
             let outer = Outer::Patch(&*nested.patch);
@@ -190,7 +190,7 @@ impl Fast {
     /// Takes a patch through pieces, each in one step or more.
     fn births(&mut self, nested: &mut Nested<'_>, voxels: &mut Voxels<'_>, law: &Law, pieces: &[Piece]) {
         let seconds = piece::seconds(pieces);
-        nested.move_rim(seconds);
+        nested.move_rim(seconds, voxels.top());
         for piece in pieces {
             if let Some(at) = piece.held.filter(|_| piece.born) {
                 voxels.birth(at, nested.patch, law, &mut self.memory.changes);

@@ -41,13 +41,17 @@ impl<'a> Nested<'a> {
         Self::new(patch, 0, Outer::None, 0.0)
     }
 
-    /// Brings the rim to where it is in the middle of the next so many seconds, of which then is the end.
-    pub(super) fn move_rim(&mut self, seconds: f64) {
+    /// Brings the rim to where it is in the middle of the next so many seconds, of which then is the end; rows of the part
+    /// from `top` on are empty.
+    pub(super) fn move_rim(&mut self, seconds: f64, top: usize) {
         let to = (self.done_s + seconds / 2.0) / self.step_s;
         self.done_s += seconds;
         match self.outer {
             Outer::None => {}
-            Outer::Patch(outer) => self.patch.move_rim(outer, ((to - self.rim) / (1.0 - self.rim)) as f32),
+            Outer::Patch(outer) => {
+                let part = (to - self.rim) / (1.0 - self.rim);
+                self.patch.move_rim(outer, part as f32, top);
+            }
             Outer::Far { rim, flows } => {
                 let part = (to * flows.len() as f64) as usize;
                 rim.set(self.patch, &flows[part.min(flows.len() - 1)]);

@@ -1,6 +1,11 @@
 //! Windows into a patch: boxes in which steps are shorter.
 
+#![expect(clippy::inline_always, reason = "only what is inlined is compiled for the processor's lanes")]
+
+use pulp::{Simd, WithSimd};
+
 use crate::aligned::LINE;
+use crate::kernel::dispatch;
 use crate::patch::{Line, Patch, Shape};
 
 /// A box of the part's patch, rim included.
@@ -49,16 +54,17 @@ impl Window {
     }
 }
 
-/// Calls `each` for all rows of a window: where the row lies in the box around it, where in the window's own, and
-/// whether it belongs to the rim.
-fn rows(window: Window, outer: Window, mut each: impl FnMut(usize, usize, bool)) {
+/// Calls `each` for rows of a window, so many of each plane: where the row lies in the box around it, where in the
+/// window's own, and whether it belongs to the rim.
+#[inline(always)]
+fn rows(window: Window, outer: Window, count: usize, mut each: impl FnMut(usize, usize, bool)) {
     let [x, y, z] = [0, 1, 2].map(|axis: usize| window.origin[axis] - outer.origin[axis]);
     let Shape { row, rows, planes } = window.shape;
     for plane in 0..planes {
         let rim = plane == 0 || plane == planes - 1;
         let mut from = outer.shape.index([x, y + plane, z]);
         let mut to = plane * window.shape.plane();
-        for i in 0..rows {
+        for i in 0..count {
             each(from, to, rim || i == 0 || i == rows - 1);
             from += outer.shape.row;
             to += row;
@@ -82,7 +88,7 @@ impl Patch {
         own.exposure.resize(len);
         own.caps.resize(if outer.activity.caps.is_empty() { 0 } else { len });
         own.lines.resize(len / LINE, Line::Empty);
-        rows(window, outer.window(), |from, to, rim| {
+        rows(window, outer.window(), shape.rows, |from, to, rim| {
             self.theta[to..to + row].copy_from_slice(&outer.theta[from..from + row]);
             if rim {
                 return;
@@ -109,26 +115,58 @@ impl Patch {
     /// Puts the temperatures inside the rim back into the patch they were copied from.
     pub(super) fn put_back(&self, outer: &mut Self) {
         let row = self.shape.row;
-        rows(self.window(), outer.window(), |to, from, rim| {
+        rows(self.window(), outer.window(), self.shape.rows, |to, from, rim| {
             if !rim {
                 outer.theta[to + 1..to + row - 1].copy_from_slice(&self.theta[from + 1..from + row - 1]);
             }
         });
     }
 
-    /// Moves the temperatures of the rim towards those of the patch around it, by a part of the difference.
-    pub(super) fn move_rim(&mut self, outer: &Self, part: f32) {
-        let row = self.shape.row;
+    /// Moves the temperatures of the rim towards those of the patch around it, by a part of the difference; rows of the part
+    /// from `top` on are empty.
+    pub(super) fn move_rim(&mut self, outer: &Self, part: f32, top: usize) {
         let window = self.window();
-        let theta = &mut self.theta;
-        rows(window, outer.window(), |from, to, rim| {
+        let filled = self.shape.rows.min(top.saturating_sub(self.origin[2]));
+        dispatch(MoveRim {
+            window,
+            around: outer.window(),
+            filled,
+            own: &mut self.theta,
+            outer: &outer.theta,
+            part,
+        });
+    }
+}
+
+/// What [`Patch::move_rim`] does: on wide lanes, as the rim of a small window is most of it.
+struct MoveRim<'a> {
+    window: Window,
+    around: Window,
+    /// Rows of each plane in which there is anything.
+    filled: usize,
+    own: &'a mut [f32],
+    outer: &'a [f32],
+    part: f32,
+}
+
+impl WithSimd for MoveRim<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, s: S) {
+        let Self { window, around, filled, own, outer, part } = self;
+        let row = window.shape.row;
+        let parts = s.splat_f32s(part);
+        rows(window, around, filled, |from, to, rim| {
+            let (own, outer) = (&mut own[to..to + row], &outer[from..from + row]);
             if rim {
-                for (own, other) in theta[to..to + row].iter_mut().zip(&outer.theta[from..from + row]) {
-                    *own += part * (other - *own);
+                let outer = S::as_simd_f32s(outer).0;
+                for (own, &outer) in S::as_mut_simd_f32s(own).0.iter_mut().zip(outer) {
+                    *own = s.mul_add_f32s(parts, s.sub_f32s(outer, *own), *own);
                 }
             } else {
                 for i in [0, row - 1] {
-                    theta[to + i] += part * (outer.theta[from + i] - theta[to + i]);
+                    own[i] = part.mul_add(outer[i] - own[i], own[i]);
                 }
             }
         });

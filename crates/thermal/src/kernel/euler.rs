@@ -4,7 +4,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::{Planes, Runs, Stencil, Surface};
+use super::{Equation, Planes, Runs};
 use crate::law::Law;
 use crate::patch::{Activity, Line, Shape};
 
@@ -25,17 +25,22 @@ impl WithSimd for Euler<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, s: S) {
+        if self.law.resistance.is_some() { self.step::<S, true>(s) } else { self.step::<S, false>(s) }
+    }
+}
+
+impl Euler<'_> {
+    #[inline(always)]
+    fn step<S: Simd, const RESISTANCE: bool>(self, s: S) {
         let Self { law, shape, activity, from, to, top, seconds } = self;
         let (row, plane) = (shape.row, shape.plane());
         let dt = s.splat_f32s(seconds);
-        let interior = s.splat_f32s(law.interior().damping);
         let swept = (top - 1) * row;
         for y in 1..shape.planes - 1 {
             let start = y * plane + row;
             let around = Planes::of([y - 1, y, y + 1].map(|y| &from[y * plane..]), swept, row);
-            let stencil = Stencil::new(s, law, around, row);
-            let n = stencil.len();
-            let surface = Surface::<S>::new(s, law, activity, start, n, false);
+            let equation = Equation::<S, RESISTANCE>::new(s, law, activity, around, start);
+            let n = equation.len();
             let to = &mut S::as_mut_simd_f32s(&mut to[start..start + swept]).0[..n];
             for (line, begin, end) in Runs::new::<S>(activity, start, swept) {
                 let run = begin..end.min(n);
@@ -43,15 +48,13 @@ impl WithSimd for Euler<'_> {
                     Line::Empty => {}
                     Line::Interior => {
                         for i in run {
-                            let rate = s.mul_add_f32s(interior, stencil.here[i], stencil.inflow(i));
-                            to[i] = s.mul_add_f32s(dt, rate, stencil.here[i]);
+                            to[i] = s.mul_add_f32s(dt, equation.interior(i), equation.here(i));
                         }
                     }
                     Line::Mixed => {
                         for i in run {
-                            let here = stencil.here[i];
-                            let rate = s.mul_add_f32s(surface.damping(i, here), here, stencil.inflow(i));
-                            to[i] = s.mul_add_f32s(dt, surface.active(i, rate), here);
+                            let here = equation.here(i);
+                            to[i] = s.mul_add_f32s(dt, equation.mixed(i, here), here);
                         }
                     }
                 }

@@ -9,6 +9,7 @@
 )]
 
 mod euler;
+mod flat;
 mod pair;
 
 use pulp::{Arch, Simd, WithSimd};
@@ -27,13 +28,15 @@ struct Planes<'a> {
     /// With the row below and the row above.
     here: &'a [f32],
     front: &'a [f32],
+    /// Numbers in a row.
+    row: usize,
 }
 
 impl<'a> Planes<'a> {
     /// From the second row of three planes on.
     #[inline(always)]
     fn of([back, here, front]: [&'a [f32]; 3], len: usize, row: usize) -> Self {
-        Self { back: &back[row..][..len], here: &here[..len + 2 * row], front: &front[row..][..len] }
+        Self { back: &back[row..][..len], here: &here[..len + 2 * row], front: &front[row..][..len], row }
     }
 }
 
@@ -59,8 +62,8 @@ fn lanes<S: Simd>(numbers: &[f32], start: usize, len: usize) -> &[S::f32s] {
 impl<'a, S: Simd> Stencil<'a, S> {
     /// `here` of the planes begins one row before the range, `back` and `front` with it.
     #[inline(always)]
-    fn new(simd: S, law: &Law, planes: Planes<'a>, row: usize) -> Self {
-        let Planes { back, here, front } = planes;
+    fn new(simd: S, law: &Law, planes: Planes<'a>) -> Self {
+        let Planes { back, here, front, row } = planes;
         let len = back.len();
         Self {
             simd,
@@ -96,17 +99,17 @@ impl<'a, S: Simd> Stencil<'a, S> {
     }
 }
 
-/// What a surface loses, in lanes.
-struct Surface<'a, S: Simd> {
+/// What a surface loses, in lanes; with a resistance of its own or, as the compiler is to know, without.
+struct Surface<'a, S: Simd, const RESISTANCE: bool> {
     simd: S,
     radiation: [S::f32s; 4],
     damping: &'a [S::f32s],
     exposure: &'a [S::f32s],
     caps: &'a [S::f32s],
-    resistance: Option<[S::f32s; 3]>,
+    resistance: [S::f32s; 3],
 }
 
-impl<'a, S: Simd> Surface<'a, S> {
+impl<'a, S: Simd, const RESISTANCE: bool> Surface<'a, S, RESISTANCE> {
     #[inline(always)]
     fn new(simd: S, law: &Law, activity: &'a Activity, start: usize, n: usize, derived: bool) -> Self {
         let len = n * S::F32_LANES;
@@ -118,7 +121,7 @@ impl<'a, S: Simd> Surface<'a, S> {
             damping: &lanes::<S>(&activity.damping, start, len)[..n],
             exposure: &lanes::<S>(&activity.exposure, start, len)[..n],
             caps: if activity.caps.is_empty() { &[] } else { &lanes::<S>(&activity.caps, start, len)[..n] },
-            resistance: law.resistance.map(|numbers| numbers.map(|number| simd.splat_f32s(number))),
+            resistance: law.resistance.unwrap_or_default().map(|number| simd.splat_f32s(number)),
         }
     }
 
@@ -128,9 +131,10 @@ impl<'a, S: Simd> Surface<'a, S> {
         let s = self.simd;
         let [r0, r1, r2, r3] = self.radiation;
         let radiated = s.mul_add_f32s(s.mul_add_f32s(s.mul_add_f32s(r3, theta, r2), theta, r1), theta, r0);
-        let Some([convection, side, cap]) = self.resistance else {
+        if !RESISTANCE {
             return s.negate_mul_add_f32s(radiated, self.exposure[i], self.damping[i]);
-        };
+        }
+        let [convection, side, cap] = self.resistance;
         let h = s.add_f32s(radiated, convection);
         let one = s.splat_f32s(1.0);
         let passed =
@@ -144,6 +148,56 @@ impl<'a, S: Simd> Surface<'a, S> {
     fn active(&self, i: usize, number: S::f32s) -> S::f32s {
         let zero = self.simd.splat_f32s(0.0);
         self.simd.select_f32s(self.simd.less_than_f32s(self.damping[i], zero), number, zero)
+    }
+}
+
+/// The heat equation on a range of a plane of temperatures, or its derivative there on a range of rates, in lanes.
+struct Equation<'a, S: Simd, const RESISTANCE: bool> {
+    stencil: Stencil<'a, S>,
+    surface: Surface<'a, S, RESISTANCE>,
+    interior: S::f32s,
+}
+
+impl<'a, S: Simd, const RESISTANCE: bool> Equation<'a, S, RESISTANCE> {
+    /// Of the temperatures of a range that begins at the flat index `start`.
+    #[inline(always)]
+    fn new(simd: S, law: &Law, activity: &'a Activity, temperatures: Planes<'a>, start: usize) -> Self {
+        let stencil = Stencil::new(simd, law, temperatures);
+        let surface = Surface::new(simd, law, activity, start, stencil.len(), false);
+        Self { stencil, surface, interior: simd.splat_f32s(law.interior().damping) }
+    }
+
+    /// The derivative, of the rates of the same.
+    #[inline(always)]
+    fn derivative(simd: S, law: &Law, activity: &'a Activity, rates: Planes<'a>, start: usize) -> Self {
+        let stencil = Stencil::new(simd, law, rates);
+        let surface = Surface::new(simd, law, activity, start, stencil.len(), true);
+        Self { stencil, surface, interior: simd.splat_f32s(law.interior().damping) }
+    }
+
+    /// So many lanes.
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.stencil.len()
+    }
+
+    #[inline(always)]
+    fn here(&self, i: usize) -> S::f32s {
+        self.stencil.here[i]
+    }
+
+    /// The rate of change of interior voxels.
+    #[inline(always)]
+    fn interior(&self, i: usize) -> S::f32s {
+        self.stencil.simd.mul_add_f32s(self.interior, self.stencil.here[i], self.stencil.inflow(i))
+    }
+
+    /// The rate of change of any voxels, given their temperatures.
+    #[inline(always)]
+    fn mixed(&self, i: usize, theta: S::f32s) -> S::f32s {
+        let damping = self.surface.damping(i, theta);
+        let rate = self.stencil.simd.mul_add_f32s(damping, self.stencil.here[i], self.stencil.inflow(i));
+        self.surface.active(i, rate)
     }
 }
 

@@ -5,7 +5,8 @@
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::{Planes, Runs, Stencil, Surface, dispatch};
+use super::flat::{self, Flat};
+use super::{Equation, Planes, Runs, dispatch};
 use crate::aligned::Aligned;
 use crate::law::Law;
 use crate::patch::{Activity, Line, Patch, Shape};
@@ -31,6 +32,7 @@ pub(crate) struct Pair<'a> {
 /// Memory for [`Pair`].
 #[derive(Debug)]
 pub(crate) struct Rates {
+    flat: flat::Rates,
     /// For each thread, three planes of rates, and one of zeros that stands for the rim's.
     slabs: Vec<Aligned>,
     /// Planes beside the ranges of threads, as they were.
@@ -41,7 +43,7 @@ pub(crate) struct Rates {
 
 impl Default for Rates {
     fn default() -> Self {
-        Self { slabs: Vec::new(), halo: Aligned::default(), threads: 1 }
+        Self { flat: flat::Rates::default(), slabs: Vec::new(), halo: Aligned::default(), threads: 1 }
     }
 }
 
@@ -50,18 +52,11 @@ impl Pair<'_> {
     pub(crate) fn sweep(self, memory: &mut Rates) {
         let Self { law, patch, a, b, held, top } = self;
         let Patch { shape, activity, theta, .. } = patch;
-        let (shape, plane, planes) = (*shape, shape.plane(), shape.planes - 2);
-        let most = (top * shape.row * planes / SHARE).min(planes / 2);
-        let count = memory.threads.min(most).max(1);
-        memory.slabs.resize_with(memory.slabs.len().max(count), Aligned::default);
-        let all = Sweep { law, shape, activity, a, b, held, top };
-        let (before, rest) = theta.split_at_mut(plane);
-        let (own, after) = rest.split_at_mut(planes * plane);
-        if count == 1 {
-            let rates = zeroed(&mut memory.slabs[0], shape, top);
-            dispatch(Slab { all, before, own, after, first: 1, rates });
+        let all = Sweep { law, shape: *shape, activity, a, b, held, top };
+        if all.size() <= flat::MOST {
+            all.flat(theta, memory);
         } else {
-            all.share(before, own, after, &mut memory.slabs[..count], &mut memory.halo);
+            all.slabs(theta, memory);
         }
         if let Some(held) = held {
             theta[held] = law.birth;
@@ -69,19 +64,44 @@ impl Pair<'_> {
     }
 }
 
-/// What all threads of a sweep know.
+/// What all parts of a sweep know.
 #[derive(Clone, Copy)]
-struct Sweep<'a> {
-    law: &'a Law,
-    shape: Shape,
-    activity: &'a Activity,
-    a: f32,
-    b: f32,
-    held: Option<usize>,
-    top: usize,
+pub(super) struct Sweep<'a> {
+    pub(super) law: &'a Law,
+    pub(super) shape: Shape,
+    pub(super) activity: &'a Activity,
+    pub(super) a: f32,
+    pub(super) b: f32,
+    pub(super) held: Option<usize>,
+    pub(super) top: usize,
 }
 
 impl Sweep<'_> {
+    /// Numbers that change.
+    fn size(self) -> usize {
+        (self.top - 1) * self.shape.row * (self.shape.planes - 2)
+    }
+
+    /// As one, with memory for the rates of all.
+    fn flat(self, theta: &mut [f32], memory: &mut Rates) {
+        dispatch(Flat { all: self, theta, rates: memory.flat.of(self.shape, self.top) });
+    }
+
+    /// In as many slabs as there are threads that have enough to do.
+    fn slabs(self, theta: &mut [f32], memory: &mut Rates) {
+        let (plane, planes) = (self.shape.plane(), self.shape.planes - 2);
+        let threads = memory.threads.min((self.size() / SHARE).min(planes / 2)).max(1);
+        memory.slabs.resize_with(memory.slabs.len().max(threads), Aligned::default);
+        let (before, rest) = theta.split_at_mut(plane);
+        let (own, after) = rest.split_at_mut(planes * plane);
+        if threads == 1 {
+            let rates = zeroed(&mut memory.slabs[0], self.shape, self.top);
+            dispatch(Slab { all: self, before, own, after, first: 1, rates });
+        } else {
+            self.share(before, own, after, &mut memory.slabs[..threads], &mut memory.halo);
+        }
+    }
+
     /// Shares the inside of a patch out among as many threads as there is memory for.
     fn share(
         self,
@@ -142,6 +162,13 @@ impl WithSimd for Slab<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, s: S) {
+        if self.all.law.resistance.is_some() { self.sweep::<S, true>(s) } else { self.sweep::<S, false>(s) }
+    }
+}
+
+impl Slab<'_> {
+    #[inline(always)]
+    fn sweep<S: Simd, const RESISTANCE: bool>(self, s: S) {
         let Self { all, before, own, after, first, rates } = self;
         let Sweep { law, shape, activity, a, b, held, top } = all;
         let (row, plane) = (shape.row, shape.plane());
@@ -160,10 +187,12 @@ impl WithSimd for Slab<'_> {
                         &after[(y - end) * plane..][..plane]
                     }
                 };
-                let here = y % 3 * plane;
                 let around = Planes::of([y - 1, y, y + 1].map(theta), swept, row);
-                let rates = &mut kept[here + row..][..swept];
-                rate(s, law, activity, y * plane + row, around, row, rates);
+                let start = y * plane + row;
+                let equation = Equation::<S, RESISTANCE>::new(s, law, activity, around, start);
+                let here = y % 3 * plane;
+                let runs = Runs::new::<S>(activity, start, swept);
+                first_stage(s, &equation, runs, &mut kept[here + row..][..swept]);
                 if let Some(held) = held.filter(|held| held / plane == y) {
                     kept[here + held % plane] = 0.0;
                 }
@@ -175,86 +204,69 @@ impl WithSimd for Slab<'_> {
                     if rim { &*zeros } else { &kept[y % 3 * plane..][..plane] }
                 };
                 let around = Planes::of([y - 1, y, y + 1].map(rates), swept, row);
-                let theta = &mut own[(y - first) * plane + row..][..swept];
-                second(s, law, activity, theta, y * plane + row, around, row, (a, b));
+                let start = y * plane + row;
+                let equation = Equation::<S, RESISTANCE>::derivative(s, law, activity, around, start);
+                let runs = Runs::new::<S>(activity, start, swept);
+                second_stage(s, &equation, runs, (a, b), &mut own[(y - first) * plane + row..][..swept]);
             }
         }
     }
 }
 
-/// The rates of change of one plane, from the flat index `start` on: the first stage.
+/// The rates of change of one plane.
 #[inline(always)]
-fn rate<S: Simd>(
+fn first_stage<S: Simd, const RESISTANCE: bool>(
     s: S,
-    law: &Law,
-    activity: &Activity,
-    start: usize,
-    around: Planes<'_>,
-    row: usize,
+    equation: &Equation<'_, S, RESISTANCE>,
+    runs: Runs<'_>,
     rates: &mut [f32],
 ) {
-    let len = rates.len();
-    let interior = s.splat_f32s(law.interior().damping);
-    let stencil = Stencil::new(s, law, around, row);
-    let n = stencil.len();
-    let surface = Surface::<S>::new(s, law, activity, start, n, false);
+    let n = equation.len();
     let rates = &mut S::as_mut_simd_f32s(rates).0[..n];
-    for (line, begin, end) in Runs::new::<S>(activity, start, len) {
+    for (line, begin, end) in runs {
         let run = begin..end.min(n);
         match line {
             Line::Empty => rates[run].fill(s.splat_f32s(0.0)),
             Line::Interior => {
                 for i in run {
-                    rates[i] = s.mul_add_f32s(interior, stencil.here[i], stencil.inflow(i));
+                    rates[i] = equation.interior(i);
                 }
             }
             Line::Mixed => {
                 for i in run {
-                    let here = stencil.here[i];
-                    let rate = s.mul_add_f32s(surface.damping(i, here), here, stencil.inflow(i));
-                    rates[i] = surface.active(i, rate);
+                    rates[i] = equation.mixed(i, equation.here(i));
                 }
             }
         }
     }
 }
 
-/// The second stage of a plane, given the rates of the first.
+/// The temperatures of one plane after both stages, given the rates of the first.
 #[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "inlined, and called once")]
-fn second<S: Simd>(
+fn second_stage<S: Simd, const RESISTANCE: bool>(
     s: S,
-    law: &Law,
-    activity: &Activity,
-    theta: &mut [f32],
-    start: usize,
-    around: Planes<'_>,
-    row: usize,
+    equation: &Equation<'_, S, RESISTANCE>,
+    runs: Runs<'_>,
     (a, b): (f32, f32),
+    theta: &mut [f32],
 ) {
     let (a, b) = (s.splat_f32s(a), s.splat_f32s(b));
-    let interior = s.splat_f32s(law.interior().damping);
-    let len = theta.len();
-    let stencil = Stencil::new(s, law, around, row);
-    let n = stencil.len();
-    let surface = Surface::<S>::new(s, law, activity, start, n, true);
+    let n = equation.len();
     let theta = &mut S::as_mut_simd_f32s(theta).0[..n];
-    for (line, begin, end) in Runs::new::<S>(activity, start, len) {
+    for (line, begin, end) in runs {
         let run = begin..end.min(n);
         match line {
             Line::Empty => {}
             Line::Interior => {
                 for i in run {
-                    let change = s.mul_add_f32s(interior, stencil.here[i], stencil.inflow(i));
-                    theta[i] = s.mul_add_f32s(b, change, s.mul_add_f32s(a, stencil.here[i], theta[i]));
+                    let half = s.mul_add_f32s(a, equation.here(i), theta[i]);
+                    theta[i] = s.mul_add_f32s(b, equation.interior(i), half);
                 }
             }
             Line::Mixed => {
                 for i in run {
-                    let damping = surface.damping(i, theta[i]);
-                    let change =
-                        surface.active(i, s.mul_add_f32s(damping, stencil.here[i], stencil.inflow(i)));
-                    theta[i] = s.mul_add_f32s(b, change, s.mul_add_f32s(a, stencil.here[i], theta[i]));
+                    let half = s.mul_add_f32s(a, equation.here(i), theta[i]);
+                    theta[i] = s.mul_add_f32s(b, equation.mixed(i, theta[i]), half);
                 }
             }
         }
@@ -269,7 +281,56 @@ mod tests {
     use super::*;
     use crate::material::Material;
     use crate::process::Process;
-    use crate::state::State;
+    use crate::state::{State, StateMut};
+
+    /// A patch of which a part of the voxels is active, at any temperatures, and perhaps one of them.
+    fn patch(size: [usize; 3], law: &Law, random: &mut Xoshiro256PlusPlus) -> (Patch, Option<usize>) {
+        let mut state = State::empty(Shape::around(size[0], size[1], size[2]), law);
+        let StateMut { patch, mut voxels } = state.make_mut();
+        let (mut changes, mut active) = (Vec::new(), Vec::new());
+        let filled = random.random_range(0.5..1.0);
+        for z in 1..=size[2] {
+            for y in 1..=size[1] {
+                for x in (1..=size[0]).filter(|_| random.random_bool(filled)) {
+                    voxels.birth([x, y, z], patch, law, &mut changes);
+                    patch.take_up(&changes, law);
+                    changes.clear();
+                    active.push(patch.shape.index([x, y, z]));
+                }
+            }
+        }
+        active.iter().for_each(|&i| patch.theta[i] = random.random_range(0.0..200.0));
+        let held = active.get(active.len() / 2).filter(|_| random.random_bool(0.5));
+        (patch.clone(), held.copied())
+    }
+
+    fn bits(patch: &Patch) -> Vec<u32> {
+        patch.theta.iter().map(|theta| theta.to_bits()).collect()
+    }
+
+    #[test]
+    fn small_patches_are_swept_to_the_same_bits() {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(0);
+        let laws = [false, true].map(|surface_resistance| {
+            let process = Process { surface_resistance, ..Process::default() };
+            Law::new(&Material::abs(), &process, 0.5e-3, 0.25e-3)
+        });
+        let mut memory = Rates::default();
+        for _ in 0..500 {
+            let law = &laws[random.random_range(0..2)];
+            let size = [40, 12, 9].map(|most| random.random_range(1..most));
+            let (mut flat, held) = patch(size, law, &mut random);
+            let mut slabs = flat.clone();
+            let top = random.random_range(2..size[2] + 2);
+            for _ in 0..3 {
+                let sweep =
+                    |activity| Sweep { law, shape: flat.shape, activity, a: 0.02, b: 0.0002, held, top };
+                sweep(&flat.activity).flat(&mut flat.theta, &mut memory);
+                sweep(&slabs.activity).slabs(&mut slabs.theta, &mut memory);
+            }
+            assert_eq!(bits(&flat), bits(&slabs));
+        }
+    }
 
     #[test]
     fn threads_do_not_change_a_bit() {
@@ -277,36 +338,20 @@ mod tests {
         let law = Law::new(&Material::abs(), &Process::default(), 0.5e-3, 0.25e-3);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
         for size in [[100, 40, 70], [60, 150, 40], [30, 9, 900]] {
-            let shape = Shape::around(size[0], size[1], size[2]);
-            let mut state = State::empty(shape, &law);
-            let state_mut = state.make_mut();
-            let (patch, mut voxels, mut changes) = (state_mut.patch, state_mut.voxels, Vec::new());
-            let filled = random.random_range(0.5..1.0);
-            for z in 1..=size[2] {
-                for y in 1..=size[1] {
-                    for x in (1..=size[0]).filter(|_| random.random_bool(filled)) {
-                        voxels.birth([x, y, z], patch, &law, &mut changes);
-                        patch.take_up(&changes, &law);
-                        changes.clear();
-                    }
-                }
-            }
-            let active: Vec<usize> = (0..shape.len()).filter(|&i| patch.activity.damping[i] < 0.0).collect();
-            active.iter().for_each(|&i| patch.theta[i] = random.random_range(0.0..200.0));
-            let held = random.random_bool(0.5).then(|| active[active.len() / 2]);
+            let (patch, held) = patch(size, &law, &mut random);
             let sweep = |mut patch: Patch, threads: usize| {
                 let mut memory = Rates { threads, ..Rates::default() };
                 for _ in 0..3 {
                     let (patch, top) = (&mut patch, size[2] + 1);
                     Pair { law: &law, patch, a: 0.02, b: 0.0002, held, top }.sweep(&mut memory);
                 }
-                (patch.theta.to_vec(), memory.slabs.len())
+                (bits(&patch), memory.slabs.len())
             };
             let (alone, one) = sweep(patch.clone(), 1);
             for threads in 2..=5 {
                 let (shared, slabs) = pool.install(|| sweep(patch.clone(), threads));
                 assert!(one == 1 && slabs > 1, "the part is large enough for two");
-                assert!(shared.iter().zip(&alone).all(|(a, b)| a.to_bits() == b.to_bits()));
+                assert_eq!(shared, alone);
             }
         }
     }
