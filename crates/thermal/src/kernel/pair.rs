@@ -192,7 +192,7 @@ impl Slab<'_> {
                 let equation = Equation::<S, RESISTANCE>::new(s, law, activity, around, start);
                 let here = y % 3 * plane;
                 let runs = Runs::new::<S>(activity, start, swept);
-                first_stage(s, &equation, runs, &mut kept[here + row..][..swept]);
+                first_stage(&equation, runs, &mut kept[here + row..][..swept]);
                 if let Some(held) = held.filter(|held| held / plane == y) {
                     kept[here + held % plane] = 0.0;
                 }
@@ -216,7 +216,6 @@ impl Slab<'_> {
 /// The rates of change of one plane.
 #[inline(always)]
 fn first_stage<S: Simd, const RESISTANCE: bool>(
-    s: S,
     equation: &Equation<'_, S, RESISTANCE>,
     runs: Runs<'_>,
     rates: &mut [f32],
@@ -226,7 +225,11 @@ fn first_stage<S: Simd, const RESISTANCE: bool>(
     for (line, begin, end) in runs {
         let run = begin..end.min(n);
         match line {
-            Line::Empty => rates[run].fill(s.splat_f32s(0.0)),
+            Line::Empty => {
+                for i in run {
+                    rates[i] = equation.nothing();
+                }
+            }
             Line::Interior => {
                 for i in run {
                     rates[i] = equation.interior(i);
