@@ -59,6 +59,15 @@ fn voxels([width, height, depth]: [u32; 3], inside: impl Fn([u32; 3]) -> bool) -
     Voxels::new(frame, depth as usize, materials)
 }
 
+/// The orders of each layer by all 38 patterns, in the order of their numbers.
+pub(crate) fn all_orders(part: &Voxels) -> anyhow::Result<Vec<Vec<Vec<Cell>>>> {
+    let layer = |layer| {
+        let region = part.region(layer)?;
+        Ok(Pattern::ALL.iter().map(|pattern| pattern.order(&region)).collect())
+    };
+    (0..part.depth).map(layer).collect()
+}
+
 /// The order of each layer by one pattern.
 pub(crate) fn orders(part: &Arc<Voxels>, pattern: Pattern) -> anyhow::Result<Vec<Vec<Cell>>> {
     (0..part.depth).map(|layer| Ok(pattern.order(&part.region(layer)?))).collect()

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::{FAST, process};
 use crate::bench::middle;
-use crate::heat_parts::HeatPart;
+use crate::heat_parts::{HeatPart, all_orders};
 
 /// On the rectangular part, whose layers are then laid by the conventional pattern.
 #[derive(Serialize)]
@@ -28,20 +28,18 @@ pub(super) fn measure() -> anyhow::Result<Patterns> {
     let pool = ThreadPoolBuilder::new().num_threads(2).build()?;
     let mut simulation = Simulation::new(part.clone(), &Material::abs(), &process(), FAST)?;
     let (mut all, mut ratios) = (Vec::new(), Vec::new());
-    for layer in 0..part.depth {
-        let region = part.region(layer)?;
-        let orders: Vec<_> = Pattern::ALL.iter().map(|pattern| pattern.order(&region)).collect();
+    for (layer, orders) in all_orders(&part)?.iter().enumerate() {
         let time = |orders: &[Vec<u32>], pool| -> anyhow::Result<f64> {
             let begin = Instant::now();
             simulation.try_orders(layer as u32, orders, pool, Simulation::spread)?;
             Ok(begin.elapsed().as_secs_f64())
         };
-        all.push(time(&orders, Some(&pool))?);
+        all.push(time(orders, Some(&pool))?);
         for _ in 0..5 {
             let twice = [orders[0].clone(), orders[0].clone()];
             ratios.push(time(&twice, None)? / time(&twice, Some(&pool))?);
         }
-        simulation.deposit(layer as u32, &Pattern::CONVENTIONAL.order(&region))?;
+        simulation.deposit(layer as u32, &orders[Pattern::CONVENTIONAL.number()])?;
     }
     let mean_s = all.iter().sum::<f64>() / all.len() as f64;
     Ok(Patterns { mean_s, most_s: all.into_iter().fold(0.0, f64::max), forks_ratio: middle(ratios) })

@@ -16,7 +16,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use crate::accuracy::AccuracyName;
-use crate::heat_parts::HeatPart;
+use crate::heat_parts::{HeatPart, all_orders};
 use crate::{cancel, machine, output, progress};
 
 /// Rewards of the 38 patterns on parts like the paper's three, beside its figures.
@@ -55,7 +55,8 @@ struct Printed {
     /// Minus the sum of the layers' standard deviations, K.
     reward: f64,
     print_seconds: f64,
-    /// Largest difference between the mean and a voxel on the upright section through the middle, at the part's end, K.
+    /// Largest difference between the mean and a voxel on the upright section through the middle, K, once the nozzle has
+    /// left the finished part for [`REST_S`].
     deviation_k: f64,
 }
 
@@ -114,6 +115,10 @@ struct Bench {
     process: Process,
 }
 
+/// Seconds from the end of a print to its thermal deviation. With the nozzle still on the part, the deviation would tell
+/// only how near the last voxel is to the section.
+const REST_S: f64 = 1.0;
+
 /// Seconds between the looks of the warpage estimate.
 const LOOK_S: f64 = 0.5;
 
@@ -121,11 +126,7 @@ impl Bench {
     fn part(&self, which: HeatPart, pool: &ThreadPool) -> anyhow::Result<PartRow> {
         let begin = std::time::Instant::now();
         let part = Arc::new(which.voxels());
-        let orders = (0..part.depth).map(|layer| {
-            let region = part.region(layer)?;
-            Ok(Pattern::ALL.map(|pattern| pattern.order(&region)).to_vec())
-        });
-        let orders = orders.collect::<anyhow::Result<Vec<Vec<Vec<Cell>>>>>()?;
+        let orders = all_orders(&part)?;
         let stop = cancel::token()?;
         let bar = progress::bar((Pattern::COUNT + part.depth) as u64, which.name());
         let plan_of =
@@ -181,11 +182,13 @@ impl Bench {
             simulation.deposit(layer as u32, order)?;
             reward -= simulation.spread().map_or(0.0, |spread| spread.std_c);
         }
+        let print_seconds = simulation.seconds();
+        simulation.pause(REST_S);
         let section = simulation.section(Plane::Y(part.frame.height / 2));
         Ok(Printed {
             pattern: pattern.to_owned(),
             reward,
-            print_seconds: simulation.seconds(),
+            print_seconds,
             deviation_k: section.largest_deviation_k().unwrap_or(0.0),
         })
     }

@@ -54,7 +54,7 @@ pub(super) fn text(rows: &[PartRow]) -> anyhow::Result<String> {
             row.seconds
         )?;
     }
-    text += "\nThe three plans: thermal deviation on the middle section at the end, printing time, and the estimated lift of the corners. The estimate rewards warm ground under each bead, not evenness: it need not agree with the reward.\n\n";
+    text += "\nThe three plans: thermal deviation on the middle section a second after the end, printing time, and the estimated lift of the corners. The estimate rewards warm ground under each bead, not evenness: it need not agree with the reward.\n\n";
     text += "| part | plan | deviation, K | paper's deviation, K | s to print | corner lift, mm |\n|---|---|---|---|---|---|\n";
     for row in rows {
         let paper = PAPER.iter().find(|paper| paper.part == row.part).map(|paper| paper.deviations_k);
