@@ -17,6 +17,8 @@ pub(crate) mod face {
     pub(crate) const ABOVE: u8 = 32;
     /// All neighbours are active.
     pub(crate) const ALL: u8 = 63;
+    /// The voxel is active and all its neighbours.
+    pub(crate) const INTERIOR: u8 = ALL | ACTIVE;
     /// The lower face lies on the build plate.
     pub(crate) const PLATE: u8 = 64;
     /// The voxel itself is active.
@@ -171,10 +173,5 @@ impl Law {
     /// The damping of a voxel with one neighbour less along an axis.
     pub(crate) fn closed(&self, damping: f32, axis: usize) -> f32 {
         (damping + self.conductance(axis)).min(ISOLATED)
-    }
-
-    /// The numbers of an interior voxel.
-    pub(crate) fn interior(&self) -> Voxel {
-        self.voxels[usize::from(face::ALL | face::ACTIVE)]
     }
 }

@@ -21,8 +21,6 @@ pub(crate) struct Change {
 pub(crate) struct Occupancy {
     shape: Shape,
     faces: Vec<u8>,
-    /// Interior voxels in each cache line.
-    interior: Vec<u8>,
     /// The same in blocks.
     tally: Tally,
     /// Temperature above the air of what a voxel was laid on, just before it was; NaN where that was nothing.
@@ -34,13 +32,7 @@ impl Occupancy {
     pub(crate) fn none(shape: Shape, law: &Law) -> Self {
         let len = shape.len();
         let tally = Tally::none(shape, f64::from(law.vertical / law.lateral).sqrt());
-        Self {
-            shape,
-            faces: vec![0; len],
-            interior: vec![0; len / LINE],
-            tally,
-            landings: vec![f32::NAN; len],
-        }
+        Self { shape, faces: vec![0; len], tally, landings: vec![f32::NAN; len] }
     }
 
     /// What is active, in blocks.
@@ -80,34 +72,77 @@ impl Occupancy {
         if self.is_active(self.shape.index([x, y, z - 1])) {
             self.landings[index] = below;
         }
-        let own = changes.len();
-        changes.push(Change { at, voxel: Voxel::default(), line: Line::Mixed, born: true });
         let mut faces = face::ACTIVE;
         if z == 1 {
             faces |= face::PLATE;
         }
         for (towards, from, neighbour) in neighbours {
-            let other = self.shape.index(neighbour);
-            if !self.is_active(other) {
-                continue;
+            let other = &mut self.faces[self.shape.index(neighbour)];
+            if *other & face::ACTIVE != 0 {
+                *other |= from;
+                faces |= towards;
             }
-            faces |= towards;
-            self.faces[other] |= from;
-            changes.push(self.settle(neighbour, other, law));
         }
-        let active = neighbours.iter().enumerate().filter(|(_, (towards, _, _))| faces & towards != 0);
-        self.tally.birth(at, active.map(|(place, _)| (place / 2, place % 2 == 1)));
         self.faces[index] = faces;
-        changes[own] = Change { born: true, ..self.settle(at, index, law) };
+        let active = neighbours.iter().enumerate().filter(|(_, (towards, ..))| faces & towards != 0);
+        self.tally.birth(at, active.clone().map(|(place, _)| (place / 2, place % 2 == 1)));
+        changes.push(self.change(at, law, true));
+        changes.extend(active.map(|(_, &(_, _, neighbour))| self.change(neighbour, law, false)));
     }
 
     /// The numbers of a voxel whose faces have changed.
-    fn settle(&mut self, at: [usize; 3], index: usize, law: &Law) -> Change {
-        let faces = self.faces[index];
-        let inside = &mut self.interior[index / LINE];
-        // Faces are covered one by one, so this is met once, with the last.
-        *inside += u8::from(faces == face::ALL | face::ACTIVE);
-        let line = if usize::from(*inside) == LINE { Line::Interior } else { Line::Mixed };
-        Change { at, voxel: law.voxels[usize::from(faces)], line, born: false }
+    fn change(&self, at: [usize; 3], law: &Law, born: bool) -> Change {
+        let index = self.shape.index(at);
+        let line = self.faces[index / LINE * LINE..].first_chunk().expect("a patch has whole lines");
+        Change { at, voxel: law.voxels[usize::from(self.faces[index])], line: Line::of(*line), born }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    use super::*;
+    use crate::material::Material;
+    use crate::patch::{Kind, Patch};
+    use crate::process::Process;
+
+    #[test]
+    fn changes_leave_every_line_and_number_as_the_faces_have_them() {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(0);
+        let law = Law::new(&Material::abs(), &Process::default(), 0.5e-3, 0.25e-3);
+        let mut uniform = 0;
+        for _ in 0..300 {
+            let size = [90, 6, 6].map(|most| random.random_range(1..most));
+            let shape = Shape::around(size[0], size[1], size[2]);
+            let (mut occupancy, mut patch) = (Occupancy::none(shape, &law), Patch::empty(shape, &law));
+            let filled = if random.random_bool(0.5) { 1.0 } else { 0.9 };
+            let mut changes = Vec::new();
+            for z in 1..=size[2] {
+                for y in 1..=size[1] {
+                    for x in (1..=size[0]).filter(|_| random.random_bool(filled)) {
+                        occupancy.birth([x, y, z], 0.0, &law, &mut changes);
+                    }
+                }
+                // As several at once are taken up, too.
+                patch.take_up(&changes, &law);
+                changes.clear();
+            }
+            for (i, &faces) in occupancy.faces.iter().enumerate() {
+                let known = law.voxels[usize::from(faces)].damping;
+                assert_eq!(patch.activity.damping[i].to_bits(), known.to_bits());
+            }
+            let lines = shape.row / LINE;
+            for (i, (faces, &line)) in
+                occupancy.faces.chunks_exact(LINE).zip(&patch.activity.lines).enumerate()
+            {
+                let known = Line::of(*faces.first_chunk().unwrap());
+                let end = [0, lines - 1].contains(&(i % lines));
+                assert_eq!(line, if end { known.cut() } else { known });
+                uniform += u32::from(matches!(line.kind(), Kind::Uniform(_)));
+            }
+        }
+        assert!(uniform > 500, "{uniform} lines are uniform");
     }
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::aligned::{Aligned, LINE};
-use crate::law::{Law, Voxel};
+use crate::law::{Law, Voxel, face};
 use crate::occupancy::Change;
 
 /// The sizes of a patch: `planes` planes of `rows` rows of `row` numbers. Rows run along x; a plane is upright, its rows
@@ -44,15 +44,51 @@ impl Shape {
 }
 
 /// How the numbers of a cache line are to be swept.
+///
+/// In one byte, since sweeps look for where it changes: the faces that all its voxels have, or [`Line::MIXED`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Line {
+pub(crate) struct Line(u8);
+
+/// What a [`Line`] says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
     /// No voxel in it is active: all are 0, and stay so.
-    #[default]
     Empty,
-    /// Some have a face to the air or to the plate, or are inactive.
+    /// All are active and have the same faces covered: these, as [`face`] has them.
+    Uniform(u8),
+    /// Anything else.
     Mixed,
-    /// All are active and all their neighbours too.
-    Interior,
+}
+
+impl Line {
+    pub(crate) const EMPTY: Self = Self(0);
+    /// No voxel has these faces, for it would not be active.
+    pub(crate) const MIXED: Self = Self(face::ALL);
+
+    /// Of voxels with the given faces.
+    pub(crate) fn of(faces: [u8; LINE]) -> Self {
+        if faces == [faces[0]; LINE] { Self(faces[0]) } else { Self::MIXED }
+    }
+
+    /// With some of its voxels changed.
+    pub(crate) fn cut(self) -> Self {
+        if self == Self::EMPTY { self } else { Self::MIXED }
+    }
+
+    /// Whether it may lose heat to the air.
+    pub(crate) fn is_open(self) -> bool {
+        !matches!(self.kind(), Kind::Empty | Kind::Uniform(face::INTERIOR))
+    }
+
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "sweeps ask for every run of lines")]
+    pub(crate) fn kind(self) -> Kind {
+        match self {
+            Self::EMPTY => Kind::Empty,
+            Self::MIXED => Kind::Mixed,
+            Self(faces) => Kind::Uniform(faces),
+        }
+    }
 }
 
 /// Which voxels are active, and the numbers of each: as [`crate::law::Law`] has them, one array each.
@@ -74,7 +110,7 @@ impl Activity {
             damping: Aligned::zeros(len),
             exposure: Aligned::zeros(len),
             caps: Aligned::zeros(if resistance { len } else { 0 }),
-            lines: vec![Line::Empty; len / LINE],
+            lines: vec![Line::EMPTY; len / LINE],
         }
     }
 
@@ -130,7 +166,7 @@ impl Patch {
             // The ends of rows are rim, whatever they are in the part.
             let x = change.at[0] - self.origin[0];
             let end = x < LINE || x >= last;
-            self.activity.set(index, change.voxel, if end { Line::Mixed } else { change.line });
+            self.activity.set(index, change.voxel, if end { change.line.cut() } else { change.line });
             if change.born {
                 self.theta[index] = law.birth;
             }

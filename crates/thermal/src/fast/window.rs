@@ -87,7 +87,7 @@ impl Patch {
         own.damping.resize(len);
         own.exposure.resize(len);
         own.caps.resize(if outer.activity.caps.is_empty() { 0 } else { len });
-        own.lines.resize(len / LINE, Line::Empty);
+        own.lines.resize(len / LINE, Line::EMPTY);
         rows(window, outer.window(), shape.rows, |from, to, rim| {
             self.theta[to..to + row].copy_from_slice(&outer.theta[from..from + row]);
             if rim {
@@ -105,9 +105,7 @@ impl Patch {
             let lines = &mut own.lines[to / LINE..(to + row) / LINE];
             lines.copy_from_slice(&other.lines[from / LINE..(from + row) / LINE]);
             for end in [0, row / LINE - 1] {
-                if lines[end] == Line::Interior {
-                    lines[end] = Line::Mixed;
-                }
+                lines[end] = lines[end].cut();
             }
         });
     }

@@ -5,8 +5,8 @@
 use pulp::{Simd, WithSimd};
 
 use super::{Equation, Planes, Runs};
-use crate::law::Law;
-use crate::patch::{Activity, Line, Shape};
+use crate::law::{Law, face};
+use crate::patch::{Activity, Kind, Shape};
 
 /// One explicit step of a whole patch, from one array into another: the plain scheme.
 pub(crate) struct Euler<'a> {
@@ -44,14 +44,22 @@ impl Euler<'_> {
             let to = &mut S::as_mut_simd_f32s(&mut to[start..start + swept]).0[..n];
             for (line, begin, end) in Runs::new::<S>(activity, start, swept) {
                 let run = begin..end.min(n);
-                match line {
-                    Line::Empty => {}
-                    Line::Interior => {
+                match line.kind() {
+                    Kind::Empty => {}
+                    Kind::Uniform(face::INTERIOR) => {
+                        let [damping, ..] = equation.uniform_voxels(face::INTERIOR);
                         for i in run {
-                            to[i] = s.mul_add_f32s(dt, equation.interior(i), equation.here(i));
+                            to[i] = s.mul_add_f32s(dt, equation.closed(i, damping), equation.here(i));
                         }
                     }
-                    Line::Mixed => {
+                    Kind::Uniform(faces) => {
+                        let voxels = equation.uniform_voxels(faces);
+                        for i in run {
+                            let here = equation.here(i);
+                            to[i] = s.mul_add_f32s(dt, equation.open(i, voxels, here), here);
+                        }
+                    }
+                    Kind::Mixed => {
                         for i in run {
                             let here = equation.here(i);
                             to[i] = s.mul_add_f32s(dt, equation.mixed(i, here), here);

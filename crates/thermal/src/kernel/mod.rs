@@ -15,7 +15,7 @@ mod pair;
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::aligned::LINE;
-use crate::law::Law;
+use crate::law::{Law, Voxel};
 use crate::patch::{Activity, Line};
 
 pub(crate) use self::euler::Euler;
@@ -125,22 +125,29 @@ impl<'a, S: Simd, const RESISTANCE: bool> Surface<'a, S, RESISTANCE> {
         }
     }
 
-    /// The factor of a voxel's own temperature, or of its rate.
+    /// The factor of a voxel's own temperature, or of its rate, given that of its numbers.
     #[inline(always)]
-    fn damping(&self, i: usize, theta: S::f32s) -> S::f32s {
+    fn damping(&self, [damping, exposure, caps]: [S::f32s; 3], theta: S::f32s) -> S::f32s {
         let s = self.simd;
         let [r0, r1, r2, r3] = self.radiation;
         let radiated = s.mul_add_f32s(s.mul_add_f32s(s.mul_add_f32s(r3, theta, r2), theta, r1), theta, r0);
         if !RESISTANCE {
-            return s.negate_mul_add_f32s(radiated, self.exposure[i], self.damping[i]);
+            return s.negate_mul_add_f32s(radiated, exposure, damping);
         }
         let [convection, side, cap] = self.resistance;
         let h = s.add_f32s(radiated, convection);
         let one = s.splat_f32s(1.0);
         let passed =
             |exposure, distance| s.div_f32s(s.mul_f32s(h, exposure), s.mul_add_f32s(h, distance, one));
-        let lost = s.add_f32s(passed(self.exposure[i], side), passed(self.caps[i], cap));
-        s.sub_f32s(self.damping[i], lost)
+        let lost = s.add_f32s(passed(exposure, side), passed(caps, cap));
+        s.sub_f32s(damping, lost)
+    }
+
+    /// The numbers of voxels: damping, exposure and caps.
+    #[inline(always)]
+    fn voxels(&self, i: usize) -> [S::f32s; 3] {
+        let caps = if RESISTANCE { self.caps[i] } else { self.simd.splat_f32s(0.0) };
+        [self.damping[i], self.exposure[i], caps]
     }
 
     /// Numbers of active voxels; 0 for all others.
@@ -153,26 +160,26 @@ impl<'a, S: Simd, const RESISTANCE: bool> Surface<'a, S, RESISTANCE> {
 
 /// The heat equation on a range of a plane of temperatures, or its derivative there on a range of rates, in lanes.
 struct Equation<'a, S: Simd, const RESISTANCE: bool> {
+    law: &'a Law,
     stencil: Stencil<'a, S>,
     surface: Surface<'a, S, RESISTANCE>,
-    interior: S::f32s,
 }
 
 impl<'a, S: Simd, const RESISTANCE: bool> Equation<'a, S, RESISTANCE> {
     /// Of the temperatures of a range that begins at the flat index `start`.
     #[inline(always)]
-    fn new(simd: S, law: &Law, activity: &'a Activity, temperatures: Planes<'a>, start: usize) -> Self {
+    fn new(simd: S, law: &'a Law, activity: &'a Activity, temperatures: Planes<'a>, start: usize) -> Self {
         let stencil = Stencil::new(simd, law, temperatures);
         let surface = Surface::new(simd, law, activity, start, stencil.len(), false);
-        Self { stencil, surface, interior: simd.splat_f32s(law.interior().damping) }
+        Self { law, stencil, surface }
     }
 
     /// The derivative, of the rates of the same.
     #[inline(always)]
-    fn derivative(simd: S, law: &Law, activity: &'a Activity, rates: Planes<'a>, start: usize) -> Self {
+    fn derivative(simd: S, law: &'a Law, activity: &'a Activity, rates: Planes<'a>, start: usize) -> Self {
         let stencil = Stencil::new(simd, law, rates);
         let surface = Surface::new(simd, law, activity, start, stencil.len(), true);
-        Self { stencil, surface, interior: simd.splat_f32s(law.interior().damping) }
+        Self { law, stencil, surface }
     }
 
     /// So many lanes.
@@ -189,21 +196,32 @@ impl<'a, S: Simd, const RESISTANCE: bool> Equation<'a, S, RESISTANCE> {
     /// 0, but not so that the compiler could see it: to fill a few lines, it would call a function that takes longer.
     #[inline(always)]
     fn nothing(&self) -> S::f32s {
-        self.stencil.simd.sub_f32s(self.interior, self.interior)
+        self.stencil.simd.sub_f32s(self.stencil.lateral, self.stencil.lateral)
     }
 
-    /// The rate of change of interior voxels.
+    /// The numbers of voxels with the given faces: damping, exposure and caps.
     #[inline(always)]
-    fn interior(&self, i: usize) -> S::f32s {
-        self.stencil.simd.mul_add_f32s(self.interior, self.stencil.here[i], self.stencil.inflow(i))
+    fn uniform_voxels(&self, faces: u8) -> [S::f32s; 3] {
+        let Voxel { damping, exposure, caps } = self.law.voxels[usize::from(faces)];
+        [damping, exposure, caps].map(|number| self.stencil.simd.splat_f32s(number))
+    }
+
+    /// The rate of change of voxels that lose nothing to the air, given their damping.
+    #[inline(always)]
+    fn closed(&self, i: usize, damping: S::f32s) -> S::f32s {
+        self.stencil.simd.mul_add_f32s(damping, self.stencil.here[i], self.stencil.inflow(i))
+    }
+
+    /// The rate of change of active voxels, given their numbers and their temperatures.
+    #[inline(always)]
+    fn open(&self, i: usize, voxels: [S::f32s; 3], theta: S::f32s) -> S::f32s {
+        self.closed(i, self.surface.damping(voxels, theta))
     }
 
     /// The rate of change of any voxels, given their temperatures.
     #[inline(always)]
     fn mixed(&self, i: usize, theta: S::f32s) -> S::f32s {
-        let damping = self.surface.damping(i, theta);
-        let rate = self.stencil.simd.mul_add_f32s(damping, self.stencil.here[i], self.stencil.inflow(i));
-        self.surface.active(i, rate)
+        self.surface.active(i, self.open(i, self.surface.voxels(i), theta))
     }
 }
 

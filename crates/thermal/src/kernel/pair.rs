@@ -8,8 +8,8 @@ use rayon::prelude::*;
 use super::flat::{self, Flat};
 use super::{Equation, Planes, Runs, dispatch};
 use crate::aligned::Aligned;
-use crate::law::Law;
-use crate::patch::{Activity, Line, Patch, Shape};
+use crate::law::{Law, face};
+use crate::patch::{Activity, Kind, Patch, Shape};
 
 /// Numbers that are worth a thread of their own.
 const SHARE: usize = 1 << 15;
@@ -224,18 +224,25 @@ fn first_stage<S: Simd, const RESISTANCE: bool>(
     let rates = &mut S::as_mut_simd_f32s(rates).0[..n];
     for (line, begin, end) in runs {
         let run = begin..end.min(n);
-        match line {
-            Line::Empty => {
+        match line.kind() {
+            Kind::Empty => {
                 for i in run {
                     rates[i] = equation.nothing();
                 }
             }
-            Line::Interior => {
+            Kind::Uniform(face::INTERIOR) => {
+                let [damping, ..] = equation.uniform_voxels(face::INTERIOR);
                 for i in run {
-                    rates[i] = equation.interior(i);
+                    rates[i] = equation.closed(i, damping);
                 }
             }
-            Line::Mixed => {
+            Kind::Uniform(faces) => {
+                let voxels = equation.uniform_voxels(faces);
+                for i in run {
+                    rates[i] = equation.open(i, voxels, equation.here(i));
+                }
+            }
+            Kind::Mixed => {
                 for i in run {
                     rates[i] = equation.mixed(i, equation.here(i));
                 }
@@ -258,15 +265,23 @@ fn second_stage<S: Simd, const RESISTANCE: bool>(
     let theta = &mut S::as_mut_simd_f32s(theta).0[..n];
     for (line, begin, end) in runs {
         let run = begin..end.min(n);
-        match line {
-            Line::Empty => {}
-            Line::Interior => {
+        match line.kind() {
+            Kind::Empty => {}
+            Kind::Uniform(face::INTERIOR) => {
+                let [damping, ..] = equation.uniform_voxels(face::INTERIOR);
                 for i in run {
                     let half = s.mul_add_f32s(a, equation.here(i), theta[i]);
-                    theta[i] = s.mul_add_f32s(b, equation.interior(i), half);
+                    theta[i] = s.mul_add_f32s(b, equation.closed(i, damping), half);
                 }
             }
-            Line::Mixed => {
+            Kind::Uniform(faces) => {
+                let voxels = equation.uniform_voxels(faces);
+                for i in run {
+                    let half = s.mul_add_f32s(a, equation.here(i), theta[i]);
+                    theta[i] = s.mul_add_f32s(b, equation.open(i, voxels, theta[i]), half);
+                }
+            }
+            Kind::Mixed => {
                 for i in run {
                     let half = s.mul_add_f32s(a, equation.here(i), theta[i]);
                     theta[i] = s.mul_add_f32s(b, equation.mixed(i, theta[i]), half);
@@ -291,7 +306,8 @@ mod tests {
         let mut state = State::empty(Shape::around(size[0], size[1], size[2]), law);
         let StateMut { patch, mut voxels } = state.make_mut();
         let (mut changes, mut active) = (Vec::new(), Vec::new());
-        let filled = random.random_range(0.5..1.0);
+        // Full boxes have lines of every kind.
+        let filled = if random.random_bool(0.3) { 1.0 } else { random.random_range(0.5..1.0) };
         for z in 1..=size[2] {
             for y in 1..=size[1] {
                 for x in (1..=size[0]).filter(|_| random.random_bool(filled)) {

@@ -2,7 +2,7 @@
 
 use crate::aligned::LINE;
 use crate::law::Law;
-use crate::patch::{Line, Patch};
+use crate::patch::Patch;
 use crate::tally::Tally;
 
 use super::{Border, Region};
@@ -69,9 +69,7 @@ impl Rim {
                     let index = beyond(own, strides);
                     theta[index] = 0.0;
                     let line = &mut activity.lines[own / LINE];
-                    if *line == Line::Interior {
-                        *line = Line::Mixed;
-                    }
+                    *line = line.cut();
                     let there = part.activity.damping[beyond(outer, outer_strides)];
                     if there < 0.0 && activity.damping[own] < 0.0 {
                         activity.damping[own] = law.closed(activity.damping[own], axis);

@@ -3,7 +3,7 @@
 use crate::aligned::LINE;
 use crate::kernel::dispatch;
 use crate::law::Law;
-use crate::patch::{Line, Patch};
+use crate::patch::Patch;
 use crate::tally::Tally;
 
 use super::Region;
@@ -46,7 +46,7 @@ impl Sums {
                     let theta = &patch.theta[start..][..row];
                     dispatch(|| add(warm, theta));
                     for (i, line) in patch.activity.lines[start / LINE..][..row / LINE].iter().enumerate() {
-                        if *line == Line::Mixed {
+                        if line.is_open() {
                             let caps = patch.activity.caps.get(start..).unwrap_or(&[]);
                             let range = i * LINE..(i + 1) * LINE;
                             let (theta, gained) = (&theta[range.clone()], &mut gained[range.clone()]);
