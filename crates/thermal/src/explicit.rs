@@ -1,7 +1,7 @@
 //! The plain steppers: every voxel is stepped in every step.
 
 use crate::aligned::Aligned;
-use crate::kernel::{Euler, Pair, Rates, dispatch};
+use crate::kernel::{Euler, Kept, Pair, Quadratic, TwoSteps, dispatch};
 use crate::law::Law;
 use crate::occupancy::Change;
 use crate::piece::Piece;
@@ -23,7 +23,7 @@ pub(crate) struct Explicit {
     /// Longest stretch in a pause that takes as many steps as a birth, s; with Heun's method, in a birth too.
     pub(crate) longest_s: f64,
     scratch: Aligned,
-    rates: Rates,
+    kept: Kept,
     changes: Vec<Change>,
 }
 
@@ -35,12 +35,12 @@ impl Clone for Explicit {
 
 impl Explicit {
     pub(crate) fn new(scheme: Scheme, longest_s: f64) -> Self {
-        Self { scheme, longest_s, scratch: Aligned::default(), rates: Rates::default(), changes: Vec::new() }
+        Self { scheme, longest_s, scratch: Aligned::default(), kept: Kept::default(), changes: Vec::new() }
     }
 
-    /// In so many threads of the current pool; the plain scheme takes one.
+    /// In so many threads of the current pool; births of the plain scheme take one.
     pub(crate) fn run(&mut self, mut state: StateMut<'_>, law: &Law, pieces: &[Piece], threads: usize) {
-        self.rates.threads = threads;
+        self.kept.threads = threads;
         self.scratch.clone_from(&state.patch.theta);
         for piece in pieces {
             if let Some(at) = piece.held.filter(|_| piece.born) {
@@ -52,39 +52,44 @@ impl Explicit {
             // A birth that takes longer than others is one step all the same by the plain scheme's definition.
             let whole = held.is_some() && self.scheme == Scheme::Euler;
             let steps = if whole { 1 } else { piece.parts(self.longest_s).count() };
-            for _ in 0..steps {
-                self.step(&mut state, law, piece.seconds / steps as f64, held);
+            let seconds = piece.seconds / steps as f64;
+            match self.scheme {
+                Scheme::Euler => self.euler(&mut state, law, seconds as f32, steps, held),
+                Scheme::Heun { steps: parts } => {
+                    self.heun(&mut state, law, seconds / f64::from(parts), steps * parts as usize, held);
+                }
             }
         }
     }
 
-    fn step(&mut self, state: &mut StateMut<'_>, law: &Law, seconds: f64, held: Option<usize>) {
+    fn euler(
+        &mut self,
+        state: &mut StateMut<'_>,
+        law: &Law,
+        seconds: f32,
+        steps: usize,
+        held: Option<usize>,
+    ) {
         let patch = &mut *state.patch;
         let (shape, top) = (patch.shape, state.voxels.top());
-        match self.scheme {
-            Scheme::Euler => {
-                let (activity, seconds) = (&patch.activity, seconds as f32);
-                dispatch(Euler {
-                    law,
-                    shape,
-                    activity,
-                    from: &patch.theta,
-                    to: &mut self.scratch,
-                    top,
-                    seconds,
-                });
-                std::mem::swap(&mut patch.theta, &mut self.scratch);
-                if let Some(held) = held {
-                    patch.theta[held] = law.birth;
-                }
+        for _ in 0..steps / 2 {
+            Pair { law, patch, stages: TwoSteps { seconds }, held, top }.sweep(&mut self.kept);
+        }
+        if steps % 2 == 1 {
+            let (activity, from, to) = (&patch.activity, &patch.theta, &mut self.scratch);
+            dispatch(Euler { law, shape, activity, from, to, top, seconds });
+            std::mem::swap(&mut patch.theta, &mut self.scratch);
+            if let Some(held) = held {
+                patch.theta[held] = law.birth;
             }
-            Scheme::Heun { steps } => {
-                let seconds = seconds / f64::from(steps);
-                let (a, b) = (seconds as f32, (seconds * seconds / 2.0) as f32);
-                for _ in 0..steps {
-                    Pair { law, patch, a, b, held, top }.sweep(&mut self.rates);
-                }
-            }
+        }
+    }
+
+    fn heun(&mut self, state: &mut StateMut<'_>, law: &Law, seconds: f64, steps: usize, held: Option<usize>) {
+        let (patch, top) = (&mut *state.patch, state.voxels.top());
+        let stages = Quadratic { a: seconds as f32, b: (seconds * seconds / 2.0) as f32 };
+        for _ in 0..steps {
+            Pair { law, patch, stages, held, top }.sweep(&mut self.kept);
         }
     }
 }

@@ -17,7 +17,7 @@ mod level;
 mod nested;
 mod window;
 
-use crate::kernel::{Pair, Rates};
+use crate::kernel::{Kept, Pair, Quadratic};
 use crate::law::Law;
 use crate::occupancy::Change;
 use crate::patch::Patch;
@@ -61,7 +61,7 @@ pub(crate) struct Fast {
 #[derive(Debug, Default)]
 struct Memory {
     windows: Vec<Patch>,
-    rates: Rates,
+    kept: Kept,
     far: FarField,
     /// What the births of the run have changed, in their order.
     changes: Vec<Change>,
@@ -93,7 +93,7 @@ impl Fast {
 
     /// In so many threads of the current pool.
     pub(crate) fn run(&mut self, state: StateMut<'_>, law: &Law, pieces: &[Piece], threads: usize) {
-        self.memory.rates.threads = threads;
+        self.memory.kept.threads = threads;
         let StateMut { patch, mut voxels } = state;
         for pieces in pieces.chunks(RUN) {
             let mut whole = Nested::whole(patch);
@@ -222,8 +222,9 @@ impl Fast {
             unreachable!("steps on blocks are taken elsewhere")
         };
         for factor in &polynomial.factors {
-            let (a, b) = ((factor.a * seconds) as f32, (factor.b * seconds * seconds) as f32);
-            Pair { law, patch, a, b, held, top }.sweep(&mut self.memory.rates);
+            let stages =
+                Quadratic { a: (factor.a * seconds) as f32, b: (factor.b * seconds * seconds) as f32 };
+            Pair { law, patch, stages, held, top }.sweep(&mut self.memory.kept);
         }
     }
 

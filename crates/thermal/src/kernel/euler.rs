@@ -39,7 +39,7 @@ impl Euler<'_> {
         for y in 1..shape.planes - 1 {
             let start = y * plane + row;
             let around = Planes::of([y - 1, y, y + 1].map(|y| &from[y * plane..]), swept, row);
-            let equation = Equation::<S, RESISTANCE>::new(s, law, activity, around, start);
+            let equation = Equation::<S, RESISTANCE>::new(s, law, activity, around, start, false);
             let n = equation.len();
             let to = &mut S::as_mut_simd_f32s(&mut to[start..start + swept]).0[..n];
             for (line, begin, end) in Runs::new::<S>(activity, start, swept) {

@@ -1,46 +1,48 @@
-//! Small patches: both stages of a step, one after the other.
+//! Two stages of small patches, one after the other.
 
 #![expect(clippy::inline_always, reason = "see the module above")]
 
 use pulp::{Simd, WithSimd};
 
 use super::pair::Sweep;
+use super::stages::Stages;
 use super::{Equation, Planes};
 use crate::aligned::Aligned;
 use crate::patch::Shape;
 
-/// Numbers that are swept like this: with their rates they fit into the fastest memory.
+/// Numbers that are swept like this: with what is kept of them they fit into the fastest memory.
 pub(super) const MOST: usize = 1 << 12;
 
 /// What [`super::Pair`] does, for patches so small that to begin with a plane or a run of lines takes as long as to go
-/// through with it: all rates are kept, and all lines are taken as mixed.
-pub(super) struct Flat<'a> {
-    pub(super) all: Sweep<'a>,
+/// through with it: the numbers of all planes are kept, and all lines are taken as mixed.
+pub(super) struct Flat<'a, T> {
+    pub(super) all: Sweep<'a, T>,
     pub(super) theta: &'a mut [f32],
-    /// One of each voxel, 0 outside what is swept.
-    pub(super) rates: &'a mut [f32],
+    pub(super) kept: &'a mut [f32],
 }
 
-/// Memory for the rates of [`Flat`].
+/// Memory for [`Flat`].
 #[derive(Debug, Default)]
-pub(super) struct Rates {
-    rates: Aligned,
-    /// The shape and the top of the last sweep.
-    last: (Shape, usize),
+pub(super) struct Kept {
+    kept: Aligned,
+    /// The shape, the top and the ground of the last sweep.
+    last: (Shape, usize, f32),
 }
 
-impl Rates {
-    /// The rates of a patch: 0 wherever no sweep of it has written.
-    pub(super) fn of(&mut self, shape: Shape, top: usize) -> &mut [f32] {
-        if self.last != (shape, top) {
-            self.rates.reset(shape.len());
-            self.last = (shape, top);
+impl Kept {
+    /// A number for each voxel of a patch: wherever no sweep of it has written, that of the ground in the first row of each
+    /// plane, and else 0.
+    pub(super) fn of(&mut self, shape: Shape, top: usize, ground: f32) -> &mut [f32] {
+        if self.last != (shape, top, ground) {
+            self.kept.reset(shape.len());
+            self.kept.chunks_exact_mut(shape.plane()).for_each(|plane| plane[..shape.row].fill(ground));
+            self.last = (shape, top, ground);
         }
-        &mut self.rates
+        &mut self.kept
     }
 }
 
-impl WithSimd for Flat<'_> {
+impl<T: Stages> WithSimd for Flat<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -49,37 +51,38 @@ impl WithSimd for Flat<'_> {
     }
 }
 
-impl Flat<'_> {
+impl<T: Stages> Flat<'_, T> {
     #[inline(always)]
     fn sweep<S: Simd, const RESISTANCE: bool>(self, s: S) {
-        let Self { all: Sweep { law, shape, activity, a, b, held, top }, theta, rates } = self;
+        let Self { all: Sweep { law, shape, activity, stages, held, top }, theta, kept } = self;
         let (row, plane) = (shape.row, shape.plane());
         // From the first voxel to the last, over what rim lies between.
         let (start, len) = (plane + row, shape.len() - 2 * (plane + row));
         let behind = [0, plane, 2 * plane];
         let [step, swept] = [plane, (top - 1) * row].map(|numbers| numbers / S::F32_LANES);
         let around = Planes::of(behind.map(|i| &theta[i..]), len, row);
-        let equation = Equation::<S, RESISTANCE>::new(s, law, activity, around, start);
+        let equation = Equation::<S, RESISTANCE>::new(s, law, activity, around, start, false);
         let n = equation.len();
-        let lanes = &mut S::as_mut_simd_f32s(&mut rates[start..start + len]).0[..n];
+        let lanes = &mut S::as_mut_simd_f32s(&mut kept[start..start + len]).0[..n];
         for plane in (0..n).step_by(step) {
             let run = plane..(plane + swept).min(n);
             for i in run {
-                lanes[i] = equation.mixed(i, equation.here(i));
+                let here = equation.here(i);
+                lanes[i] = stages.first(s, here, equation.mixed(i, here));
             }
         }
         if let Some(held) = held {
-            rates[held] = 0.0;
+            kept[held] = T::held(law);
         }
-        let (a, b) = (s.splat_f32s(a), s.splat_f32s(b));
-        let around = Planes::of(behind.map(|i| &rates[i..]), len, row);
-        let equation = Equation::<S, RESISTANCE>::derivative(s, law, activity, around, start);
+        let around = Planes::of(behind.map(|i| &kept[i..]), len, row);
+        let equation = Equation::<S, RESISTANCE>::new(s, law, activity, around, start, T::DERIVED);
         let theta = &mut S::as_mut_simd_f32s(&mut theta[start..start + len]).0[..n];
         for plane in (0..n).step_by(step) {
             let run = plane..(plane + swept).min(n);
             for i in run {
-                let half = s.mul_add_f32s(a, equation.here(i), theta[i]);
-                theta[i] = s.mul_add_f32s(b, equation.mixed(i, theta[i]), half);
+                let kept = equation.here(i);
+                let rate = equation.mixed(i, T::surface::<S>(theta[i], kept));
+                theta[i] = stages.second(s, theta[i], kept, rate);
             }
         }
     }

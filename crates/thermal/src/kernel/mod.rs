@@ -11,6 +11,7 @@
 mod euler;
 mod flat;
 mod pair;
+mod stages;
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -19,7 +20,8 @@ use crate::law::{Law, Voxel};
 use crate::patch::{Activity, Line};
 
 pub(crate) use self::euler::Euler;
-pub(crate) use self::pair::{Pair, Rates};
+pub(crate) use self::pair::{Kept, Pair};
+pub(crate) use self::stages::{Quadratic, TwoSteps};
 
 /// A range of a plane of temperatures, or of their rates, with the same of the planes behind and before it.
 #[derive(Clone, Copy)]
@@ -166,19 +168,18 @@ struct Equation<'a, S: Simd, const RESISTANCE: bool> {
 }
 
 impl<'a, S: Simd, const RESISTANCE: bool> Equation<'a, S, RESISTANCE> {
-    /// Of the temperatures of a range that begins at the flat index `start`.
+    /// Of a range that begins at the flat index `start`; its derivative, if `derived`.
     #[inline(always)]
-    fn new(simd: S, law: &'a Law, activity: &'a Activity, temperatures: Planes<'a>, start: usize) -> Self {
-        let stencil = Stencil::new(simd, law, temperatures);
-        let surface = Surface::new(simd, law, activity, start, stencil.len(), false);
-        Self { law, stencil, surface }
-    }
-
-    /// The derivative, of the rates of the same.
-    #[inline(always)]
-    fn derivative(simd: S, law: &'a Law, activity: &'a Activity, rates: Planes<'a>, start: usize) -> Self {
-        let stencil = Stencil::new(simd, law, rates);
-        let surface = Surface::new(simd, law, activity, start, stencil.len(), true);
+    fn new(
+        simd: S,
+        law: &'a Law,
+        activity: &'a Activity,
+        around: Planes<'a>,
+        start: usize,
+        derived: bool,
+    ) -> Self {
+        let stencil = Stencil::new(simd, law, around);
+        let surface = Surface::new(simd, law, activity, start, stencil.len(), derived);
         Self { law, stencil, surface }
     }
 

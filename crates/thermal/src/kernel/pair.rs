@@ -1,4 +1,4 @@
-//! Two stages of a step at once.
+//! Two stages at once, in place.
 
 #![expect(clippy::inline_always, reason = "see the module above")]
 
@@ -6,6 +6,7 @@ use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::flat::{self, Flat};
+use super::stages::Stages;
 use super::{Equation, Planes, Runs, dispatch};
 use crate::aligned::Aligned;
 use crate::law::{Law, face};
@@ -14,26 +15,22 @@ use crate::patch::{Activity, Kind, Patch, Shape};
 /// Numbers that are worth a thread of their own.
 const SHARE: usize = 1 << 15;
 
-/// Two stages of a step in place: θ + a f(θ) + b J f(θ), where f is the rate of change and J its derivative.
-///
-/// With a = dt and b = dt² / 2 that is Heun's method; steps of more stages are products of such pairs. Rates are kept of
-/// three planes only, so that each temperature is read and written once for both stages.
-pub(crate) struct Pair<'a> {
+/// Two stages in place. Numbers are kept of three planes only, so that each temperature is read and written once for both.
+pub(crate) struct Pair<'a, T> {
     pub(crate) law: &'a Law,
     pub(crate) patch: &'a mut Patch,
-    pub(crate) a: f32,
-    pub(crate) b: f32,
+    pub(crate) stages: T,
     /// A voxel that keeps the temperature of its birth.
     pub(crate) held: Option<usize>,
-    /// Rows of each plane from here on are left alone.
+    /// Rows of each plane from here on are empty, and left alone.
     pub(crate) top: usize,
 }
 
 /// Memory for [`Pair`].
 #[derive(Debug)]
-pub(crate) struct Rates {
-    flat: flat::Rates,
-    /// For each thread, three planes of rates, and one of zeros that stands for the rim's.
+pub(crate) struct Kept {
+    flat: flat::Kept,
+    /// For each thread, three planes of numbers kept, and one of zeros that stands for the rim's.
     slabs: Vec<Aligned>,
     /// Planes beside the ranges of threads, as they were.
     halo: Aligned,
@@ -41,18 +38,18 @@ pub(crate) struct Rates {
     pub(crate) threads: usize,
 }
 
-impl Default for Rates {
+impl Default for Kept {
     fn default() -> Self {
-        Self { flat: flat::Rates::default(), slabs: Vec::new(), halo: Aligned::default(), threads: 1 }
+        Self { flat: flat::Kept::default(), slabs: Vec::new(), halo: Aligned::default(), threads: 1 }
     }
 }
 
-impl Pair<'_> {
+impl<T: Stages> Pair<'_, T> {
     /// Takes both stages. The result does not depend on the number of threads.
-    pub(crate) fn sweep(self, memory: &mut Rates) {
-        let Self { law, patch, a, b, held, top } = self;
+    pub(crate) fn sweep(self, memory: &mut Kept) {
+        let Self { law, patch, stages, held, top } = self;
         let Patch { shape, activity, theta, .. } = patch;
-        let all = Sweep { law, shape: *shape, activity, a, b, held, top };
+        let all = Sweep { law, shape: *shape, activity, stages, held, top };
         if all.size() <= flat::MOST {
             all.flat(theta, memory);
         } else {
@@ -66,37 +63,37 @@ impl Pair<'_> {
 
 /// What all parts of a sweep know.
 #[derive(Clone, Copy)]
-pub(super) struct Sweep<'a> {
+pub(super) struct Sweep<'a, T> {
     pub(super) law: &'a Law,
     pub(super) shape: Shape,
     pub(super) activity: &'a Activity,
-    pub(super) a: f32,
-    pub(super) b: f32,
+    pub(super) stages: T,
     pub(super) held: Option<usize>,
     pub(super) top: usize,
 }
 
-impl Sweep<'_> {
+impl<T: Stages> Sweep<'_, T> {
     /// Numbers that change.
     fn size(self) -> usize {
         (self.top - 1) * self.shape.row * (self.shape.planes - 2)
     }
 
-    /// As one, with memory for the rates of all.
-    fn flat(self, theta: &mut [f32], memory: &mut Rates) {
-        dispatch(Flat { all: self, theta, rates: memory.flat.of(self.shape, self.top) });
+    /// As one, with memory for the numbers of all.
+    fn flat(self, theta: &mut [f32], memory: &mut Kept) {
+        let kept = memory.flat.of(self.shape, self.top, T::ground(self.law));
+        dispatch(Flat { all: self, theta, kept });
     }
 
     /// In as many slabs as there are threads that have enough to do.
-    fn slabs(self, theta: &mut [f32], memory: &mut Rates) {
+    fn slabs(self, theta: &mut [f32], memory: &mut Kept) {
         let (plane, planes) = (self.shape.plane(), self.shape.planes - 2);
         let threads = memory.threads.min((self.size() / SHARE).min(planes / 2)).max(1);
         memory.slabs.resize_with(memory.slabs.len().max(threads), Aligned::default);
         let (before, rest) = theta.split_at_mut(plane);
         let (own, after) = rest.split_at_mut(planes * plane);
         if threads == 1 {
-            let rates = zeroed(&mut memory.slabs[0], self.shape, self.top);
-            dispatch(Slab { all: self, before, own, after, first: 1, rates });
+            let kept = self.rims(&mut memory.slabs[0]);
+            dispatch(Slab { all: self, before, own, after, first: 1, kept });
         } else {
             self.share(before, own, after, &mut memory.slabs[..threads], &mut memory.halo);
         }
@@ -108,10 +105,10 @@ impl Sweep<'_> {
         before: &[f32],
         mut inside: &mut [f32],
         after: &[f32],
-        rates: &mut [Aligned],
+        kept: &mut [Aligned],
         halo: &mut Aligned,
     ) {
-        let (count, plane) = (rates.len(), self.shape.plane());
+        let (count, plane) = (kept.len(), self.shape.plane());
         let planes = inside.len() / plane;
         let ends: Vec<usize> = (0..=count).map(|i| planes * i / count).collect();
         // Two planes on each side of every end but the outer ones, as they are now.
@@ -120,44 +117,44 @@ impl Sweep<'_> {
             halo.copy_from_slice(&inside[(end - 2) * plane..(end + 2) * plane]);
         }
         let mut slabs = Vec::with_capacity(count);
-        for (i, rates) in rates.iter_mut().enumerate() {
+        for (i, kept) in kept.iter_mut().enumerate() {
             let (own, others) = inside.split_at_mut((ends[i + 1] - ends[i]) * plane);
             inside = others;
             let halo = |i: usize| halo[4 * i * plane..][..4 * plane].split_at(2 * plane);
             let before = if i == 0 { before } else { halo(i - 1).0 };
             let after = if i + 1 == count { after } else { halo(i).1 };
-            let rates = zeroed(rates, self.shape, self.top);
-            slabs.push(Slab { all: self, before, own, after, first: 1 + ends[i], rates });
+            let kept = self.rims(kept);
+            slabs.push(Slab { all: self, before, own, after, first: 1 + ends[i], kept });
         }
         slabs.into_par_iter().for_each(dispatch);
     }
-}
 
-/// The rates of a range: the rows that are read but never written hold 0.
-fn zeroed(rates: &mut Aligned, shape: Shape, top: usize) -> &mut [f32] {
-    let (row, plane) = (shape.row, shape.plane());
-    rates.resize(4 * plane);
-    for rates in rates[..3 * plane].chunks_exact_mut(plane) {
-        rates[..row].fill(0.0);
-        rates[top * row..(top + 1) * row].fill(0.0);
+    /// Memory for the numbers of a slab, with the rows that are read but never written.
+    fn rims(self, kept: &mut Aligned) -> &mut [f32] {
+        let (row, plane) = (self.shape.row, self.shape.plane());
+        kept.resize(4 * plane);
+        for kept in kept[..3 * plane].chunks_exact_mut(plane) {
+            kept[..row].fill(T::ground(self.law));
+            kept[self.top * row..(self.top + 1) * row].fill(0.0);
+        }
+        kept[3 * plane..].fill(0.0);
+        kept
     }
-    rates[3 * plane..].fill(0.0);
-    rates
 }
 
 /// A range of planes that is swept by one thread.
-struct Slab<'a> {
-    all: Sweep<'a>,
+struct Slab<'a, T> {
+    all: Sweep<'a, T>,
     /// The planes before and after it, as they were: one of rim, or two of another slab's.
     before: &'a [f32],
     own: &'a mut [f32],
     after: &'a [f32],
     /// Its first plane.
     first: usize,
-    rates: &'a mut [f32],
+    kept: &'a mut [f32],
 }
 
-impl WithSimd for Slab<'_> {
+impl<T: Stages> WithSimd for Slab<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -166,13 +163,13 @@ impl WithSimd for Slab<'_> {
     }
 }
 
-impl Slab<'_> {
+impl<T: Stages> Slab<'_, T> {
     #[inline(always)]
     fn sweep<S: Simd, const RESISTANCE: bool>(self, s: S) {
-        let Self { all, before, own, after, first, rates } = self;
-        let Sweep { law, shape, activity, a, b, held, top } = all;
+        let Self { all, before, own, after, first, kept } = self;
+        let Sweep { law, shape, activity, stages, held, top } = all;
         let (row, plane) = (shape.row, shape.plane());
-        let (kept, zeros) = rates.split_at_mut(3 * plane);
+        let (kept, zeros) = kept.split_at_mut(3 * plane);
         let swept = (top - 1) * row;
         let end = first + own.len() / plane;
         let (begin, last) = (first + 1 - before.len() / plane, end + after.len() / plane - 1);
@@ -189,78 +186,81 @@ impl Slab<'_> {
                 };
                 let around = Planes::of([y - 1, y, y + 1].map(theta), swept, row);
                 let start = y * plane + row;
-                let equation = Equation::<S, RESISTANCE>::new(s, law, activity, around, start);
+                let equation = Equation::<S, RESISTANCE>::new(s, law, activity, around, start, false);
                 let here = y % 3 * plane;
                 let runs = Runs::new::<S>(activity, start, swept);
-                first_stage(&equation, runs, &mut kept[here + row..][..swept]);
+                first_stage(s, &equation, runs, stages, &mut kept[here + row..][..swept]);
                 if let Some(held) = held.filter(|held| held / plane == y) {
-                    kept[here + held % plane] = 0.0;
+                    kept[here + held % plane] = T::held(law);
                 }
             }
             if y > first {
                 let y = y - 1;
-                let rates = |y: usize| {
+                let kept = |y: usize| {
                     let rim = y == 0 || y == shape.planes - 1;
                     if rim { &*zeros } else { &kept[y % 3 * plane..][..plane] }
                 };
-                let around = Planes::of([y - 1, y, y + 1].map(rates), swept, row);
+                let around = Planes::of([y - 1, y, y + 1].map(kept), swept, row);
                 let start = y * plane + row;
-                let equation = Equation::<S, RESISTANCE>::derivative(s, law, activity, around, start);
+                let equation = Equation::<S, RESISTANCE>::new(s, law, activity, around, start, T::DERIVED);
                 let runs = Runs::new::<S>(activity, start, swept);
-                second_stage(s, &equation, runs, (a, b), &mut own[(y - first) * plane + row..][..swept]);
+                second_stage(s, &equation, runs, stages, &mut own[(y - first) * plane + row..][..swept]);
             }
         }
     }
 }
 
-/// The rates of change of one plane.
+/// The numbers kept of one plane.
 #[inline(always)]
 fn first_stage<S: Simd, const RESISTANCE: bool>(
+    s: S,
     equation: &Equation<'_, S, RESISTANCE>,
     runs: Runs<'_>,
-    rates: &mut [f32],
+    stages: impl Stages,
+    kept: &mut [f32],
 ) {
     let n = equation.len();
-    let rates = &mut S::as_mut_simd_f32s(rates).0[..n];
+    let kept = &mut S::as_mut_simd_f32s(kept).0[..n];
     for (line, begin, end) in runs {
         let run = begin..end.min(n);
         match line.kind() {
             Kind::Empty => {
                 for i in run {
-                    rates[i] = equation.nothing();
+                    kept[i] = equation.nothing();
                 }
             }
             Kind::Uniform(face::INTERIOR) => {
                 let [damping, ..] = equation.uniform_voxels(face::INTERIOR);
                 for i in run {
-                    rates[i] = equation.closed(i, damping);
+                    kept[i] = stages.first(s, equation.here(i), equation.closed(i, damping));
                 }
             }
             Kind::Uniform(faces) => {
                 let voxels = equation.uniform_voxels(faces);
                 for i in run {
-                    rates[i] = equation.open(i, voxels, equation.here(i));
+                    let here = equation.here(i);
+                    kept[i] = stages.first(s, here, equation.open(i, voxels, here));
                 }
             }
             Kind::Mixed => {
                 for i in run {
-                    rates[i] = equation.mixed(i, equation.here(i));
+                    let here = equation.here(i);
+                    kept[i] = stages.first(s, here, equation.mixed(i, here));
                 }
             }
         }
     }
 }
 
-/// The temperatures of one plane after both stages, given the rates of the first.
+/// The temperatures of one plane after both stages, given the numbers kept.
 #[inline(always)]
-fn second_stage<S: Simd, const RESISTANCE: bool>(
+fn second_stage<S: Simd, const RESISTANCE: bool, T: Stages>(
     s: S,
     equation: &Equation<'_, S, RESISTANCE>,
     runs: Runs<'_>,
-    (a, b): (f32, f32),
+    stages: T,
     theta: &mut [f32],
 ) {
-    let (a, b) = (s.splat_f32s(a), s.splat_f32s(b));
     let n = equation.len();
     let theta = &mut S::as_mut_simd_f32s(theta).0[..n];
     for (line, begin, end) in runs {
@@ -270,21 +270,23 @@ fn second_stage<S: Simd, const RESISTANCE: bool>(
             Kind::Uniform(face::INTERIOR) => {
                 let [damping, ..] = equation.uniform_voxels(face::INTERIOR);
                 for i in run {
-                    let half = s.mul_add_f32s(a, equation.here(i), theta[i]);
-                    theta[i] = s.mul_add_f32s(b, equation.closed(i, damping), half);
+                    let rate = equation.closed(i, damping);
+                    theta[i] = stages.second(s, theta[i], equation.here(i), rate);
                 }
             }
             Kind::Uniform(faces) => {
                 let voxels = equation.uniform_voxels(faces);
                 for i in run {
-                    let half = s.mul_add_f32s(a, equation.here(i), theta[i]);
-                    theta[i] = s.mul_add_f32s(b, equation.open(i, voxels, theta[i]), half);
+                    let kept = equation.here(i);
+                    let rate = equation.open(i, voxels, T::surface::<S>(theta[i], kept));
+                    theta[i] = stages.second(s, theta[i], kept, rate);
                 }
             }
             Kind::Mixed => {
                 for i in run {
-                    let half = s.mul_add_f32s(a, equation.here(i), theta[i]);
-                    theta[i] = s.mul_add_f32s(b, equation.mixed(i, theta[i]), half);
+                    let kept = equation.here(i);
+                    let rate = equation.mixed(i, T::surface::<S>(theta[i], kept));
+                    theta[i] = stages.second(s, theta[i], kept, rate);
                 }
             }
         }
@@ -297,6 +299,7 @@ mod tests {
     use rand_xoshiro::Xoshiro256PlusPlus;
 
     use super::*;
+    use crate::kernel::{Euler, Quadratic, TwoSteps};
     use crate::material::Material;
     use crate::process::Process;
     use crate::state::{State, StateMut};
@@ -327,23 +330,25 @@ mod tests {
         patch.theta.iter().map(|theta| theta.to_bits()).collect()
     }
 
-    #[test]
-    fn small_patches_are_swept_to_the_same_bits() {
-        let mut random = Xoshiro256PlusPlus::seed_from_u64(0);
-        let laws = [false, true].map(|surface_resistance| {
+    fn laws() -> [Law; 2] {
+        [false, true].map(|surface_resistance| {
             let process = Process { surface_resistance, ..Process::default() };
             Law::new(&Material::abs(), &process, 0.5e-3, 0.25e-3)
-        });
-        let mut memory = Rates::default();
+        })
+    }
+
+    const HEUN: Quadratic = Quadratic { a: 0.02, b: 0.0002 };
+    const TWO_STEPS: TwoSteps = TwoSteps { seconds: 0.02 };
+
+    fn small_patches_agree(stages: impl Stages, random: &mut Xoshiro256PlusPlus) {
+        let (laws, mut memory) = (laws(), Kept::default());
         for _ in 0..500 {
             let law = &laws[random.random_range(0..2)];
             let size = [40, 12, 9].map(|most| random.random_range(1..most));
-            let (mut flat, held) = patch(size, law, &mut random);
-            let mut slabs = flat.clone();
-            let top = random.random_range(2..size[2] + 2);
+            let (mut flat, held) = patch(size, law, random);
+            let (mut slabs, top) = (flat.clone(), size[2] + 1);
             for _ in 0..3 {
-                let sweep =
-                    |activity| Sweep { law, shape: flat.shape, activity, a: 0.02, b: 0.0002, held, top };
+                let sweep = |activity| Sweep { law, shape: slabs.shape, activity, stages, held, top };
                 sweep(&flat.activity).flat(&mut flat.theta, &mut memory);
                 sweep(&slabs.activity).slabs(&mut slabs.theta, &mut memory);
             }
@@ -352,17 +357,49 @@ mod tests {
     }
 
     #[test]
-    fn threads_do_not_change_a_bit() {
+    fn small_patches_are_swept_to_the_same_bits() {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(0);
-        let law = Law::new(&Material::abs(), &Process::default(), 0.5e-3, 0.25e-3);
+        small_patches_agree(HEUN, &mut random);
+        small_patches_agree(TWO_STEPS, &mut random);
+    }
+
+    #[test]
+    fn two_steps_are_one_after_another() {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(0);
+        let (laws, mut memory) = (laws(), Kept::default());
+        for _ in 0..300 {
+            let law = &laws[random.random_range(0..2)];
+            let size = [70, 20, 12].map(|most| random.random_range(1..most));
+            let (mut both, held) = patch(size, law, &mut random);
+            if let Some(held) = held {
+                both.theta[held] = law.birth;
+            }
+            let (mut single, top) = (both.clone(), size[2] + 1);
+            let TwoSteps { seconds } = TWO_STEPS;
+            for _ in 0..2 {
+                let mut to = single.theta.clone();
+                let Patch { shape, activity, theta: from, .. } = &single;
+                dispatch(Euler { law, shape: *shape, activity, from, to: &mut to, top, seconds });
+                if let Some(held) = held {
+                    to[held] = law.birth;
+                }
+                single.theta = to;
+            }
+            Pair { law, patch: &mut both, stages: TWO_STEPS, held, top }.sweep(&mut memory);
+            assert_eq!(bits(&both), bits(&single));
+        }
+    }
+
+    fn threads_agree(stages: impl Stages, random: &mut Xoshiro256PlusPlus) {
+        let [law, _] = laws();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
         for size in [[100, 40, 70], [60, 150, 40], [30, 9, 900]] {
-            let (patch, held) = patch(size, &law, &mut random);
+            let (patch, held) = patch(size, &law, random);
             let sweep = |mut patch: Patch, threads: usize| {
-                let mut memory = Rates { threads, ..Rates::default() };
+                let mut memory = Kept { threads, ..Kept::default() };
                 for _ in 0..3 {
                     let (patch, top) = (&mut patch, size[2] + 1);
-                    Pair { law: &law, patch, a: 0.02, b: 0.0002, held, top }.sweep(&mut memory);
+                    Pair { law: &law, patch, stages, held, top }.sweep(&mut memory);
                 }
                 (bits(&patch), memory.slabs.len())
             };
@@ -373,5 +410,12 @@ mod tests {
                 assert_eq!(shared, alone);
             }
         }
+    }
+
+    #[test]
+    fn threads_do_not_change_a_bit() {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(0);
+        threads_agree(HEUN, &mut random);
+        threads_agree(TWO_STEPS, &mut random);
     }
 }

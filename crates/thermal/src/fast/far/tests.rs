@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::*;
-use crate::kernel::{Pair, Rates};
+use crate::kernel::{Kept, Pair, Quadratic};
 use crate::material::Material;
 use crate::patch::Shape;
 use crate::process::Process;
@@ -124,9 +124,10 @@ fn the_air_takes_what_the_sweeps_take() {
             let voxel = law.voxels[usize::from(state.occupancy.faces()[index])];
             let top = state.top;
             let patch = state.make_mut().patch;
-            let mut memory = Rates::default();
+            let mut memory = Kept::default();
             let seconds = 1e-2;
-            Pair { law: &law, patch, a: seconds, b: 0.0, held: None, top }.sweep(&mut memory);
+            let stages = Quadratic { a: seconds, b: 0.0 };
+            Pair { law: &law, patch, stages, held: None, top }.sweep(&mut memory);
             let lost = law.lost(warm as f32, voxel.exposure, voxel.caps);
             let swept = (warm as f32 - patch.theta[index]) / seconds;
             assert!((swept / lost - 1.0).abs() < 2e-2, "{swept} and {lost}");
@@ -233,11 +234,11 @@ fn what_crosses_the_border_of_a_region_is_what_its_window_loses() {
         let flows = far.step(2.0, &border, &tally, &law, top);
         rim.set(&mut window, &flows);
         let own_top = (top - window.origin[2]).min(window.shape.rows - 1);
-        let mut memory = Rates::default();
+        let mut memory = Kept::default();
         for _ in 0..40 {
-            let (a, b) = (0.05, 0.05 * 0.05 / 2.0);
+            let stages = Quadratic { a: 0.05, b: 0.05 * 0.05 / 2.0 };
             let patch = &mut window;
-            Pair { law: &law, patch, a, b, held: None, top: own_top }.sweep(&mut memory);
+            Pair { law: &law, patch, stages, held: None, top: own_top }.sweep(&mut memory);
         }
         let (gained, coarse) = (inside(&window) - before, blocks(&far) - blocks_before);
         assert!((gained - coarse).abs() < 2e-5 * before, "{gained} and {coarse} of {before}");
@@ -268,11 +269,11 @@ fn a_smooth_difference_evens_out_as_it_does_in_short_steps() {
         far.step(seconds, &[], &tally, &law, top);
         far.end(long.make_mut().patch, &tally, &law, top);
         let dt = 0.05;
-        let mut memory = Rates::default();
+        let mut memory = Kept::default();
         for _ in 0..(seconds / dt).round() as usize {
             let patch = short.make_mut().patch;
-            let (a, b) = (dt as f32, (dt * dt / 2.0) as f32);
-            Pair { law: &law, patch, a, b, held: None, top }.sweep(&mut memory);
+            let stages = Quadratic { a: dt as f32, b: (dt * dt / 2.0) as f32 };
+            Pair { law: &law, patch, stages, held: None, top }.sweep(&mut memory);
         }
         let error = long.patch.theta[..].iter().zip(&short.patch.theta[..]);
         let error = error.map(|(long, short)| (long - short).abs()).fold(0.0, f32::max);
