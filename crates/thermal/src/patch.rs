@@ -70,6 +70,22 @@ impl Line {
         if faces == [faces[0]; LINE] { Self(faces[0]) } else { Self::MIXED }
     }
 
+    /// How many lines at the start of some are equal to this one: eight at a time, for loads are what limits a sweep.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "sweeps ask for every run of lines")]
+    pub(crate) fn run(self, lines: &[Self]) -> usize {
+        let equal = u64::from_le_bytes([self.0; 8]);
+        let mut count = 0;
+        while let Some(eight) = lines[count..].first_chunk() {
+            let differences = equal ^ u64::from_le_bytes(eight.map(|Self(byte)| byte));
+            if differences != 0 {
+                return count + differences.trailing_zeros() as usize / 8;
+            }
+            count += 8;
+        }
+        count + lines[count..].iter().take_while(|&&line| line == self).count()
+    }
+
     /// With some of its voxels changed.
     pub(crate) fn cut(self) -> Self {
         if self == Self::EMPTY { self } else { Self::MIXED }
@@ -169,6 +185,30 @@ impl Patch {
             self.activity.set(index, change.voxel, if end { change.line.cut() } else { change.line });
             if change.born {
                 self.theta[index] = law.birth;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    use super::*;
+
+    #[test]
+    fn runs_are_as_long_as_lines_are_equal() {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(0);
+        for _ in 0..2000 {
+            let kinds = [Line::EMPTY, Line::MIXED, Line(face::INTERIOR), Line(face::INTERIOR - face::ABOVE)];
+            let mut lines = Vec::new();
+            for _ in 0..random.random_range(0..8) {
+                lines.extend(vec![kinds[random.random_range(0..4)]; random.random_range(1..20)]);
+            }
+            for (i, line) in lines.iter().enumerate() {
+                let equal = lines[i..].iter().take_while(|&other| other == line).count();
+                assert_eq!(line.run(&lines[i..]), equal);
             }
         }
     }

@@ -251,10 +251,7 @@ impl Iterator for Runs<'_> {
     fn next(&mut self) -> Option<Self::Item> {
         let begin = self.begin;
         let line = *self.lines.get(begin)?;
-        self.begin += 1;
-        while self.lines.get(self.begin) == Some(&line) {
-            self.begin += 1;
-        }
+        self.begin += line.run(&self.lines[begin..]);
         Some((line, begin * self.lanes, self.begin * self.lanes))
     }
 }
