@@ -41,7 +41,9 @@ impl Explicit {
     /// In so many threads of the current pool; births of the plain scheme take one.
     pub(crate) fn run(&mut self, mut state: StateMut<'_>, law: &Law, pieces: &[Piece], threads: usize) {
         self.kept.threads = threads;
-        self.scratch.clone_from(&state.patch.theta);
+        if self.scheme == Scheme::Euler {
+            self.scratch.clone_from(&state.patch.theta);
+        }
         for piece in pieces {
             if let Some(at) = piece.held.filter(|_| piece.born) {
                 state.voxels.birth(at, state.patch, law, &mut self.changes);

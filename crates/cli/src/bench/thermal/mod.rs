@@ -19,6 +19,7 @@ use beadwork_thermal::{Accuracy, Material, Method, Process, Simulation};
 use clap::ValueEnum;
 use serde_json::json;
 
+use self::growth::FOOT;
 use crate::heat_parts::HeatPart;
 use crate::{machine, output};
 
@@ -30,7 +31,7 @@ use crate::{machine, output};
 /// Examples:
 ///   beadwork bench thermal                            everything: about ten minutes
 ///   beadwork bench thermal --what parts --part u      time and errors of one part
-///   beadwork bench thermal --what growth --cube 32 --cube 64
+///   beadwork bench thermal --what growth --cube 32 --cube 64 --tower 32
 ///   beadwork bench thermal --what growth --svg growth.svg
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
@@ -45,12 +46,15 @@ pub(super) struct ThermalArgs {
     #[arg(long, value_name = "NAME", default_value = "zigzag-x-0")]
     pattern: Pattern,
     /// Sides of the cubes whose time is measured.
-    #[arg(long = "cube", value_name = "VOXELS", default_values_t = [24, 32, 48, 64, 96, 128])]
+    #[arg(long = "cube", value_name = "VOXELS", default_values_t = [24, 32, 48, 64, 96, 128], value_parser = clap::value_parser!(u32).range(1..))]
     cubes: Vec<u32>,
+    /// Heights of the towers whose time is measured, 64 x 64 voxels at their foot.
+    #[arg(long = "tower", value_name = "VOXELS", default_values_t = [16, 32, 64, 128, 256, 512], value_parser = clap::value_parser!(u32).range(1..))]
+    towers: Vec<u32>,
     /// Times each figure of parts is measured; the median is shown.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..))]
     repeats: u64,
-    /// Draw the time for each birth against the voxels of the cubes.
+    /// Draw the time for each birth against the voxels of the cubes and towers.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
     /// Print one JSON document.
@@ -66,7 +70,7 @@ enum What {
     Parts,
     /// All 38 patterns of each layer, and forks on two threads.
     Patterns,
-    /// Time of cubes against their size.
+    /// Time of cubes and of towers against their size.
     Growth,
 }
 
@@ -104,13 +108,15 @@ pub(super) fn run(args: &ThermalArgs) -> anyhow::Result<()> {
         document["patterns"] = json!(patterns);
     }
     if wanted(What::Growth) {
-        let rows = args.cubes.iter().map(|&side| growth::measure(side));
-        let rows = rows.collect::<anyhow::Result<Vec<_>>>()?;
-        write!(text, "\n{}", growth::table(&rows)?)?;
-        document["growth"] = json!(rows);
+        let cubes = args.cubes.iter().map(|&side| growth::measure([side; 3]));
+        let cubes = cubes.collect::<anyhow::Result<Vec<_>>>()?;
+        let towers = args.towers.iter().map(|&height| growth::measure([FOOT, FOOT, height]));
+        let towers = towers.collect::<anyhow::Result<Vec<_>>>()?;
+        write!(text, "\n{}\n{}", growth::table(&cubes)?, growth::table(&towers)?)?;
         if let Some(path) = &args.svg {
-            output::file(path, growth::svg(&rows)?)?;
+            output::file(path, growth::svg(&cubes, &towers)?)?;
         }
+        document["growth"] = json!({ "cubes": cubes, "towers": towers });
     }
     if args.json { output::json(&document) } else { output::text(&text) }
 }
