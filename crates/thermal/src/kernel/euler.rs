@@ -4,9 +4,11 @@
 
 use pulp::{Simd, WithSimd};
 
+use super::pair::first_stage;
+use super::stages::TwoSteps;
 use super::{Equation, Planes, Runs};
-use crate::law::{Law, face};
-use crate::patch::{Activity, Kind, Shape};
+use crate::law::Law;
+use crate::patch::{Activity, Shape};
 
 /// One explicit step of a whole patch, from one array into another: the plain scheme.
 pub(crate) struct Euler<'a> {
@@ -34,39 +36,14 @@ impl Euler<'_> {
     fn step<S: Simd, const RESISTANCE: bool>(self, s: S) {
         let Self { law, shape, activity, from, to, top, seconds } = self;
         let (row, plane) = (shape.row, shape.plane());
-        let dt = s.splat_f32s(seconds);
         let swept = (top - 1) * row;
         for y in 1..shape.planes - 1 {
             let start = y * plane + row;
             let around = Planes::of([y - 1, y, y + 1].map(|y| &from[y * plane..]), swept, row);
             let equation = Equation::<S, RESISTANCE>::new(s, law, activity, around, start, false);
-            let n = equation.len();
-            let to = &mut S::as_mut_simd_f32s(&mut to[start..start + swept]).0[..n];
-            for (line, begin, end) in Runs::new::<S>(activity, start, swept) {
-                let run = begin..end.min(n);
-                match line.kind() {
-                    Kind::Empty => {}
-                    Kind::Uniform(face::INTERIOR) => {
-                        let [damping, ..] = equation.uniform_voxels(face::INTERIOR);
-                        for i in run {
-                            to[i] = s.mul_add_f32s(dt, equation.closed(i, damping), equation.here(i));
-                        }
-                    }
-                    Kind::Uniform(faces) => {
-                        let voxels = equation.uniform_voxels(faces);
-                        for i in run {
-                            let here = equation.here(i);
-                            to[i] = s.mul_add_f32s(dt, equation.open(i, voxels, here), here);
-                        }
-                    }
-                    Kind::Mixed => {
-                        for i in run {
-                            let here = equation.here(i);
-                            to[i] = s.mul_add_f32s(dt, equation.mixed(i, here), here);
-                        }
-                    }
-                }
-            }
+            let runs = Runs::new::<S>(activity, start, swept);
+            let to = &mut to[start..start + swept];
+            first_stage(s, &equation, runs, TwoSteps { seconds }, to, false);
         }
     }
 }

@@ -189,7 +189,8 @@ impl<T: Stages> Slab<'_, T> {
                 let equation = Equation::<S, RESISTANCE>::new(s, law, activity, around, start, false);
                 let here = y % 3 * plane;
                 let runs = Runs::new::<S>(activity, start, swept);
-                first_stage(s, &equation, runs, stages, &mut kept[here + row..][..swept]);
+                let rows = &mut kept[here + row..][..swept];
+                first_stage(s, &equation, runs, stages, rows, true);
                 if let Some(held) = held.filter(|held| held / plane == y) {
                     kept[here + held % plane] = T::held(law);
                 }
@@ -210,20 +211,22 @@ impl<T: Stages> Slab<'_, T> {
     }
 }
 
-/// The numbers kept of one plane.
+/// The numbers kept of one plane; where it has no voxels, they are cleared if another plane's may stand there.
 #[inline(always)]
-fn first_stage<S: Simd, const RESISTANCE: bool>(
+pub(super) fn first_stage<S: Simd, const RESISTANCE: bool>(
     s: S,
     equation: &Equation<'_, S, RESISTANCE>,
     runs: Runs<'_>,
     stages: impl Stages,
     kept: &mut [f32],
+    clear: bool,
 ) {
     let n = equation.len();
     let kept = &mut S::as_mut_simd_f32s(kept).0[..n];
     for (line, begin, end) in runs {
         let run = begin..end.min(n);
         match line.kind() {
+            Kind::Empty if !clear => {}
             Kind::Empty => {
                 for i in run {
                     kept[i] = equation.nothing();
