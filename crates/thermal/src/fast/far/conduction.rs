@@ -3,23 +3,11 @@
 //! Blocks at the part's border may be filled in part: each has the heat capacity of its voxels, and is linked to the next
 //! by as many faces as their voxels share (`tally.rs` counts them).
 
-use crate::kernel::dispatch;
+use crate::aligned::Aligned;
 use crate::law::Law;
 use crate::tally::{Block, Tally};
 
-use super::super::chebyshev::Polynomial;
 use super::Region;
-
-/// What has crossed from a block to another one.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Crossing {
-    pub(super) from: usize,
-    pub(super) to: usize,
-    /// Conductance, 1/s in voxels.
-    pub(super) link: f32,
-    /// K in voxels.
-    pub(super) sum: f32,
-}
 
 /// How far a block's voxels reach from a face that it shares with so many of them: in voxels.
 fn reach(block: &Block, faces: u16, axis: usize, tally: &Tally) -> f32 {
@@ -40,24 +28,21 @@ fn link(block: &Block, next: &Block, axis: usize, tally: &Tally, law: &Law) -> f
 #[derive(Debug, Default)]
 pub(super) struct Conduction {
     /// To the next blocks along x, y and z, 1/s in voxels.
-    links: [Vec<f32>; 3],
-    /// To plate and air.
-    losses: Vec<f32>,
+    pub(super) links: [Aligned; 3],
+    /// To plate and air, 1/s in voxels.
+    pub(super) losses: Aligned,
     /// 1 over the number of voxels; 0 for blocks without any.
-    share: Vec<f32>,
+    pub(super) share: Aligned,
     /// A bound on the rates at which differences between blocks die out, 1/s.
-    fastest: f32,
-    /// Rates of change of the blocks.
-    slope: Vec<f32>,
+    pub(super) fastest: f32,
 }
 
 impl Conduction {
     /// Of so many blocks without any voxels.
     pub(super) fn reset(&mut self, len: usize) {
-        let Self { links: [x, y, z], losses, share, fastest, slope } = self;
-        for numbers in [x, y, z, losses, share, slope] {
-            numbers.clear();
-            numbers.resize(len, 0.0);
+        let Self { links: [x, y, z], losses, share, fastest } = self;
+        for numbers in [x, y, z, losses, share] {
+            numbers.reset(len);
         }
         *fastest = 0.0;
     }
@@ -82,8 +67,13 @@ impl Conduction {
                     self.fastest = self.fastest.max(inner_fastest);
                     continue;
                 }
+                if block.voxels == 0 {
+                    (0..3).for_each(|axis| self.links[axis][i] = 0.0);
+                    (self.share[i], self.losses[i]) = (0.0, 0.0);
+                    continue;
+                }
                 (0..3).for_each(|axis| self.links[axis][i] = link_at(i, axis));
-                self.share[i] = if block.voxels > 0 { 1.0 / f32::from(block.voxels) } else { 0.0 };
+                self.share[i] = 1.0 / f32::from(block.voxels);
                 let plate = if law.plate && block.plate > 0 {
                     2.0 * law.vertical * f32::from(block.plate) / reach(block, block.plate, 2, tally)
                 } else {
@@ -98,7 +88,8 @@ impl Conduction {
                 self.links[axis][i] = link_at(i, axis);
             }
         }
-        for i in region.blocks(tally).filter(|&i| tally.blocks[i] != whole) {
+        let part = |i: &usize| tally.blocks[*i].voxels > 0 && tally.blocks[*i] != whole;
+        for i in region.blocks(tally).filter(part) {
             let out: f32 = (0..3).map(|axis| self.links[axis][i] + self.links[axis][i - strides[axis]]).sum();
             self.fastest = self.fastest.max((2.0 * out + self.losses[i]) * self.share[i]);
         }
@@ -122,66 +113,5 @@ impl Conduction {
     /// The conductance between a block and the next along an axis, 1/s in voxels.
     pub(super) fn link(&self, block: usize, axis: usize) -> f32 {
         self.links[axis][block]
-    }
-
-    /// Takes temperatures through a time, in which all blocks also change by rates of their own, K/s, and adds what crosses
-    /// between some of them.
-    pub(super) fn evolve(
-        &mut self,
-        w: &mut [f32],
-        rates: &[f32],
-        seconds: f64,
-        tally: &Tally,
-        layers: usize,
-        crossings: &mut [Crossing],
-    ) {
-        let polynomial = Polynomial::reaching(seconds * f64::from(self.fastest));
-        let mut slope = std::mem::take(&mut self.slope);
-        for factor in &polynomial.factors {
-            let (a, b) = ((factor.a * seconds) as f32, (factor.b * seconds * seconds) as f32);
-            let planes = (1..tally.shape.planes - 1).map(|y| {
-                let start = tally.shape.index([0, y, 1]);
-                start..start + layers * tally.shape.row
-            });
-            for range in planes.clone() {
-                let (start, rates) = (range.start, &rates[range]);
-                dispatch(|| {
-                    self.flow(w, rates, start, tally, [0.0, 1.0, 1.0], &mut slope);
-                });
-            }
-            for Crossing { from, to, link, sum } in &mut *crossings {
-                *sum += *link * (a * (w[*from] - w[*to]) + b * (slope[*from] - slope[*to]));
-            }
-            for range in planes {
-                let (start, rates) = (range.start, &slope[range]);
-                dispatch(|| self.flow(&slope, rates, start, tally, [1.0, b, a], w));
-            }
-        }
-        self.slope = slope;
-    }
-
-    /// For a range of blocks: so many times what it is, what flows in where `w` are temperatures, and what is added.
-    #[inline(always)]
-    #[expect(clippy::inline_always, reason = "to be compiled for the lanes of the processor")]
-    fn flow(&self, w: &[f32], added: &[f32], start: usize, tally: &Tally, times: [f32; 3], out: &mut [f32]) {
-        let (row, plane, n) = (tally.shape.row, tally.shape.plane(), added.len());
-        let [x, y, z] = &self.links;
-        let here = &w[start..][..n];
-        let (left, right) = (&w[start - 1..][..n], &w[start + 1..][..n]);
-        let (back, front) = (&w[start - plane..][..n], &w[start + plane..][..n]);
-        let (below, above) = (&w[start - row..][..n], &w[start + row..][..n]);
-        let (to_left, to_right) = (&x[start - 1..][..n], &x[start..][..n]);
-        let (to_back, to_front) = (&y[start - plane..][..n], &y[start..][..n]);
-        let (to_below, to_above) = (&z[start - row..][..n], &z[start..][..n]);
-        let (losses, share, out) =
-            (&self.losses[start..][..n], &self.share[start..][..n], &mut out[start..][..n]);
-        for i in 0..n {
-            let own = here[i];
-            let in_x = to_left[i] * (left[i] - own) + to_right[i] * (right[i] - own);
-            let in_y = to_back[i] * (back[i] - own) + to_front[i] * (front[i] - own);
-            let in_z = to_below[i] * (below[i] - own) + to_above[i] * (above[i] - own);
-            let flow = (in_x + in_y + in_z - losses[i] * own) * share[i];
-            out[i] = times[0] * out[i] + times[1] * flow + times[2] * added[i];
-        }
     }
 }

@@ -1,5 +1,11 @@
 //! From blocks to their voxels: linear between the blocks' middles, and in the mean of each block the block's own.
 
+#![expect(clippy::inline_always, reason = "only what is inlined is compiled for the processor's lanes")]
+
+use std::ops::Range;
+
+use pulp::{Simd, WithSimd};
+
 use crate::kernel::dispatch;
 use crate::law::Law;
 use crate::patch::Patch;
@@ -40,6 +46,25 @@ fn weight(within: usize, fold: usize) -> (f32, bool) {
 impl Spread<'_> {
     /// Adds the numbers of a region to the temperatures of its voxels, which are the whole inside of a patch.
     pub(super) fn add(self, patch: &mut Patch, region: Region, tally: &Tally, lines: &mut Lines) {
+        dispatch(Add { spread: self, patch, region, tally, lines });
+    }
+}
+
+/// What [`Spread::add`] does.
+struct Add<'a> {
+    spread: Spread<'a>,
+    patch: &'a mut Patch,
+    region: Region,
+    tally: &'a Tally,
+    lines: &'a mut Lines,
+}
+
+impl WithSimd for Add<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { spread: Spread { blocks: numbers, share, times }, patch, region, tally, lines } = self;
         let (coarse, [fold, deep, high]) = (tally.shape, tally.fold);
         let row = patch.shape.row;
         // Blocks of a patch's row, with one more at each end.
@@ -49,7 +74,7 @@ impl Spread<'_> {
         spread.resize(blocks * fold, 0.0);
         rows.resize(deep * high * row, 0.0);
         sums.resize(row, 0.0);
-        let at = |y: usize, z: usize| &self.blocks[coarse.index([first_x, y, z])..][..blocks];
+        let at = |y: usize, z: usize| &numbers[coarse.index([first_x, y, z])..][..blocks];
         let next = |block: usize, after: bool| if after { block + 1 } else { block - 1 };
         for (y, z) in region.rows() {
             sums.fill(0.0);
@@ -64,14 +89,12 @@ impl Spread<'_> {
                 let (ny, nz) = (next(y, after_y), next(z, after_z));
                 let corners = [at(y, z), at(ny, z), at(y, nz), at(ny, nz)];
                 let damping = &patch.activity.damping[patch.shape.index([0, plane, voxels])..][..row];
-                dispatch(|| {
-                    mix(mixed, corners, by_y, by_z);
-                    repeat(spread, mixed);
-                    smooth(line, spread, damping, sums);
-                });
+                mix(mixed, corners, by_y, by_z);
+                repeat(spread, mixed);
+                smooth(line, spread, damping, sums);
             }
             let start = coarse.index([first_x + 1, y, z]);
-            let lacking = self.blocks[start..].iter().zip(&self.share[start..]);
+            let lacking = numbers[start..].iter().zip(&share[start..]);
             for (sums, (number, share)) in sums[1..row - 1].chunks_exact_mut(fold).zip(lacking) {
                 sums.fill(number - sums.iter().sum::<f32>() * share);
             }
@@ -79,7 +102,7 @@ impl Spread<'_> {
                 let start = patch.shape.index([0, plane, voxels]);
                 let damping = &patch.activity.damping[start..][..row];
                 let theta = &mut patch.theta[start..][..row];
-                dispatch(|| add(theta, line, damping, sums, self.times));
+                add(theta, line, damping, sums, times);
             }
         }
     }
@@ -87,7 +110,6 @@ impl Spread<'_> {
 
 /// Interpolates between four lines of blocks, in two directions.
 #[inline(always)]
-#[expect(clippy::inline_always, reason = "to be compiled for the lanes of the processor")]
 fn mix(mixed: &mut [f32], [own, beside, over, across]: [&[f32]; 4], by_y: f32, by_z: f32) {
     let n = mixed.len();
     let (own, beside, over, across) = (&own[..n], &beside[..n], &over[..n], &across[..n]);
@@ -100,7 +122,6 @@ fn mix(mixed: &mut [f32], [own, beside, over, across]: [&[f32]; 4], by_y: f32, b
 
 /// Gives both voxels of each block its number.
 #[inline(always)]
-#[expect(clippy::inline_always, reason = "to be compiled for the lanes of the processor")]
 fn repeat(spread: &mut [f32], blocks: &[f32]) {
     for (voxels, &block) in spread.chunks_exact_mut(2).zip(blocks) {
         voxels.fill(block);
@@ -110,7 +131,6 @@ fn repeat(spread: &mut [f32], blocks: &[f32]) {
 /// Interpolates along a line, in which each block's number stands twice: the voxel at `i` stands at `i + 1` there. Gives 0
 /// where none is active, and adds all to the sums.
 #[inline(always)]
-#[expect(clippy::inline_always, reason = "to be compiled for the lanes of the processor")]
 fn smooth(line: &mut [f32], spread: &[f32], damping: &[f32], sums: &mut [f32]) {
     let n = line.len();
     let (before, here, after) = (&spread[..n], &spread[1..][..n], &spread[2..][..n]);
@@ -124,7 +144,6 @@ fn smooth(line: &mut [f32], spread: &[f32], damping: &[f32], sums: &mut [f32]) {
 
 /// Adds so many times a line's numbers, and what its blocks still lack.
 #[inline(always)]
-#[expect(clippy::inline_always, reason = "to be compiled for the lanes of the processor")]
 fn add(theta: &mut [f32], line: &[f32], damping: &[f32], lacking: &[f32], times: f32) {
     let n = theta.len();
     let (line, damping, lacking) = (&line[..n], &damping[..n], &lacking[..n]);
@@ -143,20 +162,19 @@ pub(super) fn extend(blocks: &mut [f32], known: &mut [bool], region: Region, tal
         low: region.low.map(|low| low.saturating_sub(3)),
         high: [0, 1, 2].map(|axis: usize| (region.high[axis] + 3).min(ends[axis])),
     };
-    let mut empty: Vec<usize> = Vec::new();
-    for line in around.lines(tally) {
-        empty.extend(line.filter(|&i| !known[i]));
-    }
-    let mut all = Vec::new();
+    let (mut all, mut edge) = (Vec::new(), Vec::new());
     // Three times: across faces, edges and corners.
     for _ in 0..3 {
         let begin = all.len();
-        for &i in empty.iter().filter(|&&i| !known[i]) {
-            let beside = strides.into_iter().flat_map(|stride| [i.wrapping_sub(stride), i + stride]);
-            let near = beside.filter(|&j| known.get(j) == Some(&true));
-            let (sum, count) = near.fold((0.0, 0.0), |(sum, count), j| (sum + blocks[j], count + 1.0));
-            if count > 0.0 {
-                all.push((i, sum / count));
+        for line in around.lines(tally) {
+            beside_known(&mut edge, known, line.clone(), strides);
+            for (i, _) in line.zip(&edge).filter(|&(_, edge)| *edge) {
+                let beside = strides.into_iter().flat_map(|stride| [i.wrapping_sub(stride), i + stride]);
+                let near = beside.filter(|&j| known.get(j) == Some(&true));
+                let (sum, count) = near.fold((0.0, 0.0), |(sum, count), j| (sum + blocks[j], count + 1.0));
+                if count > 0.0 {
+                    all.push((i, sum / count));
+                }
             }
         }
         for &(i, number) in &all[begin..] {
@@ -174,4 +192,19 @@ pub(super) fn extend(blocks: &mut [f32], known: &mut [bool], region: Region, tal
             }
         }
     }
+}
+
+/// Which blocks of a line are not known, but may have a known one beside them: all lines are asked, and few blocks are.
+fn beside_known(edge: &mut Vec<bool>, known: &[bool], line: Range<usize>, strides: [usize; 3]) {
+    edge.clear();
+    let here = &known[line.clone()];
+    let most = strides.into_iter().max().unwrap_or(0);
+    if line.start < most || line.end + most > known.len() {
+        edge.extend(here.iter().map(|known| !known));
+        return;
+    }
+    let n = here.len();
+    let [x, y, z] = strides.map(|s| [&known[line.start - s..][..n], &known[line.start + s..][..n]]);
+    let beside = |i: usize| x[0][i] | x[1][i] | y[0][i] | y[1][i] | z[0][i] | z[1][i];
+    edge.extend((0..n).map(|i| !here[i] & beside(i)));
 }

@@ -1,5 +1,9 @@
 //! What blocks are told by their voxels: their means, and what surfaces exchange with plate and air.
 
+#![expect(clippy::inline_always, reason = "only what is inlined is compiled for the processor's lanes")]
+
+use pulp::{Simd, WithSimd};
+
 use crate::aligned::LINE;
 use crate::kernel::dispatch;
 use crate::law::Law;
@@ -30,7 +34,26 @@ impl Sums {
 
     /// Takes the sums of a region, whose voxels are the inside of a patch; rows of the part from `top` on are empty.
     pub(super) fn take(&mut self, patch: &Patch, region: Region, tally: &Tally, law: &Law, top: usize) {
-        let Self { theta, gains, lines } = self;
+        dispatch(Take { sums: self, patch, region, tally, law, top });
+    }
+}
+
+/// What [`Sums::take`] does.
+struct Take<'a> {
+    sums: &'a mut Sums,
+    patch: &'a Patch,
+    region: Region,
+    tally: &'a Tally,
+    law: &'a Law,
+    top: usize,
+}
+
+impl WithSimd for Take<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { sums: Sums { theta, gains, lines }, patch, region, tally, law, top } = self;
         let [warm, gained] = lines;
         let (fine, fold) = (patch.shape, tally.fold);
         let row = fine.row;
@@ -44,7 +67,7 @@ impl Sums {
                 for z in rows.clone().take_while(|z| z + patch.origin[2] < top) {
                     let start = fine.index([0, plane, z]);
                     let theta = &patch.theta[start..][..row];
-                    dispatch(|| add(warm, theta));
+                    add(warm, theta);
                     for (i, line) in patch.activity.lines[start / LINE..][..row / LINE].iter().enumerate() {
                         if line.is_open() {
                             let caps = patch.activity.caps.get(start..).unwrap_or(&[]);
@@ -52,12 +75,12 @@ impl Sums {
                             let (theta, gained) = (&theta[range.clone()], &mut gained[range.clone()]);
                             let exposure = &patch.activity.exposure[start..][range.clone()];
                             let caps = caps.get(range).unwrap_or(exposure);
-                            dispatch(|| lose(gained, theta, exposure, caps, law));
+                            lose(gained, theta, exposure, caps, law);
                         }
                     }
                     if law.plate && z + patch.origin[2] == 1 {
                         let damping = &patch.activity.damping[start..][..row];
-                        dispatch(|| touch(gained, theta, damping, law));
+                        touch(gained, theta, damping, law);
                     }
                 }
             }
@@ -73,14 +96,12 @@ impl Sums {
 }
 
 #[inline(always)]
-#[expect(clippy::inline_always, reason = "to be compiled for the lanes of the processor")]
 fn add(sums: &mut [f32], numbers: &[f32]) {
     sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number);
 }
 
 /// Takes off what goes to the air.
 #[inline(always)]
-#[expect(clippy::inline_always, reason = "to be compiled for the lanes of the processor")]
 fn lose(gained: &mut [f32], theta: &[f32], exposure: &[f32], caps: &[f32], law: &Law) {
     let n = gained.len();
     let (theta, exposure, caps) = (&theta[..n], &exposure[..n], &caps[..n]);
@@ -91,7 +112,6 @@ fn lose(gained: &mut [f32], theta: &[f32], exposure: &[f32], caps: &[f32], law: 
 
 /// Adds what the plate gives to the lowest voxels.
 #[inline(always)]
-#[expect(clippy::inline_always, reason = "to be compiled for the lanes of the processor")]
 fn touch(gained: &mut [f32], theta: &[f32], damping: &[f32], law: &Law) {
     let n = gained.len();
     let (theta, damping) = (&theta[..n], &damping[..n]);

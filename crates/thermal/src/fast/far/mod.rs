@@ -13,15 +13,18 @@
 
 mod border;
 mod conduction;
+mod evolution;
 mod interpolation;
 mod look;
 mod region;
 
+use crate::aligned::Aligned;
 use crate::law::Law;
 use crate::patch::Patch;
 use crate::tally::Tally;
 
-use self::conduction::{Conduction, Crossing};
+use self::conduction::Conduction;
+use self::evolution::{Crossing, Evolution};
 use self::interpolation::{Lines, Spread};
 use self::look::Sums;
 
@@ -34,17 +37,18 @@ pub(super) struct FarField {
     /// Whether there is a change that voxels do not show yet.
     goes_on: bool,
     conduction: Conduction,
+    evolution: Evolution,
     sums: Sums,
     /// Mean temperatures of the blocks above the air, U, K.
-    theta: Vec<f32>,
+    theta: Aligned,
     /// What they are without the change that their voxels do not show yet, K.
-    shown: Vec<f32>,
+    shown: Aligned,
     /// Rates of the blocks that their voxels know better, s, K/s.
-    rates: Vec<f32>,
+    rates: Aligned,
     /// Whether a block has voxels that were looked at.
     known: Vec<bool>,
     /// Change of the blocks, K.
-    change: Vec<f32>,
+    change: Aligned,
     lines: Lines,
 }
 
@@ -57,8 +61,7 @@ impl FarField {
         let Self { conduction, sums, theta, shown, rates, known, change, .. } = self;
         let len = tally.shape.len();
         for numbers in [theta, shown, rates, change] {
-            numbers.clear();
-            numbers.resize(len, 0.0);
+            numbers.reset(len);
         }
         known.clear();
         known.resize(len, false);
@@ -109,13 +112,13 @@ impl FarField {
         law: &Law,
         top: usize,
     ) -> Flows {
-        let Self { conduction, theta, rates, .. } = self;
+        let Self { conduction, evolution, theta, rates, .. } = self;
         let crossing = |border: &Border| {
             let link = conduction.link(border.first(), border.axis);
             Crossing { from: border.inside, to: border.outside, link, sum: 0.0 }
         };
         let mut crossings: Vec<Crossing> = border.iter().map(crossing).collect();
-        conduction.evolve(theta, rates, seconds, tally, tally.layers(top), &mut crossings);
+        evolution.advance(conduction, theta, rates, seconds, tally, tally.layers(top), &mut crossings);
         let crossed = crossings.iter().map(|crossing| crossing.sum);
         Flows::new(border.iter().zip(crossed), seconds, tally, law)
     }

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+use super::super::chebyshev::Polynomial;
 use super::*;
 use crate::kernel::{Kept, Pair, Quadratic};
 use crate::material::Material;
@@ -281,5 +282,114 @@ fn a_smooth_difference_evens_out_as_it_does_in_short_steps() {
         assert!(error < [0.05, 0.05, 0.5][axis], "axis {axis}: {error}");
         let lost = heat(&long) / before - 1.0;
         assert!(lost.abs() < 3e-6, "axis {axis}: {lost} of the heat is lost");
+    }
+}
+
+/// Stage after stage, each of all blocks.
+fn evolve_slowly(
+    conduction: &Conduction,
+    w: &mut [f32],
+    rates: &[f32],
+    seconds: f64,
+    tally: &Tally,
+    layers: usize,
+    crossings: &mut [Crossing],
+) {
+    let [sx, sy, sz] = tally.strides();
+    let [x, y, z] = &conduction.links;
+    let flow = |w: &[f32], i: usize| {
+        let to = |link: f32, next: usize| link * (w[next] - w[i]);
+        let in_x = to(x[i - sx], i - sx) + to(x[i], i + sx);
+        let in_y = to(y[i - sy], i - sy) + to(y[i], i + sy);
+        let in_z = to(z[i - sz], i - sz) + to(z[i], i + sz);
+        (in_x + in_y + in_z - conduction.losses[i] * w[i]) * conduction.share[i]
+    };
+    let all: Vec<_> = places([tally.shape.row - 2, tally.shape.planes - 2, layers])
+        .map(|at| tally.shape.index(at))
+        .collect();
+    for factor in &Polynomial::reaching(seconds * f64::from(conduction.fastest)).factors {
+        let [a, b] = [factor.a * seconds, factor.b * seconds * seconds].map(|number| number as f32);
+        let mut slope = vec![0.0; w.len()];
+        all.iter().for_each(|&i| slope[i] = flow(w, i) + rates[i]);
+        for Crossing { from, to, link, sum } in &mut *crossings {
+            *sum += *link * (a * (w[*from] - w[*to]) + b * (slope[*from] - slope[*to]));
+        }
+        all.iter().for_each(|&i| w[i] = w[i] + b * flow(&slope, i) + a * slope[i]);
+    }
+}
+
+#[test]
+fn stages_that_share_the_planes_do_what_they_do_one_after_the_other() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(6);
+    // Kept from case to case, as from step to step.
+    let mut evolution = Evolution::default();
+    for _ in 0..1000 {
+        let (state, law) = random_state(&mut random);
+        let (tally, top) = (state.occupancy.tally(), state.top);
+        let (len, layers) = (tally.shape.len(), tally.layers(top));
+        let mut known: Vec<f32> = vec![0.0; len];
+        let mut rates = known.clone();
+        for i in Region::whole(tally, top).blocks(tally).filter(|&i| tally.blocks[i].voxels > 0) {
+            (known[i], rates[i]) = (random.random_range(0.0..200.0), random.random_range(-5.0..5.0));
+        }
+        let mut conduction = Conduction::default();
+        conduction.reset(len);
+        conduction.weigh(Region::whole(tally, top), tally, &law, &known);
+        let (region, _) = random_region(&mut random, &state);
+        let crossing = |Border { axis, inside, outside }: Border| {
+            let link = conduction.link(inside.min(outside), axis);
+            Crossing { from: inside, to: outside, link, sum: 0.0 }
+        };
+        let crossings: Vec<_> = region.border(tally).map(crossing).collect();
+        let seconds = 10.0_f64.powf(random.random_range(-2.0..1.5));
+        let mut ways = [known.clone(), known].map(|theta| (theta, crossings.clone()));
+        let [(theta, crossings), (slow_theta, slow_crossings)] = &mut ways;
+        evolution.advance(&conduction, theta, &rates, seconds, tally, layers, crossings);
+        evolve_slowly(&conduction, slow_theta, &rates, seconds, tally, layers, slow_crossings);
+        assert_eq!(theta, slow_theta);
+        let sums = |crossings: &[Crossing]| crossings.iter().map(|crossing| crossing.sum).collect::<Vec<_>>();
+        assert_eq!(sums(crossings), sums(slow_crossings));
+    }
+}
+
+#[test]
+fn blocks_without_voxels_get_the_means_of_those_beside_them() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
+    for _ in 0..1000 {
+        let (state, law) = random_state(&mut random);
+        let (tally, shape) = (state.occupancy.tally(), state.occupancy.tally().shape);
+        let filled = random.random_range(0.0..1.0);
+        let known: Vec<bool> =
+            tally.blocks.iter().map(|block| block.voxels > 0 && random.random_bool(filled)).collect();
+        let numbers: Vec<f32> =
+            known.iter().map(|&known| f32::from(u8::from(known)) * random.random::<f32>()).collect();
+        let (region, _) = random_region(&mut random, &state);
+        let (mut extended, mut after) = (numbers.clone(), known.clone());
+        interpolation::extend(&mut extended, &mut after, region, tally, &law);
+        assert_eq!(after, known);
+        let (mut slow, mut known) = (numbers, known);
+        let around = |at: [usize; 3]| {
+            (0..3).all(|i| (region.low[i].saturating_sub(3)..region.high[i] + 3).contains(&at[i]))
+        };
+        let all = (0..shape.rows)
+            .flat_map(|z| (0..shape.planes).flat_map(move |y| (0..shape.row).map(move |x| [x, y, z])));
+        let all: Vec<_> = all.filter(|&at| around(at)).map(|at| shape.index(at)).collect();
+        for _ in 0..3 {
+            let (before, known_before) = (slow.clone(), known.clone());
+            for &i in all.iter().filter(|&&i| !known_before[i]) {
+                let beside =
+                    tally.strides().into_iter().flat_map(|stride| [i.wrapping_sub(stride), i + stride]);
+                let near: Vec<_> =
+                    beside.filter(|&i| known_before.get(i) == Some(&true)).map(|i| before[i]).collect();
+                if !near.is_empty() {
+                    (slow[i], known[i]) = (near.iter().sum::<f32>() / near.len() as f32, true);
+                }
+            }
+        }
+        let plate = |i: &usize| law.plate && (i / shape.row).is_multiple_of(shape.rows);
+        for i in all {
+            let slow = if plate(&i) { -slow[i + shape.row] } else { slow[i] };
+            assert!((extended[i] - slow).abs() < 1e-6, "{} and {slow}", extended[i]);
+        }
     }
 }
