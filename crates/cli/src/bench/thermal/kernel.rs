@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use beadwork_part::Pattern;
 use beadwork_thermal::{Material, Method, Simulation};
+use pulp::{Simd, WithSimd};
 use serde::Serialize;
 
 use super::process;
@@ -15,6 +16,9 @@ use crate::heat_parts::{HeatPart, orders};
 
 /// Numbers in each of the triad's three arrays: together they fill about as much memory as the block's two.
 const TRIAD: usize = 50_000;
+
+/// Numbers in a cache line.
+const LINE: usize = 16;
 
 /// Rates in 10⁹ a second.
 #[derive(Serialize)]
@@ -36,18 +40,14 @@ pub(super) fn measure(repeats: u64) -> anyhow::Result<Kernel> {
     }
     let step_s = part.frame.cell_mm / process.print_mm_s;
     let steps = 4_000;
-    let (b, c) = (vec![1.0_f32; TRIAD], vec![2.0_f32; TRIAD]);
-    let mut a = vec![0.0_f32; TRIAD];
+    let [mut a, mut b, mut c] = [0.0, 1.0, 2.0].map(|number| vec![number; TRIAD + LINE]);
+    let [a, b, c] = [&mut a, &mut b, &mut c].map(|numbers| aligned(numbers));
     let (mut triads, mut updates, mut shares) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..repeats.max(5) {
         let triad = rate(TRIAD * steps, || {
             for _ in 0..steps {
-                pulp::Arch::new().dispatch(|| {
-                    for ((a, b), c) in a.iter_mut().zip(&b).zip(&c) {
-                        *a = b + 0.5 * c;
-                    }
-                });
-                black_box(&mut a);
+                pulp::Arch::new().dispatch(Triad { a, b, c });
+                black_box(&mut *a);
             }
         });
         let update = rate(part.count() * steps, || simulation.pause(step_s * steps as f64));
@@ -56,6 +56,34 @@ pub(super) fn measure(repeats: u64) -> anyhow::Result<Kernel> {
         shares.push(update / triad);
     }
     Ok(Kernel { triad_g_per_s: middle(triads), updates_g_per_s: middle(updates), share: middle(shares) })
+}
+
+/// The numbers from the first on that begins a cache line.
+fn aligned(numbers: &mut [f32]) -> &mut [f32] {
+    let start = numbers.as_ptr().align_offset(4 * LINE).min(LINE);
+    &mut numbers[start..start + TRIAD]
+}
+
+/// Once through the arrays. A type of its own, as closures are not compiled for the widest lanes.
+struct Triad<'a> {
+    a: &'a mut [f32],
+    b: &'a [f32],
+    c: &'a [f32],
+}
+
+impl WithSimd for Triad<'_> {
+    type Output = ();
+
+    #[expect(clippy::inline_always, reason = "only what is inlined is compiled for the processor's lanes")]
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let half = simd.splat_f32s(0.5);
+        let a = S::as_mut_simd_f32s(self.a).0;
+        let [b, c] = [self.b, self.c].map(|numbers| S::as_simd_f32s(numbers).0);
+        for ((a, &b), &c) in a.iter_mut().zip(b).zip(c) {
+            *a = simd.mul_add_f32s(half, c, b);
+        }
+    }
 }
 
 /// 10⁹ things a second.
