@@ -8,6 +8,7 @@
 #![allow(clippy::print_stderr, reason = "a task runner talks to its terminal")]
 
 mod forward;
+mod setup;
 mod test;
 mod tidy;
 mod workspace;
@@ -22,6 +23,9 @@ Usage: cargo xtask WORD [ARGUMENTS]
 Checks:
   test       format, lints, tidy, tests and documentation; stops at the first failure
   tidy       what review forgets: module docs, manifests, trailing blanks, leftovers
+
+Preparation:
+  setup      libtorch for what learns, once for each user; LIBTORCH, where it is set, is checked instead
 
 Work; builds the binary `beadwork` in release and runs it with these words:
   gen-data   write training data
@@ -47,6 +51,7 @@ Examples:
 #[derive(Debug, PartialEq, Eq)]
 enum Task {
     Help,
+    Setup,
     Test,
     Tidy,
     /// All words, for the binary.
@@ -67,6 +72,7 @@ fn main() -> ExitCode {
             let _ = std::io::stdout().write_all(HELP.as_bytes());
             Ok(())
         }
+        Task::Setup => setup::run(),
         Task::Test => test::run(),
         Task::Tidy => tidy::run(),
         Task::Forward(words) => forward::run(&words),
@@ -85,6 +91,7 @@ fn parse(words: Vec<OsString>) -> Result<Task, String> {
     let Some(first) = words.first() else { return Ok(Task::Help) };
     let own = match first.to_str() {
         Some("help" | "--help" | "-h") => return Ok(Task::Help),
+        Some("setup") => Task::Setup,
         Some("test") => Task::Test,
         Some("tidy") => Task::Tidy,
         _ if first.as_encoded_bytes().starts_with(b"-") => {
@@ -113,6 +120,7 @@ mod tests {
     fn own_words_take_no_arguments() {
         assert_eq!(parse(words("test")), Ok(Task::Test));
         assert_eq!(parse(words("tidy")), Ok(Task::Tidy));
+        assert_eq!(parse(words("setup")), Ok(Task::Setup));
         assert!(parse(words("test crates/grid")).is_err());
         assert!(parse(words("--json")).is_err());
     }

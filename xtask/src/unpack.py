@@ -1,0 +1,39 @@
+"""Unpacks what libtorch's build needs from wheels: python3 unpack.py FOLDER WHEEL..."""
+
+import pathlib
+import shutil
+import sys
+import zipfile
+
+# Kernels for the processor and, as libtorch_cpu.so asks for them, the libraries that time graphics cards.
+LIBRARIES = {
+    "libtorch_cpu.so",
+    "libtorch.so",
+    "libc10.so",
+    "libgomp.so.1",
+    "libcupti.so.13",
+    "libcudart.so.13",
+}
+
+
+def place(member: str) -> pathlib.PurePosixPath | None:
+    """Where a member of a wheel belongs, if anywhere."""
+    path = pathlib.PurePosixPath(member)
+    if path.parts[:2] == ("torch", "include"):
+        return path.relative_to("torch")
+    if path.parent.name == "lib" and path.name in LIBRARIES:
+        return pathlib.PurePosixPath("lib", path.name)
+    return None
+
+
+folder, *wheels = map(pathlib.Path, sys.argv[1:])
+for wheel in wheels:
+    with zipfile.ZipFile(wheel) as archive:
+        for member in archive.infolist():
+            where = place(member.filename)
+            if where is None or member.is_dir():
+                continue
+            target = folder / where
+            target.parent.mkdir(parents=True, exist_ok=True)
+            with archive.open(member) as source, target.open("wb") as out:
+                shutil.copyfileobj(source, out, 1 << 20)
