@@ -1,0 +1,175 @@
+//! FusionNet: a U-Net over the layer, led by the last moves, that proposes where to move next and how.
+//!
+//! Aali et al., "Sequence-Based Evolutionary and Neural Strategies for Reducing Zone Crossings in Toolpaths", section
+//! FusionNet; details that the text leaves open are those of its public implementation, whose parameter names are kept: a
+//! state dict of PyTorch loads by name and shape. All images are `[batch, channel, y, x]`.
+
+mod blocks;
+mod history;
+
+use tch::nn::{self, Module, Path};
+use tch::{Kind, Tensor};
+
+use self::blocks::{Attention, Down, Residual, Up, activate, conv, norm};
+use self::history::HistoryEncoder;
+
+pub use self::history::History;
+
+/// Channels of the layer's image: zone by the greatest zone, edges of the path to the right and down, what belongs to the
+/// layer, cells beside another zone, crossings at a cell by their greatest number, crossings by those at the start, y and x.
+pub const CHANNELS: i64 = 9;
+
+/// Variants of a move.
+pub const ACTIONS: i64 = 12;
+
+/// The kind of all features.
+const KIND: Kind = Kind::Float;
+
+/// Sizes of the network.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Config {
+    /// Channels of the first and last level, f: at least 2, and a multiple of 16 from 16 on, for norms take groups of an
+    /// eighth of f and of half of it. The deepest levels have four times as many.
+    pub width: i64,
+    /// Units of each of the two recurrent layers.
+    pub hidden: i64,
+    /// Moves that are remembered, K.
+    pub history: i64,
+    /// Places along y and x that moves in the history may have.
+    pub places: i64,
+    /// Rows and columns of the layer's image: a multiple of 16.
+    pub canvas: i64,
+}
+
+impl Config {
+    /// As the paper has it: f = 48, K = 32, 192 hidden units, on up to 128 x 128 cells.
+    pub const fn paper() -> Self {
+        Self { width: 48, hidden: 192, history: 32, places: 128, canvas: 128 }
+    }
+
+    /// Narrower, f = 32, on the smallest canvas that holds a grid of so many cells along its longer side.
+    pub const fn small(grid: i64) -> Self {
+        Self { width: 32, hidden: 192, history: 32, places: 128, canvas: (grid + 15) / 16 * 16 }
+    }
+}
+
+/// What the network says of each layer of a batch.
+#[derive(Debug)]
+pub struct Proposals {
+    /// Scores of all cells as the anchor of the next move, `[batch, 1, y, x]`: more is better, and only differences count.
+    pub position: Tensor,
+    /// Logits of the move's variants at each cell, `[batch, 12, y, x]`.
+    pub action: Tensor,
+}
+
+/// The network.
+#[derive(Debug)]
+pub struct FusionNet {
+    config: Config,
+    encoder: [Down; 4],
+    bottleneck: Residual,
+    attention: Attention,
+    decoder: [Up; 4],
+    history: HistoryEncoder,
+    film: nn::Linear,
+    position: nn::Sequential,
+    action: nn::Sequential,
+}
+
+impl FusionNet {
+    /// With parameters as at the start of training; those of `FiLM` leave features as they are.
+    ///
+    /// # Panics
+    /// If a size is less than 1, or the canvas is no multiple of 16.
+    pub fn new(vs: &Path<'_>, config: Config) -> Self {
+        let Config { width: f, hidden, history, places, canvas } = config;
+        assert!(f >= 2 && hidden > 0 && history > 0 && places > 0, "all sizes are positive: {config:?}");
+        assert!(canvas > 0 && canvas % 16 == 0, "the canvas of {canvas} can be halved four times");
+        let encoder = [
+            Down::new(&(vs / "enc1"), CHANNELS, f),
+            Down::new(&(vs / "enc2"), f, 2 * f),
+            Down::new(&(vs / "enc3"), 2 * f, 4 * f),
+            Down::new(&(vs / "enc4"), 4 * f, 4 * f),
+        ];
+        // Each takes what comes from below and the encoder's features of its own size. From the deepest up.
+        let decoder = [
+            Up::new(&(vs / "dec4"), 8 * f, 4 * f),
+            Up::new(&(vs / "dec3"), 8 * f, 2 * f),
+            Up::new(&(vs / "dec2"), 4 * f, f),
+            Up::new(&(vs / "dec1"), 2 * f, f),
+        ];
+        let film = nn::LinearConfig {
+            ws_init: nn::Init::Const(0.0),
+            bs_init: Some(nn::Init::Const(0.0)),
+            bias: true,
+        };
+        let mut film = nn::linear(vs / "film_proj" / 0, hidden, 16 * f, film);
+        if let Some(bias) = &mut film.bs {
+            tch::no_grad(|| _ = bias.slice(0, 0, 8 * f, 1).fill_(1.0));
+        }
+        let head = vs / "position_head";
+        let position = nn::seq()
+            .add(conv(&(&head / 0), f, f, 3))
+            .add(norm(&(&head / 1), f))
+            .add_fn(activate)
+            .add(conv(&(&head / 3), f, f / 2, 3))
+            .add(norm(&(&head / 4), f / 2))
+            .add_fn(activate)
+            .add(nn::conv2d(&head / 6, f / 2, 1, 1, nn::ConvConfig::default()));
+        let head = vs / "action_head";
+        let action = nn::seq()
+            .add(conv(&(&head / 0), f, f, 3))
+            .add(norm(&(&head / 1), f))
+            .add_fn(activate)
+            .add(nn::conv2d(&head / 3, f, ACTIONS, 1, nn::ConvConfig::default()));
+        Self {
+            config,
+            encoder,
+            bottleneck: Residual::new(&(vs / "bottleneck" / 0), 4 * f),
+            attention: Attention::new(&(vs / "bottleneck_attn"), 4 * f),
+            decoder,
+            history: HistoryEncoder::new(&(vs / "history_encoder"), hidden, places),
+            film,
+            position,
+            action,
+        }
+    }
+
+    /// Its sizes.
+    pub fn config(&self) -> Config {
+        self.config
+    }
+
+    /// What it proposes for a batch of layers, `[batch, 9, y, x]`, and the moves that led to each. In training, parts of the
+    /// features are dropped at random, by libtorch's own generator.
+    ///
+    /// # Panics
+    /// If shapes do not agree, or y and x are no multiples of 16.
+    pub fn forward(&self, state: &Tensor, history: &History, train: bool) -> Proposals {
+        let size = state.size();
+        assert!(
+            matches!(size[..], [_, CHANNELS, y, x] if y % 16 == 0 && x % 16 == 0),
+            "{size:?} is a batch of layers of {CHANNELS} channels, whose sides are multiples of 16"
+        );
+        let mut x = state.shallow_clone();
+        let mut skips = Vec::with_capacity(self.encoder.len());
+        for down in &self.encoder {
+            let skip = down.forward(&x);
+            x = skip.max_pool2d(2, 2, 0, 1, false);
+            skips.push(skip);
+        }
+        let x = self.bottleneck.forward(&x).feature_dropout(0.15, train);
+        let mut x = self.attention.forward(&x);
+        let f = self.config.width;
+        let film = self.film.forward(&self.history.forward(history, train)).dropout(0.1, train);
+        let widths = [4 * f, 2 * f, f, f, 4 * f, 2 * f, f, f];
+        let film = film.unsqueeze(-1).unsqueeze(-1).split_with_sizes(widths, 1);
+        let (scales, shifts) = film.split_at(4);
+        for ((up, skip), (scale, shift)) in
+            self.decoder.iter().zip(skips.iter().rev()).zip(scales.iter().zip(shifts))
+        {
+            x = scale * up.forward(&x, skip) + shift;
+        }
+        Proposals { position: self.position.forward(&x), action: self.action.forward(&x) }
+    }
+}
