@@ -110,6 +110,25 @@ fn sizes_of_the_presets() {
 }
 
 #[test]
+#[should_panic(expected = "12 channels are shared out among 8 groups")]
+fn widths_have_to_suit_the_norms() {
+    network(Config { width: 24, ..REFERENCE });
+}
+
+#[test]
+#[should_panic(expected = "the canvas of 40 can be halved four times")]
+fn canvases_are_halved_four_times() {
+    network(Config { canvas: 40, ..REFERENCE });
+}
+
+#[test]
+#[should_panic(expected = "[3, 9, 24, 32] is a batch of layers")]
+fn images_are_halved_four_times() {
+    let inputs = inputs();
+    network(REFERENCE).1.forward(&inputs["state"].slice(2, 0, 24, 1), &history(&inputs), false);
+}
+
+#[test]
 fn wrong_weights_are_named_and_change_nothing() {
     let folder = std::env::temp_dir().join(format!("beadwork-learn-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();

@@ -12,8 +12,13 @@ pub(super) fn conv(vs: &Path<'_>, from: i64, to: i64, width: i64) -> nn::Conv2D 
 }
 
 /// In eight groups, or as many as there are channels.
+///
+/// # Panics
+/// If there are more than eight channels, and they can't be shared out among the groups.
 pub(super) fn norm(vs: &Path<'_>, channels: i64) -> nn::GroupNorm {
-    nn::group_norm(vs, channels.min(8), channels, nn::GroupNormConfig::default())
+    let groups = channels.min(8);
+    assert!(channels % groups == 0, "{channels} channels are shared out among {groups} groups");
+    nn::group_norm(vs, groups, channels, nn::GroupNormConfig::default())
 }
 
 /// `LeakyReLU` with a slope of 0.01.

@@ -80,7 +80,7 @@ impl FusionNet {
     /// With parameters as at the start of training; those of `FiLM` leave features as they are.
     ///
     /// # Panics
-    /// If a size is less than 1, or the canvas is no multiple of 16.
+    /// If a size is none that [`Config`] allows.
     pub fn new(vs: &Path<'_>, config: Config) -> Self {
         let Config { width: f, hidden, history, places, canvas } = config;
         assert!(f >= 2 && hidden > 0 && history > 0 && places > 0, "all sizes are positive: {config:?}");
