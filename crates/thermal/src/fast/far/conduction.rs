@@ -94,24 +94,4 @@ impl Conduction {
             self.fastest = self.fastest.max((2.0 * out + self.losses[i]) * self.share[i]);
         }
     }
-
-    /// 1 over a block's number of voxels; 0 if it has none.
-    pub(super) fn share(&self, block: usize) -> f32 {
-        self.share[block]
-    }
-
-    /// The same of all blocks.
-    pub(super) fn shares(&self) -> &[f32] {
-        &self.share
-    }
-
-    /// What a block loses for each kelvin more, 1/s in voxels.
-    pub(super) fn loss(&self, block: usize) -> f32 {
-        self.losses[block]
-    }
-
-    /// The conductance between a block and the next along an axis, 1/s in voxels.
-    pub(super) fn link(&self, block: usize, axis: usize) -> f32 {
-        self.links[axis][block]
-    }
 }

@@ -89,13 +89,13 @@ impl FarField {
         }
         conduction.weigh(region, tally, law, theta);
         for i in region.blocks(tally) {
-            rates[i] = conduction.share(i) * (sums.gains[i] + conduction.loss(i) * theta[i]);
+            rates[i] = conduction.share[i] * (sums.gains[i] + conduction.losses[i] * theta[i]);
         }
     }
 
     /// Heats a block in the steps to come, or as much less: so many K/s in voxels above its own temperature.
     pub(super) fn heat(&mut self, block: usize, rate: f32) {
-        self.rates[block] += rate * self.conduction.share(block);
+        self.rates[block] += rate * self.conduction.share[block];
     }
 
     /// The mean temperature of a block above the air, K; `None` if it had no voxels when it was looked at.
@@ -114,7 +114,7 @@ impl FarField {
     ) -> Flows {
         let Self { conduction, evolution, theta, rates, .. } = self;
         let crossing = |border: &Border| {
-            let link = conduction.link(border.first(), border.axis);
+            let link = conduction.links[border.axis][border.first()];
             Crossing { from: border.inside, to: border.outside, link, sum: 0.0 }
         };
         let mut crossings: Vec<Crossing> = border.iter().map(crossing).collect();
@@ -131,7 +131,7 @@ impl FarField {
             numbers.for_each(|((change, theta), shown)| *change = theta - shown);
         }
         interpolation::extend(change, known, region, tally, law);
-        let spread = Spread { blocks: change, share: conduction.shares(), times };
+        let spread = Spread { blocks: change, share: &conduction.share, times };
         spread.add(patch, region, tally, lines);
     }
 }

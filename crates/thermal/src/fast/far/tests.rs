@@ -156,10 +156,10 @@ fn conductances_do_not_depend_on_the_region_they_are_taken_in() {
         parts.weigh(region, tally, &law, &theta);
         let strides = tally.strides();
         for i in region.blocks(tally) {
-            assert_eq!((whole.share(i), whole.loss(i)), (parts.share(i), parts.loss(i)));
+            assert_eq!((whole.share[i], whole.losses[i]), (parts.share[i], parts.losses[i]));
             for (axis, stride) in strides.into_iter().enumerate() {
                 let links =
-                    |conduction: &Conduction| [i, i - stride].map(|i| conduction.link(i, axis).to_bits());
+                    |conduction: &Conduction| [i, i - stride].map(|i| conduction.links[axis][i].to_bits());
                 assert_eq!(links(&whole), links(&parts));
             }
         }
@@ -337,7 +337,7 @@ fn stages_that_share_the_planes_do_what_they_do_one_after_the_other() {
         conduction.weigh(Region::whole(tally, top), tally, &law, &known);
         let (region, _) = random_region(&mut random, &state);
         let crossing = |Border { axis, inside, outside }: Border| {
-            let link = conduction.link(inside.min(outside), axis);
+            let link = conduction.links[axis][inside.min(outside)];
             Crossing { from: inside, to: outside, link, sum: 0.0 }
         };
         let crossings: Vec<_> = region.border(tally).map(crossing).collect();
