@@ -1,8 +1,8 @@
 //! The links of a path without its order.
 
 use crate::path::link;
-use crate::variant::{RULES, below, right};
-use crate::{Path, Placed};
+use crate::variant::{RULES, below, matches, right};
+use crate::{Path, Placed, Variant};
 
 /// Which neighbours a path links: all that the variants of Aali et al. look at.
 ///
@@ -111,6 +111,40 @@ impl Links {
             self.bits[at..at + 4].copy_from_slice(&(row ^ changed).to_le_bytes());
         }
         true
+    }
+
+    /// Takes back a variant that was applied last among those that touch its window.
+    ///
+    /// # Panics
+    /// If its first cell lies outside the plane.
+    #[inline]
+    pub fn undo_variant(&mut self, placed: Placed) {
+        let pattern = &PATTERNS[usize::from(placed.variant.class())];
+        for (y, changed) in pattern.changed.into_iter().enumerate() {
+            let at = self.place(placed) + y * self.stride();
+            for (byte, changed) in self.bits[at..at + 3].iter_mut().zip(changed.to_le_bytes()) {
+                *byte ^= changed;
+            }
+        }
+    }
+
+    /// Visits the variants that apply at a window's first cell, in the order of their classes; none outside the plane. O(1).
+    #[inline]
+    pub fn for_each_variant_at(&self, x: u16, y: u16, mut visit: impl FnMut(Placed)) {
+        if u32::from(x) >= self.width || u32::from(y) >= self.height {
+            return;
+        }
+        let row = |dy: usize| {
+            let at = (usize::from(y) + dy) * self.stride() + usize::from(x);
+            [self.bits[at], self.bits[at + 1], self.bits[at + 2]]
+        };
+        let mut classes = matches(row(0), row(1), row(2));
+        while classes != 0 {
+            let class = classes.trailing_zeros() as u8;
+            classes &= classes - 1;
+            let variant = Variant::from_class(class).expect("the table holds classes");
+            visit(Placed { variant, x, y });
+        }
     }
 
     /// The rows of a variant's window, if it applies.

@@ -62,8 +62,8 @@ pub struct UnknownVariant(pub String);
 
 /// A row of the paper's tables, as masks of the twelve links of a 3 x 3 window.
 pub(crate) struct Rule {
-    columns: u32,
-    rows: u32,
+    pub(crate) columns: u32,
+    pub(crate) rows: u32,
     /// All links that lie inside the window.
     pub(crate) window: u16,
     /// The links it must have: kept and removed.
@@ -312,6 +312,16 @@ fn pack_lowest(a: u8, b: u8) -> u8 {
 #[inline]
 fn window(first: u8, second: u8, third: u8) -> usize {
     usize::from(first) | usize::from(second) << 5 | usize::from(third) << 10
+}
+
+/// The classes, as bits, that match three rows of three cells, each with its links to the right and below.
+///
+/// Beside and below the plane no cell has links, and every variant needs some in each row and column of its window: one that
+/// sticks out matches nothing.
+#[inline]
+pub(crate) fn matches(first: [u8; 3], second: [u8; 3], third: [u8; 3]) -> u16 {
+    let upper = |[a, b, c]: [u8; 3]| pack(a, b, c);
+    MATCHES[window(upper(first), upper(second), pack_lowest(third[0], third[1]))]
 }
 
 /// The classes, as bits, whose windows fit where so many columns and rows are left. Their links all lie in the plane, so

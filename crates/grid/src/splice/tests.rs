@@ -222,6 +222,13 @@ fn check_variant(path: &Path, region: &Region, placed: Placed) -> bool {
     assert_eq!(links.allows_variant(placed), valid);
     assert_eq!(links.apply_variant(placed), valid);
     assert_eq!(links, Links::new(&changed), "{placed:?}");
+    if valid {
+        links.undo_variant(placed);
+    }
+    assert_eq!(links, Links::new(path), "{placed:?}");
+    let mut found = false;
+    links.for_each_variant_at(placed.x, placed.y, |other| found |= other == placed);
+    assert_eq!(found, valid, "{placed:?}");
     assert_eq!(changed.order(), expected.as_deref().unwrap_or(path.order()));
     valid
 }

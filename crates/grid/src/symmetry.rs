@@ -1,0 +1,189 @@
+//! The eight symmetries of the plane's grid, for layers, paths and moves.
+
+use crate::variant::{RULES, below, right};
+use crate::{Placed, Variant};
+
+/// A reflection, a rotation by right angles, or both: what maps a grid of cells onto one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Symmetry {
+    /// Whether x and y change places, first of all.
+    transposed: bool,
+    /// Whether x then runs backwards.
+    flipped_x: bool,
+    /// Whether y then runs backwards.
+    flipped_y: bool,
+}
+
+/// For each symmetry and class the class that its variant becomes.
+const CLASSES: [[u8; 12]; 8] = {
+    let mut table = [[0; 12]; 8];
+    let mut symmetry = 0;
+    while symmetry < 8 {
+        let mut class = 0;
+        while class < 12 {
+            table[symmetry][class] = mapped_class(Symmetry::ALL[symmetry], class);
+            class += 1;
+        }
+        symmetry += 1;
+    }
+    table
+};
+
+impl Symmetry {
+    /// All eight, the identity first.
+    pub const ALL: [Self; 8] = {
+        let mut all = [Self { transposed: false, flipped_x: false, flipped_y: false }; 8];
+        let mut number = 0;
+        while number < 8 {
+            all[number] =
+                Self { transposed: number & 4 != 0, flipped_x: number & 1 != 0, flipped_y: number & 2 != 0 };
+            number += 1;
+        }
+        all
+    };
+
+    const fn number(self) -> usize {
+        self.flipped_x as usize | (self.flipped_y as usize) << 1 | (self.transposed as usize) << 2
+    }
+
+    /// Columns and rows of the plane that a plane of so many becomes.
+    pub const fn size(self, (width, height): (u32, u32)) -> (u32, u32) {
+        if self.transposed { (height, width) } else { (width, height) }
+    }
+
+    /// Where a cell of a plane of this size comes to lie.
+    pub const fn cell(self, (x, y): (u32, u32), size: (u32, u32)) -> (u32, u32) {
+        let (x, y) = if self.transposed { (y, x) } else { (x, y) };
+        let (width, height) = self.size(size);
+        (if self.flipped_x { width - 1 - x } else { x }, if self.flipped_y { height - 1 - y } else { y })
+    }
+
+    /// What a move in a plane of this size becomes: it applies to the mapped path exactly where the move applies to the path,
+    /// and the results are mapped onto each other.
+    pub fn placed(self, placed: Placed, size: (u32, u32)) -> Placed {
+        let (x, y) = (u32::from(placed.x), u32::from(placed.y));
+        let (columns, rows) = placed.variant.window();
+        let one = self.cell((x, y), size);
+        let other = self.cell((x + columns - 1, y + rows - 1), size);
+        let class = CLASSES[self.number()][usize::from(placed.variant.class())];
+        let variant = Variant::from_class(class).expect("the table holds classes");
+        Placed { variant, x: one.0.min(other.0) as u16, y: one.1.min(other.1) as u16 }
+    }
+}
+
+/// The class whose links are those of another, mapped.
+const fn mapped_class(symmetry: Symmetry, class: usize) -> u8 {
+    let rule = &RULES[class];
+    let size = (rule.columns, rule.rows);
+    let needed = mapped_links(symmetry, rule.needed, size);
+    let added = mapped_links(symmetry, rule.added, size);
+    let mut other = 0;
+    while other < RULES.len() {
+        if RULES[other].needed == needed && RULES[other].added == added {
+            return other as u8;
+        }
+        other += 1;
+    }
+    panic!("the variants are closed under the symmetries")
+}
+
+const fn mapped_links(symmetry: Symmetry, links: u16, size: (u32, u32)) -> u16 {
+    let mut mapped = 0;
+    let mut cell = 0;
+    while cell < 9 {
+        let (x, y) = (cell % 3, cell / 3);
+        if x + 1 < size.0 && y < size.1 && links >> right(x, y) & 1 != 0 {
+            mapped |= 1 << link_between(symmetry.cell((x, y), size), symmetry.cell((x + 1, y), size));
+        }
+        if x < size.0 && y + 1 < size.1 && links >> below(x, y) & 1 != 0 {
+            mapped |= 1 << link_between(symmetry.cell((x, y), size), symmetry.cell((x, y + 1), size));
+        }
+        cell += 1;
+    }
+    mapped
+}
+
+/// Number of the link between two neighbouring cells of a window.
+const fn link_between(a: (u32, u32), b: (u32, u32)) -> u32 {
+    let (x, y) = (if a.0 < b.0 { a.0 } else { b.0 }, if a.1 < b.1 { a.1 } else { b.1 });
+    if a.1 == b.1 { right(x, y) } else { below(x, y) }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
+
+    use std::collections::HashSet;
+
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::{Path, Region, Start};
+
+    fn mapped(symmetry: Symmetry, path: &Path) -> Path {
+        let size = (path.width(), path.height());
+        let (width, height) = symmetry.size(size);
+        let region = Region::rectangle(width, height).unwrap();
+        let order = path.order().iter().map(|cell| {
+            let (x, y) = symmetry.cell((cell % size.0, cell / size.0), size);
+            y * width + x
+        });
+        Path::hamiltonian(&region, order.collect()).unwrap()
+    }
+
+    #[test]
+    fn they_are_eight_and_map_cells_one_to_one() {
+        let images = Symmetry::ALL.map(|symmetry| {
+            let cells = (0..3 * 5).map(|cell| symmetry.cell((cell % 3, cell / 3), (3, 5)));
+            cells.collect::<Vec<_>>()
+        });
+        assert_eq!(images.iter().collect::<HashSet<_>>().len(), 8);
+        for (symmetry, cells) in Symmetry::ALL.into_iter().zip(&images) {
+            let (width, height) = symmetry.size((3, 5));
+            assert!(cells.iter().all(|&(x, y)| x < width && y < height));
+            assert_eq!(cells.iter().collect::<HashSet<_>>().len(), 15);
+        }
+        assert_eq!(images[0][7], (1, 2));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// To move and map is to map and move, for all moves that apply and all that don't.
+        #[test]
+        fn moves_are_mapped_with_their_paths(
+            width in 2_u32..9,
+            height in 2_u32..9,
+            choices in prop::collection::vec(any::<usize>(), 0..30),
+        ) {
+            let region = Region::rectangle(width, height).unwrap();
+            let mut path = Start::RowZigzag.path(&region).unwrap();
+            for choice in choices {
+                let mut all = Vec::new();
+                path.for_each_variant(&[crate::Kind::Transpose, crate::Kind::Flip], |placed| all.push(placed));
+                for symmetry in Symmetry::ALL {
+                    let image = mapped(symmetry, &path);
+                    let mut theirs = HashSet::new();
+                    image.for_each_variant(&[crate::Kind::Transpose, crate::Kind::Flip], |placed| {
+                        theirs.insert(placed);
+                    });
+                    let ours: HashSet<_> = all.iter().map(|&placed| symmetry.placed(placed, (width, height))).collect();
+                    prop_assert_eq!(ours, theirs);
+                }
+                let Some(&placed) = all.get(choice.checked_rem(all.len()).unwrap_or(0)) else { break };
+                let mut moved = path.clone();
+                prop_assert!(moved.apply_variant(placed));
+                for symmetry in Symmetry::ALL {
+                    let mut image = mapped(symmetry, &path);
+                    prop_assert!(image.apply_variant(symmetry.placed(placed, (width, height))));
+                    let after = mapped(symmetry, &moved);
+                    for cell in 0..width * height {
+                        prop_assert_eq!(image.linked_right(cell), after.linked_right(cell));
+                        prop_assert_eq!(image.linked_below(cell), after.linked_below(cell));
+                    }
+                }
+                path = moved;
+            }
+        }
+    }
+}
