@@ -52,8 +52,8 @@ pub(crate) struct Args {
 #[group(required = true, multiple = false)]
 struct ConfigSource {
     /// A built-in configuration: smoke (seconds), paper (22,111 trajectories), genetic (240 solutions of the genetic
-    /// algorithm), pictures (a folder of PNG files).
-    #[arg(long, value_name = "NAME", value_parser = ["smoke", "paper", "genetic", "pictures"])]
+    /// algorithm), chains (what FusionNet learns from), pictures (a folder of PNG files).
+    #[arg(long, value_name = "NAME", value_parser = ["smoke", "paper", "genetic", "chains", "pictures"])]
     preset: Option<String>,
     /// A configuration file; see configs/gen-data.
     #[arg(long, value_name = "FILE")]

@@ -34,7 +34,7 @@ pub struct Config {
     /// Folder of PNG pictures, instead of layouts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pictures: Option<String>,
-    /// The searches that are recorded: "anneal" or "genetic".
+    /// The searches that are recorded: "anneal", "genetic" or "chains".
     #[serde(default, skip_serializing_if = "is_usual")]
     pub source: Named<Source>,
     /// Presets of the source, by name.
@@ -208,10 +208,11 @@ pub enum ConfigError {
 
 impl Config {
     /// The presets by name, with their TOML text as in `configs/gen-data`.
-    pub const PRESETS: [(&'static str, &'static str); 4] = [
+    pub const PRESETS: [(&'static str, &'static str); 5] = [
         ("smoke", include_str!("../../../configs/gen-data/smoke.toml")),
         ("paper", include_str!("../../../configs/gen-data/paper.toml")),
         ("genetic", include_str!("../../../configs/gen-data/genetic.toml")),
+        ("chains", include_str!("../../../configs/gen-data/chains.toml")),
         ("pictures", include_str!("../../../configs/gen-data/pictures.toml")),
     ];
 
@@ -327,7 +328,9 @@ mod tests {
         assert_eq!(error(&|text| text.replace("'short'", "")), "'presets' is empty");
         assert!(error(&|text| text.replace("'short'", "'shor'")).starts_with("line 4: "));
         assert!(error(&|text| text.replace("= 3", "= 99000000000")).contains("raise 'per_shard'"));
-        assert!(error(&|text| format!("source = 'zigzag'\n{text}")).contains("choose anneal or genetic"));
+        assert!(
+            error(&|text| format!("source = 'zigzag'\n{text}")).contains("choose anneal, genetic or chains")
+        );
         let foreign = error(&|text| format!("source = 'genetic'\n{}", text.replace("'short'", "'long'")));
         assert!(foreign.contains("'long' is no preset of the genetic algorithm"), "{foreign}");
         assert_eq!(

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use beadwork_grid::{Crossings, LayoutError, LayoutSpec, Path, Region, Start, StartError, Zones};
 use beadwork_part::{Picture, PictureError};
-use beadwork_search::{Move, Settings, Stop, anneal, bound, genetic};
+use beadwork_search::{Move, Settings, Stop, anneal, bound, chains, genetic};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
@@ -282,6 +282,11 @@ impl Stratum {
                 let outcome = genetic::solve(&path, crossings, &settings);
                 (outcome.stop, outcome.initial, outcome.cost, outcome.moves)
             }
+            Search::Chains(preset) => {
+                let settings = chains::Settings { bound, cancel, ..chains::Settings::preset(preset, seed) };
+                let outcome = chains::solve(&path, crossings, &settings);
+                (outcome.stop, outcome.initial, outcome.cost, outcome.moves)
+            }
         };
         (stop != Stop::Cancelled).then_some(Found { initial: initial as u32, best: best as u32, moves })
     }
@@ -349,6 +354,21 @@ mod tests {
         for index in 0..2 {
             let trajectory = factory.trajectory(index, &NEVER).unwrap().unwrap();
             assert_eq!(trajectory.search.to_string(), "genetic_short");
+            assert!(trajectory.best < trajectory.initial);
+            trajectory.replay().unwrap();
+        }
+        assert_eq!(factory.trajectory(0, &AtomicBool::new(true)).unwrap(), None);
+    }
+
+    #[test]
+    fn chains_replay_too() {
+        let factory = factory(
+            "count = 4\nsource = 'chains'\nsizes = ['16x14']\npresets = ['plain', 'noisy']\n\
+             layouts = [{ name = 'voronoi' }, { name = 'stripes' }]",
+        );
+        assert_eq!(factory.stratum(1), "voronoi/16x14/chains_noisy");
+        for index in 0..4 {
+            let trajectory = factory.trajectory(index, &NEVER).unwrap().unwrap();
             assert!(trajectory.best < trajectory.initial);
             trajectory.replay().unwrap();
         }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use beadwork_search::{Preset, UnknownPreset, genetic};
+use beadwork_search::{Preset, UnknownPreset, chains, genetic};
 use thiserror::Error;
 
 /// A family of searches that trajectories come from.
@@ -14,19 +14,24 @@ pub enum Source {
     Anneal,
     /// The genetic algorithm; its best individual is recorded.
     Genetic,
+    /// Chains of variants, which need few moves.
+    Chains,
 }
 
 /// A name that is no [`Source`].
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("'{0}' is no source: choose anneal or genetic")]
+#[error("'{0}' is no source: choose anneal, genetic or chains")]
 pub struct UnknownSource(pub String);
 
 impl Source {
+    const ALL: [Self; 3] = [Self::Anneal, Self::Genetic, Self::Chains];
+
     /// The search of this source and preset.
     pub fn search(self, preset: &PresetName) -> Result<Search, ForeignPreset> {
         Ok(match self {
             Self::Anneal => Search::Anneal(preset.0.parse()?),
             Self::Genetic => Search::Genetic(preset.0.parse()?),
+            Self::Chains => Search::Chains(preset.0.parse()?),
         })
     }
 }
@@ -36,6 +41,7 @@ impl fmt::Display for Source {
         f.write_str(match self {
             Self::Anneal => "anneal",
             Self::Genetic => "genetic",
+            Self::Chains => "chains",
         })
     }
 }
@@ -44,7 +50,7 @@ impl FromStr for Source {
     type Err = UnknownSource;
 
     fn from_str(name: &str) -> Result<Self, UnknownSource> {
-        let found = [Self::Anneal, Self::Genetic].into_iter().find(|source| source.to_string() == name);
+        let found = Self::ALL.into_iter().find(|source| source.to_string() == name);
         found.ok_or_else(|| UnknownSource(name.to_owned()))
     }
 }
@@ -55,8 +61,8 @@ pub struct PresetName(String);
 
 /// A name that is a preset of no source.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("{0}; {1}")]
-pub struct UnknownPresetName(UnknownPreset, genetic::UnknownPreset);
+#[error("{0}; {1}; {2}")]
+pub struct UnknownPresetName(UnknownPreset, genetic::UnknownPreset, chains::UnknownPreset);
 
 /// A name that is no preset of the source in question.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -68,6 +74,9 @@ pub enum ForeignPreset {
     /// Of the genetic algorithm.
     #[error(transparent)]
     Genetic(#[from] genetic::UnknownPreset),
+    /// Of the search for chains.
+    #[error(transparent)]
+    Chains(#[from] chains::UnknownPreset),
 }
 
 impl fmt::Display for PresetName {
@@ -80,29 +89,33 @@ impl FromStr for PresetName {
     type Err = UnknownPresetName;
 
     fn from_str(name: &str) -> Result<Self, UnknownPresetName> {
-        match (name.parse::<Preset>(), name.parse::<genetic::Preset>()) {
-            (Err(anneal), Err(genetic)) => Err(UnknownPresetName(anneal, genetic)),
+        match (name.parse::<Preset>(), name.parse::<genetic::Preset>(), name.parse::<chains::Preset>()) {
+            (Err(anneal), Err(genetic), Err(chains)) => Err(UnknownPresetName(anneal, genetic, chains)),
             _ => Ok(Self(name.to_owned())),
         }
     }
 }
 
-/// A search as a record names it: an annealer by its preset, `paper`, the genetic algorithm with a prefix, `genetic_paper`.
+/// A search as a record names it: an annealer by its preset, `paper`, others with a prefix, `genetic_paper`, `chains_plain`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Search {
     /// Simulated annealing.
     Anneal(Preset),
     /// The genetic algorithm.
     Genetic(genetic::Preset),
+    /// Chains of variants.
+    Chains(chains::Preset),
 }
 
-const PREFIX: &str = "genetic_";
+const GENETIC: &str = "genetic_";
+const CHAINS: &str = "chains_";
 
 impl fmt::Display for Search {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Anneal(preset) => preset.fmt(f),
-            Self::Genetic(preset) => write!(f, "{PREFIX}{preset}"),
+            Self::Genetic(preset) => write!(f, "{GENETIC}{preset}"),
+            Self::Chains(preset) => write!(f, "{CHAINS}{preset}"),
         }
     }
 }
@@ -111,10 +124,13 @@ impl FromStr for Search {
     type Err = ForeignPreset;
 
     fn from_str(name: &str) -> Result<Self, ForeignPreset> {
-        Ok(match name.strip_prefix(PREFIX) {
-            Some(preset) => Self::Genetic(preset.parse()?),
-            None => Self::Anneal(name.parse()?),
-        })
+        if let Some(preset) = name.strip_prefix(GENETIC) {
+            return Ok(Self::Genetic(preset.parse()?));
+        }
+        if let Some(preset) = name.strip_prefix(CHAINS) {
+            return Ok(Self::Chains(preset.parse()?));
+        }
+        Ok(Self::Anneal(name.parse()?))
     }
 }
 
@@ -127,7 +143,8 @@ mod tests {
     #[test]
     fn names_round_trip() {
         let searches = Preset::ALL.map(Search::Anneal).into_iter();
-        for search in searches.chain(genetic::Preset::ALL.map(Search::Genetic)) {
+        let searches = searches.chain(genetic::Preset::ALL.map(Search::Genetic));
+        for search in searches.chain(chains::Preset::ALL.map(Search::Chains)) {
             assert_eq!(search.to_string().parse(), Ok(search));
         }
         let error = "genetic_long".parse::<Search>().unwrap_err().to_string();
@@ -135,10 +152,11 @@ mod tests {
         let name = |name: &str| name.parse::<PresetName>().unwrap();
         assert_eq!(Source::Anneal.search(&name("paper")), Ok(Search::Anneal(Preset::Paper)));
         assert_eq!(Source::Genetic.search(&name("window")), Ok(Search::Genetic(genetic::Preset::Window)));
+        assert_eq!(Source::Chains.search(&name("noisy")), Ok(Search::Chains(chains::Preset::Noisy)));
         let error = Source::Genetic.search(&name("long")).unwrap_err();
         assert!(error.to_string().contains("'long' is no preset of the genetic algorithm"), "{error}");
         let error = "none".parse::<PresetName>().unwrap_err().to_string();
-        assert!(error.contains("annealing") && error.contains("genetic"), "{error}");
+        assert!(["annealing", "genetic", "chains"].iter().all(|source| error.contains(source)), "{error}");
         assert!("exact".parse::<Source>().is_err());
     }
 }

@@ -8,6 +8,7 @@
 //! - [`exact`]: the fewest pieces, then the fewest crossings, and a proof where the bound is met.
 //! - [`anneal`](anneal()): simulated annealing, by the method of Aali et al. ([`Pooled`]) or a faster one ([`Free`]).
 //! - [`genetic`]: the genetic algorithm of Aali et al. on the moves of many annealing runs, faster and with other crossovers.
+//! - [`chains`]: few moves of the paper's for a lower cost, for those that learn from them.
 //! - [`bound`]: what no path can beat.
 //! - [`plan`]: what the layers of a part decide together; so far, the order of their tools.
 //!
@@ -26,6 +27,7 @@
 
 mod anneal;
 pub mod bound;
+pub mod chains;
 mod cost;
 mod costs;
 pub mod exact;

@@ -1,0 +1,154 @@
+//! Replays of records, and chains beside all chains.
+
+use std::collections::HashSet;
+
+use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
+use proptest::prelude::*;
+
+use super::*;
+
+fn instance(width: u32, height: u32, layout: Layout, seed: u64) -> (Path, Crossings) {
+    let region = Region::rectangle(width, height).unwrap();
+    let mut spec = LayoutSpec::new(layout);
+    spec.side = 3;
+    let zones = spec.zones(&region, seed).unwrap();
+    (Start::RowZigzag.path(&region).unwrap(), Crossings::new(&region, &zones))
+}
+
+/// The greatest gain of all chains from a variant, for each length: breadth first over all links that can be reached.
+fn best_gains(plane: &Path, start: &Links, cost: &Crossings, first: Placed, depth: usize) -> Vec<i64> {
+    let mut links = start.clone();
+    assert!(links.apply_variant(first));
+    let change = |placed: Placed| Cost::change(cost, placed.switches(plane.width()));
+    let mut front = vec![(links, first, change(first))];
+    let mut gains = Vec::new();
+    for _ in 0..depth {
+        gains.push(front.iter().map(|(.., change)| -change).max().unwrap_or(i64::MIN));
+        let mut next = Vec::new();
+        for (links, last, sum) in &front {
+            for placed in applicable(plane, links) {
+                if placed.x.abs_diff(last.x) <= 2 && placed.y.abs_diff(last.y) <= 2 {
+                    let mut links = links.clone();
+                    links.apply_variant(placed);
+                    next.push((links, placed, sum + change(placed)));
+                }
+            }
+        }
+        front = next;
+    }
+    gains
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn records_replay_and_every_chain_gains(
+        width in 1_u32..30,
+        height in 1_u32..30,
+        seed: u64,
+        noisy: bool,
+        layout in prop::sample::select(&[Layout::LeftRight, Layout::Checkerboard, Layout::TopBottom][..]),
+    ) {
+        let (start, crossings) = instance(width, height, layout, seed);
+        let preset = if noisy { Preset::Noisy } else { Preset::Plain };
+        let settings = Settings { beam: 2, depth: 12, ..Settings::preset(preset, seed) };
+        let outcome = solve(&start, &crossings, &settings);
+        prop_assert_eq!(outcome.initial, crossings.total(&start));
+        prop_assert_eq!(outcome.cost, crossings.total(&outcome.path));
+        prop_assert!(outcome.cost <= outcome.initial);
+        let mut path = start.clone();
+        for step in &outcome.moves {
+            prop_assert!(step.apply(&mut path));
+        }
+        prop_assert_eq!(path.order(), outcome.path.order());
+        prop_assert_eq!(solve(&start, &crossings, &settings).moves, outcome.moves);
+    }
+
+    /// With a beam that drops nothing it is as good as the best of all chains, as long as links that are reached twice, of
+    /// which one way is pursued, have nothing behind them.
+    #[test]
+    fn a_wide_beam_finds_the_best_chain(
+        width in 3_u32..8,
+        height in 3_u32..8,
+        seed: u64,
+        detours in 0_usize..6,
+        depth in 1_usize..5,
+    ) {
+        let (start, crossings) = instance(width, height, Layout::Checkerboard, seed);
+        let mut links = Links::new(&start);
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+        for _ in 0..detours {
+            let all = applicable(&start, &links);
+            if !all.is_empty() {
+                links.apply_variant(all[below(&mut rng, all.len())]);
+            }
+        }
+        let settings = Settings { beam: usize::MAX, depth, patience: depth, ..Settings::default() };
+        let grower = Grower::new(&start, &crossings, &settings);
+        for first in applicable(&start, &links) {
+            let before = links.clone();
+            let found = grower.grow(&mut links, first).0.map(|found| (found.moves.len() as i64, found.gain));
+            prop_assert_eq!(&links, &before);
+            let gains = best_gains(&start, &links, &crossings, first, depth);
+            let rated = (1_i64..).zip(gains).filter(|&(_, gain)| gain > 0);
+            let best = rated.reduce(|best, other| if other.1 * best.0 > best.1 * other.0 { other } else { best });
+            if depth <= 2 {
+                prop_assert_eq!(found, best);
+            } else if let Some((length, gain)) = found {
+                let (best_length, best_gain) = best.unwrap();
+                prop_assert!(gain * best_length <= best_gain * length);
+            }
+        }
+    }
+
+    /// What is remembered of earlier searches is what a new search finds.
+    #[test]
+    fn nothing_outside_its_reach_matters_to_a_chain(seed: u64, moves in 1_usize..40) {
+        let (start, crossings) = instance(16, 14, Layout::Checkerboard, seed);
+        let settings = Settings { beam: 3, depth: 6, ..Settings::default() };
+        let grower = Grower::new(&start, &crossings, &settings);
+        let mut links = Links::new(&start);
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+        for _ in 0..moves {
+            let all = applicable(&start, &links);
+            links.apply_variant(all[below(&mut rng, all.len())]);
+        }
+        let all = applicable(&start, &links);
+        let known: Vec<_> = all.iter().map(|&first| (first, grower.grow(&mut links, first))).collect();
+        let changed = all[below(&mut rng, all.len())];
+        links.apply_variant(changed);
+        let still: HashSet<Placed> = applicable(&start, &links).into_iter().collect();
+        for (first, (found, reach)) in known {
+            if !reach.meets(Reach::window(changed)) {
+                prop_assert!(still.contains(&first));
+                prop_assert_eq!(grower.grow(&mut links, first).0, found);
+            }
+        }
+    }
+}
+
+#[test]
+fn it_stops_at_the_bound_and_when_cancelled() {
+    let (start, crossings) = instance(20, 20, Layout::LeftRight, 0);
+    let outcome = solve(&start, &crossings, &Settings { bound: Some(16), ..Settings::default() });
+    assert_eq!((outcome.stop, outcome.cost), (Stop::Optimal, 16));
+    let cancel = AtomicBool::new(true);
+    let outcome = solve(&start, &crossings, &Settings { cancel: Some(&cancel), ..Settings::default() });
+    assert_eq!((outcome.stop, outcome.cost, outcome.moves.len()), (Stop::Cancelled, 20, 0));
+}
+
+#[test]
+fn a_seed_names_one_search_on_every_machine() {
+    let region = Region::rectangle(30, 30).unwrap();
+    let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, 1).unwrap();
+    let (start, crossings) = (Start::RowZigzag.path(&region).unwrap(), Crossings::new(&region, &zones));
+    let digest = |preset| {
+        let outcome = solve(&start, &crossings, &Settings::preset(preset, 9));
+        let mix = |sum: u64, &cell: &u32| sum.wrapping_mul(0x100_0000_01b3) ^ u64::from(cell);
+        (outcome.cost, outcome.moves.len(), outcome.path.order().iter().fold(0, mix))
+    };
+    // Pinned: a change here changes every dataset made before.
+    assert_eq!(digest(Preset::Plain), (22, 94, 6_068_850_567_377_254_222));
+    assert_eq!(digest(Preset::Noisy), (0, 0, 0));
+}
