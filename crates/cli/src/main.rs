@@ -25,6 +25,8 @@ mod plan;
 mod progress;
 mod search;
 mod simulate;
+#[cfg(feature = "learn")]
+mod train;
 mod zones;
 
 use std::process::ExitCode;
@@ -46,6 +48,8 @@ enum Command {
     Zones(zones::Args),
     Plan(plan::Args),
     Simulate(Box<simulate::Args>),
+    #[cfg(feature = "learn")]
+    Train(train::Args),
     Eval(eval::Args),
     Bench(bench::Args),
 }
@@ -57,6 +61,8 @@ fn main() -> ExitCode {
         Command::Zones(args) => zones::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Simulate(args) => simulate::run(&args),
+        #[cfg(feature = "learn")]
+        Command::Train(args) => train::run(&args),
         Command::Eval(args) => eval::run(&args),
         Command::Bench(args) => bench::run(&args),
     };

@@ -90,6 +90,21 @@ impl Links {
         self.bits.copy_from_slice(&other.bits);
     }
 
+    /// Whether the cell at (x, y) is linked to its right neighbour, and to the one below; neither outside the plane.
+    #[inline]
+    pub fn of_cell(&self, x: u32, y: u32) -> (bool, bool) {
+        if x >= self.width || y >= self.height {
+            return (false, false);
+        }
+        let bits = self.bits[y as usize * self.stride() + x as usize];
+        (bits & link::RIGHT != 0, bits & link::BELOW != 0)
+    }
+
+    /// Columns and rows of the plane.
+    pub fn size(&self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         self.bits.len()

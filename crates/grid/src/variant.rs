@@ -236,6 +236,24 @@ impl Placed {
             .switches
             .map(|(x, y, from)| Switch::new((u32::from(self.y) + y) * width + u32::from(self.x) + x, from))
     }
+
+    /// Visits the places of links in its window, on all of which it depends: the column and row of their first cell, whether they
+    /// lead down rather than to the right, and whether the move changes them.
+    pub fn for_each_link(self, mut visit: impl FnMut(u32, u32, bool, bool)) {
+        let rule = self.variant.rule();
+        let (left, top) = (u32::from(self.x), u32::from(self.y));
+        let changed = rule.removed | rule.added;
+        for y in 0..rule.rows {
+            for x in 0..rule.columns {
+                if x + 1 < rule.columns {
+                    visit(left + x, top + y, false, changed >> right(x, y) & 1 != 0);
+                }
+                if y + 1 < rule.rows {
+                    visit(left + x, top + y, true, changed >> below(x, y) & 1 != 0);
+                }
+            }
+        }
+    }
 }
 
 impl Path {

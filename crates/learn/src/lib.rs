@@ -6,5 +6,9 @@
 //!
 //! All runs on libtorch, through `tch`: `cargo xtask setup` provides it. Nothing else in the workspace links it.
 
+pub mod adamw;
+pub mod checkpoint;
 pub mod fusion;
 pub mod weights;
+
+pub use tch::{Cuda, Device};

@@ -1,6 +1,7 @@
 //! Parameters in files: safetensors, by the names that PyTorch gives them.
 
 use std::collections::HashMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use tch::nn::VarStore;
@@ -35,6 +36,14 @@ pub enum WeightsError {
         /// The parameter.
         name: String,
     },
+    /// The file can't be written; what had its name stays.
+    #[error("cannot write '{}': {cause}", path.display())]
+    Unwritten {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        cause: String,
+    },
     /// A parameter has another shape.
     #[error("'{name}' in '{}' has the shape {got:?}: the network's is {expected:?}", path.display())]
     Shape {
@@ -49,11 +58,46 @@ pub enum WeightsError {
     },
 }
 
+/// Writes all parameters of a network, as a file that is whole or absent.
+pub fn save(variables: &VarStore, path: &Path) -> Result<(), WeightsError> {
+    let mut named: Vec<_> = variables.variables().into_iter().collect();
+    named.sort_by(|(name, _), (other, _)| name.cmp(other));
+    save_tensors(&named, path)
+}
+
+/// Writes tensors by their names, as a file that is whole or absent.
+pub(crate) fn save_tensors(named: &[(String, Tensor)], path: &Path) -> Result<(), WeightsError> {
+    let unwritten = |cause: String| WeightsError::Unwritten { path: path.into(), cause };
+    let mut partial = path.to_owned().into_os_string();
+    partial.push(format!(".{}.partial", std::process::id()));
+    let partial = PathBuf::from(partial);
+    let written = Tensor::write_safetensors(named, &partial)
+        .map_err(|error| error.to_string())
+        .and_then(|()| fs::rename(&partial, path).map_err(|error| error.to_string()));
+    if written.is_err() {
+        // What can't be written can perhaps not be removed either; the first reason is the one to tell.
+        let _ = fs::remove_file(&partial);
+    }
+    written.map_err(unwritten)
+}
+
 /// Reads all parameters of a network: the file must have just these names and shapes. Numbers of other kinds are converted.
-pub fn load(variables: &mut VarStore, path: &Path) -> Result<(), WeightsError> {
-    let whole = |source| WeightsError::Unreadable { path: path.into(), source };
-    let mut read: HashMap<String, Tensor> =
-        Tensor::read_safetensors(path).map_err(whole)?.into_iter().collect();
+pub fn load(variables: &VarStore, path: &Path) -> Result<(), WeightsError> {
+    fill(variables, &mut read_tensors(path)?, path)
+}
+
+/// All tensors of a file.
+pub(crate) fn read_tensors(path: &Path) -> Result<HashMap<String, Tensor>, WeightsError> {
+    let read = Tensor::read_safetensors(path);
+    Ok(read.map_err(|source| WeightsError::Unreadable { path: path.into(), source })?.into_iter().collect())
+}
+
+/// Sets all parameters of a network to the tensors of a file, which must be theirs and no others.
+pub(crate) fn fill(
+    variables: &VarStore,
+    read: &mut HashMap<String, Tensor>,
+    path: &Path,
+) -> Result<(), WeightsError> {
     let mut own: Vec<_> = variables.variables().into_iter().collect();
     own.sort_by(|(name, _), (other, _)| name.cmp(other));
     let mut pairs = Vec::with_capacity(own.len());
@@ -67,7 +111,8 @@ pub fn load(variables: &mut VarStore, path: &Path) -> Result<(), WeightsError> {
         }
         pairs.push((variable, tensor));
     }
-    if let Some(name) = read.into_keys().min() {
+    if let Some(name) = read.keys().min() {
+        let name = name.clone();
         return Err(WeightsError::Unknown { path: path.into(), name });
     }
     no_grad(|| pairs.iter_mut().for_each(|(variable, tensor)| variable.copy_(tensor)));

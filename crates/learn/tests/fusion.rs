@@ -5,7 +5,7 @@
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-use beadwork_learn::fusion::{Config, FusionNet, History, Proposals};
+use beadwork_learn::fusion::{Config, FusionNet, History, Precision, Proposals};
 use beadwork_learn::weights::{self, WeightsError};
 use tch::nn::VarStore;
 use tch::{Device, Kind, Tensor};
@@ -47,11 +47,11 @@ fn largest_difference(a: &Tensor, b: &Tensor) -> f64 {
 
 #[test]
 fn proposals_are_those_of_pytorch() {
-    let (mut variables, network) = network(REFERENCE);
-    weights::load(&mut variables, &data("fusion_weights.safetensors")).unwrap();
+    let (variables, network) = network(REFERENCE);
+    weights::load(&variables, &data("fusion_weights.safetensors")).unwrap();
     let inputs = inputs();
     let Proposals { position, action } =
-        tch::no_grad(|| network.forward(&inputs["state"], &history(&inputs), false));
+        tch::no_grad(|| network.forward(&inputs["state"], &history(&inputs), Precision::Single, false));
     let differences = [
         largest_difference(&position, &inputs["position"]),
         largest_difference(&action, &inputs["action_logits"]),
@@ -61,11 +61,13 @@ fn proposals_are_those_of_pytorch() {
 
 #[test]
 fn what_comes_after_the_last_move_does_not_matter() {
-    let (mut variables, network) = network(REFERENCE);
-    weights::load(&mut variables, &data("fusion_weights.safetensors")).unwrap();
+    let (variables, network) = network(REFERENCE);
+    weights::load(&variables, &data("fusion_weights.safetensors")).unwrap();
     let inputs = inputs();
     let state = &inputs["state"];
-    let forward = |history: &History| tch::no_grad(|| network.forward(state, history, false).position);
+    let forward = |history: &History| {
+        tch::no_grad(|| network.forward(state, history, Precision::Single, false).position)
+    };
     let moves = history(&inputs);
     let gap: Tensor = 1.0 - &moves.mask;
     let other = History {
@@ -81,8 +83,9 @@ fn what_comes_after_the_last_move_does_not_matter() {
 fn history_leaves_features_alone_before_training() {
     let (_variables, network) = network(REFERENCE);
     let inputs = inputs();
-    let forward =
-        |history: &History| tch::no_grad(|| network.forward(&inputs["state"], history, false).action);
+    let forward = |history: &History| {
+        tch::no_grad(|| network.forward(&inputs["state"], history, Precision::Single, false).action)
+    };
     let none = History { mask: inputs["mask"].zeros_like(), ..history(&inputs) };
     assert_eq!(forward(&history(&inputs)), forward(&none));
 }
@@ -93,7 +96,8 @@ fn all_parameters_are_trained() {
     let inputs = inputs();
     // Away from the start, where nothing of the history comes through.
     tch::no_grad(|| variables.trainable_variables().iter_mut().for_each(|p| *p += 0.05 * p.randn_like()));
-    let Proposals { position, action } = network.forward(&inputs["state"], &history(&inputs), true);
+    let Proposals { position, action } =
+        network.forward(&inputs["state"], &history(&inputs), Precision::Single, true);
     (position.square().mean(Kind::Float) + action.square().mean(Kind::Float)).backward();
     for (name, variable) in variables.variables() {
         let gradient = variable.grad();
@@ -125,7 +129,12 @@ fn canvases_are_halved_four_times() {
 #[should_panic(expected = "[3, 9, 24, 32] is a batch of layers")]
 fn images_are_halved_four_times() {
     let inputs = inputs();
-    network(REFERENCE).1.forward(&inputs["state"].slice(2, 0, 24, 1), &history(&inputs), false);
+    network(REFERENCE).1.forward(
+        &inputs["state"].slice(2, 0, 24, 1),
+        &history(&inputs),
+        Precision::Single,
+        false,
+    );
 }
 
 #[test]
@@ -133,16 +142,16 @@ fn wrong_weights_are_named_and_change_nothing() {
     let folder = std::env::temp_dir().join(format!("beadwork-learn-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let good: Vec<(String, Tensor)> = Tensor::read_safetensors(data("fusion_weights.safetensors")).unwrap();
-    let (mut variables, _network) = network(REFERENCE);
+    let (variables, _network) = network(REFERENCE);
     let sums = |variables: &VarStore| -> HashSet<String> {
         let all = variables.variables().into_iter();
         all.map(|(name, p)| format!("{name} {}", p.sum(Kind::Double).double_value(&[]))).collect()
     };
     let before = sums(&variables);
-    let mut refused = |name: &str, tensors: &[(&str, Tensor)]| {
+    let refused = |name: &str, tensors: &[(&str, Tensor)]| {
         let path = folder.join(name);
         Tensor::write_safetensors(tensors, &path).unwrap();
-        let error = weights::load(&mut variables, &path).unwrap_err();
+        let error = weights::load(&variables, &path).unwrap_err();
         assert_eq!(sums(&variables), before, "{error}");
         error
     };
@@ -168,7 +177,7 @@ fn wrong_weights_are_named_and_change_nothing() {
     for length in [0, 7, 1000, whole.len() - 1] {
         let path = folder.join("short");
         std::fs::write(&path, &whole[..length]).unwrap();
-        let error = weights::load(&mut variables, &path).unwrap_err();
+        let error = weights::load(&variables, &path).unwrap_err();
         assert!(matches!(error, WeightsError::Unreadable { .. }), "{error}");
         assert_eq!(sums(&variables), before);
     }

@@ -3,6 +3,8 @@
 mod anneal_tables;
 mod crossovers;
 mod exact_tables;
+#[cfg(feature = "learn")]
+mod fusion;
 mod growth;
 mod paper_tables;
 mod parts;
@@ -31,6 +33,8 @@ enum What {
     Zones(ZonesArgs),
     Parts(parts::PartsArgs),
     Thermal(thermal::ThermalArgs),
+    #[cfg(feature = "learn")]
+    Fusion(fusion::FusionArgs),
 }
 
 /// Crossings over the 24 cells of Aali et al.: their Tables 1, 3 and 5 by every method, or one method looked at
@@ -116,6 +120,8 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         What::Zones(args) => args,
         What::Parts(args) => return parts::run(args),
         What::Thermal(args) => return thermal::run(args),
+        #[cfg(feature = "learn")]
+        What::Fusion(args) => return fusion::run(args),
     };
     args.check();
     match args.method {

@@ -5,10 +5,43 @@ use tch::nn::{self, Module, Path};
 
 use super::KIND;
 
+/// A convolution that keeps the image's size.
+///
+/// It computes in the kind of the features it is given; its parameters stay in single precision, for the small steps of
+/// training would be lost in half.
+#[derive(Debug)]
+pub(super) struct Conv {
+    weight: Tensor,
+    bias: Option<Tensor>,
+    padding: i64,
+}
+
+impl Conv {
+    fn new(vs: &Path<'_>, from: i64, to: i64, width: i64, bias: bool) -> Self {
+        Self {
+            weight: vs.var("weight", &[to, from, width, width], nn::init::DEFAULT_KAIMING_UNIFORM),
+            bias: bias.then(|| vs.var("bias", &[to], nn::Init::Const(0.0))),
+            padding: width / 2,
+        }
+    }
+}
+
+impl Module for Conv {
+    fn forward(&self, x: &Tensor) -> Tensor {
+        let (kind, padding) = (x.kind(), [self.padding; 2]);
+        let bias = self.bias.as_ref().map(|bias| bias.to_kind(kind));
+        x.conv2d(&self.weight.to_kind(kind), bias, [1, 1], padding, [1, 1], 1)
+    }
+}
+
 /// Of so many cells' width, without bias, as a norm follows it.
-pub(super) fn conv(vs: &Path<'_>, from: i64, to: i64, width: i64) -> nn::Conv2D {
-    let config = nn::ConvConfig { padding: width / 2, bias: false, ..nn::ConvConfig::default() };
-    nn::conv2d(vs, from, to, width, config)
+pub(super) fn conv(vs: &Path<'_>, from: i64, to: i64, width: i64) -> Conv {
+    Conv::new(vs, from, to, width, false)
+}
+
+/// Of each cell alone, with bias: what a head ends with.
+pub(super) fn readout(vs: &Path<'_>, from: i64, to: i64) -> Conv {
+    Conv::new(vs, from, to, 1, true)
 }
 
 /// In eight groups, or as many as there are channels.
@@ -119,7 +152,8 @@ impl Attention {
 
     pub(super) fn forward(&self, x: &Tensor) -> Tensor {
         let (batch, channels, y, width) = x.size4().expect("an image has four axes");
-        let cells = x.flatten(2, 3).transpose(1, 2);
+        let kind = x.kind();
+        let cells = x.to_kind(KIND).flatten(2, 3).transpose(1, 2);
         let heads = |x: Tensor| x.reshape([batch, -1, HEADS, channels / HEADS]).transpose(1, 2);
         let all = cells.linear(&self.in_weight, Some(&self.in_bias)).chunk(3, -1);
         let [query, key, value] = <[Tensor; 3]>::try_from(all).expect("three chunks of three").map(heads);
@@ -127,6 +161,6 @@ impl Attention {
         let shares = (query * scale).matmul(&key.transpose(-2, -1)).softmax(-1, KIND);
         let seen = shares.matmul(&value).transpose(1, 2).reshape([batch, -1, channels]);
         let cells = self.norm.forward(&(cells + self.out.forward(&seen)));
-        cells.transpose(1, 2).reshape([batch, channels, y, width])
+        cells.transpose(1, 2).reshape([batch, channels, y, width]).to_kind(kind)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::{HashSet, VecDeque};
 
-use beadwork_grid::{Links, Path, Placed};
+use beadwork_grid::{Links, Path, Placed, Switch};
 
 use super::Settings;
 use crate::Cost;
@@ -143,13 +143,13 @@ impl<'a, C: Cost> Grower<'a, C> {
             placed,
             parent,
             change: change + self.cost.change(switches),
-            key: switches.iter().fold(key, |key, switch| key ^ mix(switch.corner())),
+            key: switches.iter().fold(key, |key, switch| key ^ switch.mixed()),
         }
     }
 
     /// What a chain is pursued for, the less the better: its cost, and how far it still is from changing it.
     fn promise(&self, node: &Node) -> i64 {
-        let corners = node.placed.switches(self.width).map(|switch| switch.corner());
+        let corners = node.placed.switches(self.width).map(Switch::corner);
         let near = corners.map(|corner| self.distance[corner as usize]).into_iter().min();
         GAIN_WEIGHT * node.change + i64::from(near.expect("two switches"))
     }
@@ -192,13 +192,4 @@ fn distances<C: Cost>(width: u32, height: u32, cost: &C) -> Vec<u32> {
         }
     }
     distance
-}
-
-/// A number of its own for each corner: links are told by the corners that were switched an odd number of times.
-fn mix(corner: u32) -> u64 {
-    // The finaliser of SplitMix64 (Steele, Lea and Flood 2014).
-    let mut z = (u64::from(corner) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-    z ^ z >> 31
 }

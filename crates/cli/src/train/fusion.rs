@@ -1,0 +1,189 @@
+//! `train fusion`: the network that proposes moves of a layer's path.
+
+use std::fs;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::{Context, bail, ensure};
+use beadwork_dataset::Dataset;
+use beadwork_learn::fusion::model::Model;
+use beadwork_learn::fusion::train::{End, Event, Run, Training, last_checkpoint, train};
+use beadwork_learn::{Cuda, Device};
+use serde_json::json;
+
+use super::log::Log;
+use crate::{cancel, machine, output, progress};
+
+/// Train FusionNet, which proposes moves that lead to fewer crossings.
+///
+/// Reads a dataset of `gen-data` and writes to a folder: config.toml and best.safetensors, the model; last.checkpoint, where the run stands;
+/// steps.csv and evaluations.csv; and events for TensorBoard.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  beadwork gen-data --preset chains --out datasets/chains
+  beadwork train fusion --preset small --data datasets/chains --out runs/fusion
+  beadwork train fusion --preset small --data datasets/chains --out runs/fusion --resume
+  tensorboard --logdir runs")]
+pub(crate) struct Args {
+    #[command(flatten)]
+    source: Source,
+    /// The dataset's folder.
+    #[arg(long, value_name = "DIR", default_value = "datasets/chains")]
+    data: PathBuf,
+    /// Folder to write to.
+    #[arg(long, value_name = "DIR", default_value = "runs/fusion")]
+    out: PathBuf,
+    /// Go on with the run in the folder.
+    #[arg(long)]
+    resume: bool,
+    /// Steps, in place of the configuration's.
+    #[arg(long, value_name = "N")]
+    steps: Option<u64>,
+    /// Seed, in place of the configuration's.
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Where to compute.
+    #[arg(long, value_name = "DEVICE", default_value = "cpu", value_parser = ["cpu", "cuda"])]
+    device: String,
+    /// Print one JSON document at the end.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(clap::Args)]
+#[group(required = true, multiple = false)]
+struct Source {
+    /// A built-in configuration: smoke (seconds), small (the committed weights, an hour), paper (f = 48).
+    #[arg(long, value_name = "NAME", value_parser = ["smoke", "small", "paper"])]
+    preset: Option<String>,
+    /// A configuration file; see configs/train.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+}
+
+impl Source {
+    fn read(&self) -> anyhow::Result<Training> {
+        let preset = self.preset.as_deref();
+        let (name, text) = match (preset, &self.config) {
+            (Some("smoke"), _) => {
+                ("smoke".into(), include_str!("../../../../configs/train/fusion-smoke.toml").into())
+            }
+            (Some("small"), _) => {
+                ("small".into(), include_str!("../../../../configs/train/fusion-small.toml").into())
+            }
+            (Some(_), _) => {
+                ("paper".into(), include_str!("../../../../configs/train/fusion-paper.toml").into())
+            }
+            (None, Some(path)) => {
+                let text =
+                    fs::read_to_string(path).with_context(|| format!("cannot read '{}'", path.display()))?;
+                (path.display().to_string(), text)
+            }
+            (None, None) => bail!("neither a preset nor a configuration is given"),
+        };
+        let name: String = name;
+        let text: String = text;
+        toml::from_str(&text).with_context(|| format!("'{name}' is no configuration of a training"))
+    }
+}
+
+/// The device of this name.
+pub(crate) fn device(name: &str) -> anyhow::Result<Device> {
+    if name == "cpu" {
+        return Ok(Device::Cpu);
+    }
+    ensure!(
+        Cuda::is_available(),
+        "no graphics card, or a libtorch without CUDA: see 'cargo xtask setup --cuda'"
+    );
+    Ok(Device::Cuda(0))
+}
+
+pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
+    let mut training = args.source.read()?;
+    training.steps = args.steps.unwrap_or(training.steps);
+    training.seed = args.seed.unwrap_or(training.seed);
+    let device = device(&args.device)?;
+    let dataset = Dataset::open(&args.data)?;
+    let began = last_checkpoint(&args.out).exists();
+    ensure!(
+        args.resume || !began,
+        "'{}' holds a run: go on with --resume, or choose another folder",
+        args.out.display()
+    );
+    fs::create_dir_all(&args.out).with_context(|| format!("cannot make '{}'", args.out.display()))?;
+
+    let begin = Instant::now();
+    let mut log = Log::open(&args.out, args.resume)?;
+    let bar = progress::bar(training.steps, "steps");
+    let mut failed = None;
+    let mut examples = 0;
+    let mut last_evaluation = None;
+    let mut observer = |event: &Event| {
+        match event {
+            Event::Resumed { steps } => {
+                bar.set_position(*steps);
+                bar.reset_eta();
+            }
+            Event::Step { step, examples: of_batch, loss, .. } => {
+                examples += *of_batch as u64;
+                let rate = examples as f64 / begin.elapsed().as_secs_f64();
+                bar.set_prefix(format!("loss {loss:.3}, {rate:.0} examples/s, steps"));
+                bar.set_position(*step);
+            }
+            Event::Evaluated { step, evaluation, best } => {
+                let all = evaluation.all;
+                let share = |hits: u64| 100.0 * hits as f64 / all.count.max(1) as f64;
+                bar.suspend(|| {
+                    eprintln!(
+                        "beadwork: step {step}: loss {:.3}, position {:.1} % first, {:.1} % among five, action {:.1} %{}",
+                        evaluation.loss,
+                        share(all.top_1),
+                        share(all.top_5),
+                        share(all.action),
+                        if *best { ", the best so far" } else { "" },
+                    );
+                });
+                last_evaluation = Some((*step, evaluation.clone()));
+            }
+        }
+        if let Err(error) = log.write(event) {
+            failed.get_or_insert(error);
+        }
+    };
+    let run = Run { device, out: &args.out, cancel: cancel::token()?, observer: &mut observer };
+    let end = train(&dataset, &training, run)?;
+    bar.finish_and_clear();
+    if let Some(error) = failed {
+        return Err(error.context(format!("cannot log to '{}'", args.out.display())));
+    }
+    let seconds = begin.elapsed().as_secs_f64();
+    let weights = Model::weights_file(&args.out);
+    if args.json {
+        let (step, evaluation) = last_evaluation.map_or((None, None), |(step, evaluation)| {
+            let all = evaluation.all;
+            let hits = json!({ "examples": all.count, "top_1": all.top_1, "top_5": all.top_5, "action": all.action });
+            (Some(step), Some(json!({ "loss": evaluation.loss, "hits": hits })))
+        });
+        return output::json(&json!({
+            "network": "fusion",
+            "end": format!("{end:?}").to_lowercase(),
+            "steps": step,
+            "evaluation": evaluation,
+            "examples": examples,
+            "seconds": seconds,
+            "weights": weights,
+            "machine": machine::facts(),
+        }));
+    }
+    let how = match end {
+        End::Done => "all steps are made",
+        End::Early => "it stopped getting better",
+        End::Cancelled => "stopped; go on with --resume",
+    };
+    output::text(&format!(
+        "{how}; {examples} examples in {seconds:.0} s; best weights: {}\n",
+        weights.display()
+    ))
+}

@@ -1,0 +1,25 @@
+//! `train`: networks from recorded searches and simulations.
+
+pub(crate) mod fusion;
+mod log;
+mod tensorboard;
+
+use clap::Subcommand;
+
+/// Train a network. A run that was stopped goes on with --resume, with the same losses.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    network: Network,
+}
+
+#[derive(Subcommand)]
+enum Network {
+    Fusion(fusion::Args),
+}
+
+pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
+    match &args.network {
+        Network::Fusion(args) => fusion::run(args),
+    }
+}

@@ -1,0 +1,128 @@
+//! Where a training stands, in one file that is whole or absent.
+
+use std::path::{Path, PathBuf};
+
+use tch::Tensor;
+use tch::nn::VarStore;
+use thiserror::Error;
+
+use crate::adamw::AdamW;
+use crate::weights::{self, WeightsError};
+
+/// How far a training has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Steps made.
+    pub steps: u64,
+    /// The epoch of the last batch.
+    pub epoch: u64,
+    /// Batches taken from that epoch.
+    pub batches: u64,
+    /// Lowest loss of an evaluation.
+    pub best_loss: f64,
+    /// Evaluations since then.
+    pub waited: u64,
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self { steps: 0, epoch: 0, batches: 0, best_loss: f64::INFINITY, waited: 0 }
+    }
+}
+
+/// Why a checkpoint can't be read or written.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// It is no checkpoint, or one of another network.
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
+    /// It lacks something that every checkpoint has.
+    #[error("'{}' is no checkpoint: it has no '{name}'", path.display())]
+    Lacks {
+        /// The file.
+        path: PathBuf,
+        /// What it lacks.
+        name: &'static str,
+    },
+    /// It belongs to a run with another configuration.
+    #[error("'{}' belongs to a run with another configuration: choose another folder", path.display())]
+    OtherRun {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+/// The checkpoint of one run.
+#[derive(Debug)]
+pub struct Checkpoint {
+    path: PathBuf,
+    /// The run's configuration, which is kept with it.
+    echo: Vec<u8>,
+}
+
+const ECHO: &str = "run.configuration";
+const PROGRESS: &str = "run.progress";
+const BEST: &str = "run.best_loss";
+const MEAN: &str = "adamw.mean";
+const SQUARE: &str = "adamw.square";
+
+impl Checkpoint {
+    /// For a run that is told by a text.
+    pub fn new(path: &Path, echo: &str) -> Self {
+        Self { path: path.into(), echo: echo.into() }
+    }
+
+    /// Writes where a run stands.
+    pub fn save(
+        &self,
+        variables: &VarStore,
+        optimiser: &AdamW,
+        progress: Progress,
+    ) -> Result<(), CheckpointError> {
+        let (mean, square, steps) = optimiser.state();
+        let Progress { steps: made, epoch, batches, best_loss, waited } = progress;
+        let counts = [made, epoch, batches, waited, steps as u64].map(|count| count as i64);
+        let mut named: Vec<_> = variables.variables().into_iter().collect();
+        named.sort_by(|(name, _), (other, _)| name.cmp(other));
+        named.extend([
+            (ECHO.to_owned(), Tensor::from_slice(&self.echo)),
+            (PROGRESS.to_owned(), Tensor::from_slice(&counts)),
+            (BEST.to_owned(), Tensor::from_slice(&[best_loss])),
+            (MEAN.to_owned(), mean.shallow_clone()),
+            (SQUARE.to_owned(), square.shallow_clone()),
+        ]);
+        Ok(weights::save_tensors(&named, &self.path)?)
+    }
+
+    /// Goes on from where a run stood; `None`, and nothing changed, where there is no checkpoint yet.
+    pub fn load(
+        &self,
+        variables: &VarStore,
+        optimiser: &mut AdamW,
+    ) -> Result<Option<Progress>, CheckpointError> {
+        if !self.path.exists() {
+            return Ok(None);
+        }
+        let mut read = weights::read_tensors(&self.path)?;
+        let mut take =
+            |name| read.remove(name).ok_or_else(|| CheckpointError::Lacks { path: self.path.clone(), name });
+        let (echo, counts, best) = (take(ECHO)?, take(PROGRESS)?, take(BEST)?);
+        let (mean, square) = (take(MEAN)?, take(SQUARE)?);
+        let other_run = || CheckpointError::OtherRun { path: self.path.clone() };
+        if Vec::<u8>::try_from(echo).ok().as_ref() != Some(&self.echo) {
+            return Err(other_run());
+        }
+        let counts = Vec::<i64>::try_from(counts).ok().and_then(|counts| <[i64; 5]>::try_from(counts).ok());
+        let Some([steps, epoch, batches, waited, optimised]) = counts else { return Err(other_run()) };
+        weights::fill(variables, &mut read, &self.path)?;
+        optimiser.restore(&mean, &square, optimised);
+        Ok(Some(Progress {
+            steps: steps as u64,
+            epoch: epoch as u64,
+            batches: batches as u64,
+            best_loss: best.double_value(&[0]),
+            waited: waited as u64,
+        }))
+    }
+}

@@ -1,0 +1,261 @@
+//! From proposals to better paths: Aali et al., section FusionNet, inference.
+//!
+//! Of the proposed moves the one that lowers the crossings most is made, of equal ones the one that scores most, and none that
+//! leads back to a state seen before. Where no new best comes for long, or nothing is left to do, the walk goes back to its best
+//! path, and from there some moves are made as an annealer makes them, the more the longer it has been in vain. All moves ever
+//! made are counted. Many layers are walked together, so that the network sees them in batches.
+
+use std::collections::HashSet;
+
+use beadwork_grid::{Links, Path, Placed};
+use beadwork_search::{Move, Stop};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::layer::{Layer, Made, State};
+use super::propose::{Proposal, Proposer, for_each_move};
+
+/// How to walk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WalkSettings {
+    /// Most moves, perturbations included.
+    pub budget: usize,
+    /// Moves without a new best after which some are made at random.
+    pub patience: usize,
+    /// Whether these are made from the best path so far, rather than from where the walk is.
+    pub returns: bool,
+    /// Number of those.
+    pub perturbation: usize,
+    /// As many times that number are made at most, after as many perturbations in vain.
+    pub escalation: usize,
+    /// The temperature at which they are accepted, in crossings.
+    pub temperature: f64,
+    /// Seed of them.
+    pub seed: u64,
+}
+
+impl Default for WalkSettings {
+    fn default() -> Self {
+        Self {
+            budget: 2000,
+            patience: 16,
+            returns: true,
+            perturbation: 4,
+            escalation: 8,
+            temperature: 1.0,
+            seed: 0,
+        }
+    }
+}
+
+/// A path to be improved.
+#[derive(Debug)]
+pub struct Task<'a> {
+    /// Its layer.
+    pub layer: &'a Layer,
+    /// The path to begin with.
+    pub start: &'a Path,
+    /// Crossings that are enough.
+    pub target: u32,
+}
+
+/// What a walk came to.
+#[derive(Clone, Debug)]
+pub struct Walked {
+    /// The best path.
+    pub path: Path,
+    /// Crossings of the start.
+    pub initial: u32,
+    /// Crossings of the best path.
+    pub crossings: u32,
+    /// The moves to it.
+    pub moves: Vec<Move>,
+    /// All moves made.
+    pub made: usize,
+    /// Those of them that were made at random.
+    pub perturbed: usize,
+    /// [`Stop::Optimal`] where the target is reached, [`Stop::Done`] where the budget is spent or nothing applies.
+    pub stop: Stop,
+}
+
+/// One of the walks.
+struct Walk<'a> {
+    task: &'a Task<'a>,
+    links: Links,
+    initial: u32,
+    crossings: u32,
+    best: u32,
+    /// The moves from the start to the present path.
+    trail: Vec<Made>,
+    moves_to_best: usize,
+    /// All moves made, and how many they were at the last new best or perturbation.
+    made: usize,
+    since: usize,
+    perturbed: usize,
+    /// Perturbations since the last new best.
+    failures: usize,
+    /// Keys of the states it has been in.
+    seen: HashSet<u64>,
+    key: u64,
+    rng: ChaCha8Rng,
+    stuck: bool,
+}
+
+/// Walks from all starts, each until its target or the budget is reached. The walks do not depend on each other, but for what the
+/// proposer makes of them.
+///
+/// Costs a question for each move of the longest walk, with all layers that are still walked.
+pub fn walk(tasks: &[Task<'_>], proposer: &mut dyn Proposer, settings: &WalkSettings) -> Vec<Walked> {
+    let mut walks: Vec<_> =
+        (0..).zip(tasks).map(|(number, task)| Walk::new(task, settings.seed, number)).collect();
+    loop {
+        let mut active: Vec<_> = walks.iter_mut().filter(|walk| !walk.has_ended(settings)).collect();
+        if active.is_empty() {
+            break;
+        }
+        let states: Vec<_> = active.iter().map(|walk| walk.state()).collect();
+        let proposed = proposer.propose(&states);
+        for (walk, proposals) in active.iter_mut().zip(proposed) {
+            walk.step(&proposals, settings);
+        }
+    }
+    walks.into_iter().map(Walk::finish).collect()
+}
+
+impl<'a> Walk<'a> {
+    fn new(task: &'a Task<'a>, seed: u64, number: u64) -> Self {
+        let initial = task.layer.crossings().count(task.start);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(number);
+        Self {
+            task,
+            links: Links::new(task.start),
+            initial,
+            crossings: initial,
+            best: initial,
+            trail: Vec::new(),
+            moves_to_best: 0,
+            made: 0,
+            since: 0,
+            perturbed: 0,
+            failures: 0,
+            seen: HashSet::from([0]),
+            key: 0,
+            rng,
+            stuck: false,
+        }
+    }
+
+    fn has_ended(&self, settings: &WalkSettings) -> bool {
+        self.best <= self.task.target || self.made >= settings.budget || self.stuck
+    }
+
+    fn state(&self) -> State<'_> {
+        State {
+            layer: self.task.layer,
+            links: &self.links,
+            crossings: self.crossings,
+            initial: self.initial,
+            made: &self.trail,
+        }
+    }
+
+    fn step(&mut self, proposals: &[Proposal], settings: &WalkSettings) {
+        let width = self.task.layer.size().0;
+        let fresh = proposals
+            .iter()
+            .filter(|proposal| !self.seen.contains(&(self.key ^ key(proposal.placed, width))));
+        // The first of equal ones scores most.
+        let chosen = fresh.min_by_key(|proposal| proposal.change).copied();
+        match chosen {
+            Some(proposal) if self.made - self.since < settings.patience => {
+                self.make(proposal.placed, proposal.change);
+            }
+            _ => self.perturb(settings),
+        }
+    }
+
+    /// Moves as an annealer's at one temperature.
+    fn perturb(&mut self, settings: &WalkSettings) {
+        if settings.returns {
+            self.go_back();
+        }
+        self.failures += 1;
+        let count = settings.perturbation.max(1) * self.failures.min(settings.escalation.max(1));
+        for _ in 0..count {
+            let mut all = Vec::new();
+            for_each_move(&self.state(), |placed| all.push(placed));
+            if all.is_empty() {
+                self.stuck = true;
+                return;
+            }
+            // The temperature is positive, so that something is accepted in the end.
+            let (placed, change) = loop {
+                let placed = all[self.rng.random_range(0..all.len())];
+                let change = self.task.layer.change(placed);
+                let chance = (-f64::from(change) / settings.temperature).exp();
+                if change <= 0 || self.rng.random::<f64>() < chance {
+                    break (placed, change);
+                }
+            };
+            self.make(placed, change);
+            self.perturbed += 1;
+            if self.has_ended(settings) {
+                return;
+            }
+        }
+        self.since = self.made;
+    }
+
+    /// Takes up the best path again, which is no move: it was never given away.
+    fn go_back(&mut self) {
+        self.trail.truncate(self.moves_to_best);
+        self.links = Links::new(self.task.start);
+        self.key = 0;
+        for made in &self.trail {
+            assert!(self.links.apply_variant(made.placed), "what was made can be made again");
+            self.key ^= key(made.placed, self.task.layer.size().0);
+        }
+        self.crossings = self.best;
+    }
+
+    fn make(&mut self, placed: Placed, change: i32) {
+        assert!(self.links.apply_variant(placed), "a proposed move applies");
+        let before = self.crossings;
+        self.crossings = before.saturating_add_signed(change);
+        self.trail.push(Made { placed, before, after: self.crossings });
+        self.made += 1;
+        self.key ^= key(placed, self.task.layer.size().0);
+        self.seen.insert(self.key);
+        if self.crossings < self.best {
+            self.best = self.crossings;
+            self.moves_to_best = self.trail.len();
+            self.since = self.made;
+            self.failures = 0;
+        }
+    }
+
+    fn finish(self) -> Walked {
+        let moves: Vec<_> =
+            self.trail[..self.moves_to_best].iter().map(|made| Move::Variant(made.placed)).collect();
+        let mut path = self.task.start.clone();
+        for step in &moves {
+            assert!(step.apply(&mut path), "what applies to the links applies to the path");
+        }
+        let stop = if self.best <= self.task.target { Stop::Optimal } else { Stop::Done };
+        Walked {
+            path,
+            initial: self.initial,
+            crossings: self.best,
+            moves,
+            made: self.made,
+            perturbed: self.perturbed,
+            stop,
+        }
+    }
+}
+
+/// A number by which states are told apart: exclusive or of those of all unit cells switched an odd number of times.
+fn key(placed: Placed, width: u32) -> u64 {
+    placed.switches(width).iter().fold(0, |key, switch| key ^ switch.mixed())
+}
