@@ -33,6 +33,7 @@ Work; builds the binary `beadwork` in release and runs it with these words:
   zones      find a path of few crossings for one layer
   plan       plan how a part is printed, and write its G-code
   simulate   how warm a part gets while it is printed
+  train      train a network; the first time, libtorch is provided and built against, which takes minutes
   eval       tables beside the papers' figures, and of whole parts
   bench      rates on this machine
   Any other word goes to the binary too. `cargo xtask WORD --help` tells a word's arguments.
@@ -44,6 +45,7 @@ Examples:
   cargo xtask simulate example:u-shape --pattern spiral-in-0
   cargo xtask gen-data --preset smoke --out datasets/smoke
   cargo xtask inspect datasets/smoke --verify
+  cargo xtask train fusion --preset small --data datasets/chains --out runs/fusion
   cargo xtask bench grid
 ";
 

@@ -39,6 +39,12 @@ const NEEDED: [&str; 4] = [
 
 const OWN: &str = "set LIBTORCH to a folder with libtorch 2.13.0 instead";
 
+/// Whether builds find a libtorch.
+pub(crate) fn is_done() -> bool {
+    let own = std::env::var_os("LIBTORCH").map_or_else(|| workspace::root().join(".libtorch"), PathBuf::from);
+    check(&own).is_ok()
+}
+
 /// Provides libtorch, unless it is there.
 pub(crate) fn run() -> Result<()> {
     let link = workspace::root().join(".libtorch");

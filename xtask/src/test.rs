@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 
-use crate::{tidy, workspace};
+use crate::{setup, tidy, workspace};
 
 /// Runs all steps; the first that fails is the last.
 pub(crate) fn run() -> Result<()> {
@@ -19,6 +19,28 @@ pub(crate) fn run() -> Result<()> {
         cargo_step(&["test", "--doc", "--locked"], None)?;
     } else {
         cargo_step(&["test", "--locked"], None)?;
+    }
+    if setup::is_done() {
+        cargo_step(
+            &[
+                "clippy",
+                "--locked",
+                "--all-targets",
+                "-p",
+                "beadwork-learn",
+                "-p",
+                "beadwork-cli",
+                "--features",
+                "beadwork-cli/learn",
+                "--",
+                "-D",
+                "warnings",
+            ],
+            None,
+        )?;
+        cargo_step(&["test", "--locked", "-p", "beadwork-learn"], None)?;
+    } else {
+        eprintln!("xtask: without libtorch, what learns is not tested: 'cargo xtask setup' provides it");
     }
     cargo_step(&["doc", "--no-deps", "--locked"], Some(("RUSTDOCFLAGS", "-D warnings")))?;
     eprintln!("xtask: all passed in {:.1} s", begin.elapsed().as_secs_f64());

@@ -17,6 +17,8 @@ mod generations;
 mod heat_parts;
 mod inspect;
 mod instance;
+#[cfg_attr(not(feature = "learn"), path = "unlearned.rs")]
+mod learned;
 mod machine;
 mod output;
 mod paper;

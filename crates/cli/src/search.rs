@@ -9,6 +9,7 @@ use beadwork_search::{Move, Preset, Settings, Stop, anneal, exact, genetic};
 use serde::{Deserialize, Serialize};
 
 use crate::cancel;
+use crate::learned::{self, Fusion};
 
 /// The methods of this build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -21,6 +22,8 @@ pub(crate) enum MethodName {
     Genetic,
     /// The fewest pieces, then the fewest crossings, with a proof where one is found.
     Exact,
+    /// Moves that a trained network proposes.
+    Fusion,
 }
 
 impl MethodName {
@@ -30,6 +33,7 @@ impl MethodName {
             Self::Anneal => "anneal",
             Self::Genetic => "genetic",
             Self::Exact => "exact",
+            Self::Fusion => "fusion",
         }
     }
 }
@@ -127,6 +131,7 @@ pub(crate) enum Choice<'a> {
     Anneal(Preset),
     Genetic(Breeding<'a>),
     Exact(exact::Settings<'a>),
+    Fusion(Fusion<'a>),
 }
 
 /// What the genetic algorithm needs to know.
@@ -146,6 +151,7 @@ impl Choice<'_> {
             Self::Anneal(_) => MethodName::Anneal,
             Self::Genetic(_) => MethodName::Genetic,
             Self::Exact(_) => MethodName::Exact,
+            Self::Fusion(_) => MethodName::Fusion,
         }
     }
 
@@ -153,7 +159,7 @@ impl Choice<'_> {
         match self {
             Self::Anneal(preset) => Some(preset.name().to_owned()),
             Self::Genetic(breeding) => Some(breeding.preset.name().to_owned()),
-            Self::Zigzag | Self::Exact(_) => None,
+            Self::Zigzag | Self::Exact(_) | Self::Fusion(_) => None,
         }
     }
 }
@@ -240,6 +246,10 @@ impl Search<'_> {
                 let stop = format!("{:?}", plan.stop).to_lowercase();
                 exact = Some(ExactRow { cost, optimal, attempts, stop });
                 (plan.path, 0)
+            }
+            Choice::Fusion(of) => {
+                let target = of.target.max(lower as u32);
+                learned::fusion(&Fusion { target, ..of }, region, zones, start, seed)?
             }
         };
         let seconds = seconds_before + begin.elapsed().as_secs_f64();

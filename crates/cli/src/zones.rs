@@ -17,6 +17,7 @@ use serde_json::json;
 
 use crate::ends::{Place, read_costs};
 use crate::instance::{Instance, InstanceArgs};
+use crate::learned::Fusion;
 use crate::output::wrong_use;
 use crate::search::{Breeding, Choice, MethodName, Row, Search};
 use crate::{generations, machine, output, progress};
@@ -31,6 +32,7 @@ Examples:
   beadwork zones --layout voronoi --size 50x50 --seed 3 --method anneal
   beadwork zones --layout islands --size 100x100 --preset fast --svg islands.svg
   beadwork zones --layout islands --size 50x50 --method genetic --preset window --plot generations.svg
+  beadwork zones --layout voronoi --size 30x30 --seed 3 --method fusion --svg learned.svg
   beadwork zones --image logo.png --preset fast --svg logo.svg --json")]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -60,6 +62,15 @@ pub(crate) struct Args {
     /// window, short or fast.
     #[arg(long, value_name = "NAME")]
     preset: Option<String>,
+    /// Fusion: folder of the trained network.
+    #[arg(long, value_name = "DIR", default_value = "models/fusion-small")]
+    model: PathBuf,
+    /// Fusion: crossings that are enough; the proven bound if not given.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    target: u32,
+    /// Fusion: most moves.
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    budget: usize,
     /// Path to start from: row_zigzag, column_zigzag, spiral, cover, or auto (the row zigzag where there is one, else
     /// the cover).
     #[arg(long, value_name = "START", default_value = "auto")]
@@ -114,7 +125,7 @@ impl Args {
         match method {
             MethodName::Anneal => drop(self.preset(Preset::Paper)),
             MethodName::Genetic => drop(self.preset(genetic::Preset::Paper)),
-            MethodName::Zigzag | MethodName::Exact => (),
+            MethodName::Zigzag | MethodName::Exact | MethodName::Fusion => (),
         }
     }
 
@@ -175,6 +186,9 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
                 stages: args.stages.is_some().then_some(&stages),
                 ..exact::Settings::default()
             })
+        }
+        MethodName::Fusion => {
+            Choice::Fusion(Fusion { model: &args.model, target: args.target, budget: args.budget })
         }
     };
     let bounds = (method != MethodName::Exact).then(|| Bounds::new(region, zones));

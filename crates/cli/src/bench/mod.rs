@@ -2,6 +2,8 @@
 
 mod dataset;
 mod grid;
+#[cfg(feature = "learn")]
+mod learn;
 mod part;
 mod thermal;
 mod zones;
@@ -24,6 +26,8 @@ enum What {
     Part(part::PartArgs),
     Thermal(thermal::ThermalArgs),
     Dataset(dataset::DatasetArgs),
+    #[cfg(feature = "learn")]
+    Learn(learn::LearnArgs),
 }
 
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
@@ -33,6 +37,8 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         What::Part(args) => part::run(args),
         What::Thermal(args) => thermal::run(args),
         What::Dataset(args) => dataset::run(args),
+        #[cfg(feature = "learn")]
+        What::Learn(args) => learn::run(args),
     }
 }
 

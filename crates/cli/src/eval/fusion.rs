@@ -84,12 +84,12 @@ struct Instance {
     start: Path,
     initial: u32,
     target: u32,
-    annealer: Reached,
+    annealer: Taken,
 }
 
 /// What a method took to the target.
 #[derive(Clone, Copy, Debug, Serialize)]
-struct Reached {
+struct Taken {
     reached: bool,
     moves: usize,
     seconds: f64,
@@ -105,7 +105,7 @@ struct Row {
     seed: u64,
     initial: u32,
     target: u32,
-    methods: BTreeMap<&'static str, Reached>,
+    methods: BTreeMap<&'static str, Taken>,
 }
 
 impl Instance {
@@ -115,17 +115,13 @@ impl Instance {
         let start = Start::RowZigzag.path(&region)?;
         let crossings = Crossings::new(&region, &zones);
         let initial = crossings.count(&start);
-        let mut best: Option<Reached> = None;
+        let mut best: Option<Taken> = None;
         for run in 0..runs {
             let begin = Instant::now();
             let outcome = anneal(start.clone(), &crossings, &Settings::preset(Preset::Paper, run));
             let seconds = begin.elapsed().as_secs_f64();
-            let this = Reached {
-                reached: true,
-                moves: outcome.moves.len(),
-                seconds,
-                crossings: outcome.cost as u32,
-            };
+            let this =
+                Taken { reached: true, moves: outcome.moves.len(), seconds, crossings: outcome.cost as u32 };
             if best.is_none_or(|best| (this.crossings, this.moves) < (best.crossings, best.moves)) {
                 best = Some(this);
             }
@@ -136,7 +132,7 @@ impl Instance {
         Ok(Self { layout, width, height, seed, region, zones, layer, start, initial, target, annealer })
     }
 
-    fn methods(&self) -> anyhow::Result<BTreeMap<&'static str, Reached>> {
+    fn methods(&self) -> anyhow::Result<BTreeMap<&'static str, Taken>> {
         let crossings = Crossings::new(&self.region, &self.zones);
         let bound = Some(i64::from(self.target));
         let begin = Instant::now();
@@ -161,9 +157,9 @@ impl Instance {
         ]))
     }
 
-    fn took(&self, moves: usize, begin: Instant, cost: i64) -> Reached {
+    fn took(&self, moves: usize, begin: Instant, cost: i64) -> Taken {
         let reached = cost <= i64::from(self.target);
-        Reached { reached, moves, seconds: begin.elapsed().as_secs_f64(), crossings: cost as u32 }
+        Taken { reached, moves, seconds: begin.elapsed().as_secs_f64(), crossings: cost as u32 }
     }
 }
 
@@ -224,7 +220,7 @@ pub(super) fn run(args: &FusionArgs) -> anyhow::Result<()> {
 }
 
 /// Walks all instances together; the seconds are shared out among them by their moves.
-fn walk_all(instances: &[Instance], proposer: &mut dyn Proposer, settings: &WalkSettings) -> Vec<Reached> {
+fn walk_all(instances: &[Instance], proposer: &mut dyn Proposer, settings: &WalkSettings<'_>) -> Vec<Taken> {
     let mut tasks = Vec::with_capacity(instances.len());
     for Instance { layer, start, target, .. } in instances {
         tasks.push(Task { layer, start, target: *target });
@@ -237,7 +233,7 @@ fn walk_all(instances: &[Instance], proposer: &mut dyn Proposer, settings: &Walk
         let reached = walked.stop == Stop::Optimal;
         let moves = walked.made;
         let share = walked.made as f64 / all.max(1) as f64;
-        Reached { reached, moves, seconds: seconds * share, crossings: walked.crossings }
+        Taken { reached, moves, seconds: seconds * share, crossings: walked.crossings }
     };
     walked.into_iter().map(reached).collect()
 }

@@ -129,5 +129,6 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         Some(MethodName::Zigzag | MethodName::Anneal) => anneal_tables::run(args),
         Some(MethodName::Genetic) => crossovers::run(args),
         Some(MethodName::Exact) => exact_tables::run(args),
+        Some(MethodName::Fusion) => output::wrong_use("FusionNet has tables of its own: eval fusion"),
     }
 }

@@ -10,18 +10,20 @@ mod history;
 pub mod layer;
 pub mod loss;
 pub mod model;
+pub mod parity;
 pub mod propose;
 pub mod samples;
 pub mod train;
 pub mod walk;
 
 use tch::nn::{self, Module, Path};
-use tch::{Kind, Tensor};
+use tch::{Kind, Tensor, no_grad};
 
 use self::blocks::{Attention, Down, Residual, Up, activate, conv, norm, readout};
 use self::history::HistoryEncoder;
 
 pub use self::history::History;
+pub use tch::nn::VarStore;
 
 /// Channels of the layer's image: zone by the greatest zone, edges of the path to the right and down, what belongs to the
 /// layer, cells beside another zone, crossings at a cell by their greatest number, crossings by those at the start, y and x.
@@ -134,7 +136,7 @@ impl FusionNet {
         };
         let mut film = nn::linear(vs / "film_proj" / 0, hidden, 16 * f, film);
         if let Some(bias) = &mut film.bs {
-            tch::no_grad(|| _ = bias.slice(0, 0, 8 * f, 1).fill_(1.0));
+            no_grad(|| _ = bias.slice(0, 0, 8 * f, 1).fill_(1.0));
         }
         let head = vs / "position_head";
         let position = nn::seq()
@@ -203,4 +205,9 @@ impl FusionNet {
         let head = |head: &nn::Sequential| head.forward(&x).to_kind(KIND);
         Proposals { position: head(&self.position), action: head(&self.action) }
     }
+}
+
+/// What a network proposes, without what training would need; see [`FusionNet::forward`].
+pub fn ask(network: &FusionNet, state: &Tensor, history: &History, precision: Precision) -> Proposals {
+    no_grad(|| network.forward(state, history, precision, false))
 }

@@ -24,6 +24,9 @@ pub struct Proposal {
 /// Proposes moves.
 pub trait Proposer {
     /// For each state the moves to choose from, the best by score first. Each applies.
+    ///
+    /// # Panics
+    /// If a layer has more columns or rows than a network has [`places`](super::Config::places).
     fn propose(&mut self, states: &[State<'_>]) -> Vec<Vec<Proposal>>;
 }
 
@@ -76,6 +79,11 @@ impl<'a> Asked<'a> {
 
     /// Proposes for states on one canvas.
     fn ask(&self, states: &[&State<'_>], canvas: Canvas) -> Vec<Vec<Proposal>> {
+        let places = self.network.config().places as u32;
+        assert!(
+            states.iter().all(|state| state.layer.size().0.max(state.layer.size().1) <= places),
+            "the network knows {places} places along each axis"
+        );
         let mut inputs = Inputs::new(canvas, self.network.config().history as usize);
         states.iter().for_each(|state| inputs.push(state, Symmetry::ALL[0]));
         let (image, history) = inputs.tensors(self.device);

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 use std::thread;
+use std::time::Instant;
 
 use beadwork_dataset::{Dataset, FileError, write_whole};
 use serde::{Deserialize, Serialize};
@@ -319,19 +320,12 @@ pub fn train(dataset: &Dataset, training: &Training, run: Run<'_>) -> Result<End
             let (epoch, batches, batch) = receiver.recv().expect("the feeder sends until it fails")?;
             let step = progress.steps + 1;
             tch::manual_seed((training.seed << 32 ^ step) as i64);
-            let (state, history) = batch.inputs.tensors(device);
-            let proposals = network.forward(&state, &history, training.precision, true);
-            let loss = loss(&proposals, &batch.targets(device), &training.loss);
-            let value = loss.double_value(&[]);
-            if !value.is_finite() {
-                return Err(TrainError::NotANumber { what: "loss", step });
-            }
-            optimiser.zero_grad();
-            loss.backward();
             let rate = training.rate_at(step);
-            let gradient = optimiser.step(rate, training.clip);
-            if !gradient.is_finite() {
-                return Err(TrainError::NotANumber { what: "gradient", step });
+            let (value, gradient) = learn(&network, &mut optimiser, &batch, training, rate, device);
+            for (what, number) in [("loss", value), ("gradient", gradient)] {
+                if !number.is_finite() {
+                    return Err(TrainError::NotANumber { what, step });
+                }
             }
             progress = Progress { steps: step, epoch, batches, ..progress };
             observer(&Event::Step { step, examples: batch.inputs.len(), loss: value, rate, gradient });
@@ -354,6 +348,41 @@ pub fn train(dataset: &Dataset, training: &Training, run: Run<'_>) -> Result<End
         }
         Ok(End::Done)
     })
+}
+
+/// One step of training on a batch; gives its loss and the length of the gradient. Where one is no number, nothing changes.
+fn learn(
+    network: &FusionNet,
+    optimiser: &mut AdamW,
+    batch: &Batch,
+    training: &Training,
+    rate: f64,
+    device: Device,
+) -> (f64, f64) {
+    let (state, history) = batch.inputs.tensors(device);
+    let proposals = network.forward(&state, &history, training.precision, true);
+    let loss = loss(&proposals, &batch.targets(device), &training.loss);
+    let value = loss.double_value(&[]);
+    if !value.is_finite() {
+        return (value, 0.0);
+    }
+    optimiser.zero_grad();
+    loss.backward();
+    (value, optimiser.step(rate, training.clip))
+}
+
+/// Seconds of steps of training on one batch over and over, by a network of its own, on the processor.
+pub fn measure_steps(training: &Training, batch: &Batch, steps: usize) -> Result<Vec<f64>, TrainError> {
+    training.check()?;
+    let variables = VarStore::new(Device::Cpu);
+    let network = FusionNet::new(&variables.root(), training.network());
+    let mut optimiser = AdamW::new(variables.trainable_variables(), AdamWSettings::default());
+    let seconds = (0..steps).map(|_| {
+        let begin = Instant::now();
+        learn(&network, &mut optimiser, batch, training, training.rate, Device::Cpu);
+        begin.elapsed().as_secs_f64()
+    });
+    Ok(seconds.collect())
 }
 
 /// Sets a flag when it goes.

@@ -6,6 +6,7 @@
 //! made are counted. Many layers are walked together, so that the network sees them in batches.
 
 use std::collections::HashSet;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use beadwork_grid::{Links, Path, Placed};
 use beadwork_search::{Move, Stop};
@@ -16,8 +17,8 @@ use super::layer::{Layer, Made, State};
 use super::propose::{Proposal, Proposer, for_each_move};
 
 /// How to walk.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WalkSettings {
+#[derive(Clone, Copy, Debug)]
+pub struct WalkSettings<'a> {
     /// Most moves, perturbations included.
     pub budget: usize,
     /// Moves without a new best after which some are made at random.
@@ -32,9 +33,11 @@ pub struct WalkSettings {
     pub temperature: f64,
     /// Seed of them.
     pub seed: u64,
+    /// Ends all walks soon after it turns true.
+    pub cancel: Option<&'a AtomicBool>,
 }
 
-impl Default for WalkSettings {
+impl Default for WalkSettings<'_> {
     fn default() -> Self {
         Self {
             budget: 2000,
@@ -44,6 +47,7 @@ impl Default for WalkSettings {
             escalation: 8,
             temperature: 1.0,
             seed: 0,
+            cancel: None,
         }
     }
 }
@@ -74,7 +78,8 @@ pub struct Walked {
     pub made: usize,
     /// Those of them that were made at random.
     pub perturbed: usize,
-    /// [`Stop::Optimal`] where the target is reached, [`Stop::Done`] where the budget is spent or nothing applies.
+    /// [`Stop::Optimal`] where the target is reached, [`Stop::Done`] where the budget is spent or nothing applies,
+    /// [`Stop::Cancelled`].
     pub stop: Stop,
 }
 
@@ -105,12 +110,13 @@ struct Walk<'a> {
 /// proposer makes of them.
 ///
 /// Costs a question for each move of the longest walk, with all layers that are still walked.
-pub fn walk(tasks: &[Task<'_>], proposer: &mut dyn Proposer, settings: &WalkSettings) -> Vec<Walked> {
+pub fn walk(tasks: &[Task<'_>], proposer: &mut dyn Proposer, settings: &WalkSettings<'_>) -> Vec<Walked> {
     let mut walks: Vec<_> =
         (0..).zip(tasks).map(|(number, task)| Walk::new(task, settings.seed, number)).collect();
     loop {
         let mut active: Vec<_> = walks.iter_mut().filter(|walk| !walk.has_ended(settings)).collect();
-        if active.is_empty() {
+        let cancelled = settings.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed));
+        if active.is_empty() || cancelled {
             break;
         }
         let states: Vec<_> = active.iter().map(|walk| walk.state()).collect();
@@ -119,7 +125,7 @@ pub fn walk(tasks: &[Task<'_>], proposer: &mut dyn Proposer, settings: &WalkSett
             walk.step(&proposals, settings);
         }
     }
-    walks.into_iter().map(Walk::finish).collect()
+    walks.into_iter().map(|walk| walk.finish(settings)).collect()
 }
 
 impl<'a> Walk<'a> {
@@ -146,7 +152,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn has_ended(&self, settings: &WalkSettings) -> bool {
+    fn has_ended(&self, settings: &WalkSettings<'_>) -> bool {
         self.best <= self.task.target || self.made >= settings.budget || self.stuck
     }
 
@@ -160,7 +166,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn step(&mut self, proposals: &[Proposal], settings: &WalkSettings) {
+    fn step(&mut self, proposals: &[Proposal], settings: &WalkSettings<'_>) {
         let width = self.task.layer.size().0;
         let fresh = proposals
             .iter()
@@ -176,7 +182,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Moves as an annealer's at one temperature.
-    fn perturb(&mut self, settings: &WalkSettings) {
+    fn perturb(&mut self, settings: &WalkSettings<'_>) {
         if settings.returns {
             self.go_back();
         }
@@ -235,14 +241,18 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn finish(self) -> Walked {
+    fn finish(self, settings: &WalkSettings<'_>) -> Walked {
         let moves: Vec<_> =
             self.trail[..self.moves_to_best].iter().map(|made| Move::Variant(made.placed)).collect();
         let mut path = self.task.start.clone();
         for step in &moves {
             assert!(step.apply(&mut path), "what applies to the links applies to the path");
         }
-        let stop = if self.best <= self.task.target { Stop::Optimal } else { Stop::Done };
+        let stop = match (self.best <= self.task.target, self.has_ended(settings)) {
+            (true, _) => Stop::Optimal,
+            (false, true) => Stop::Done,
+            (false, false) => Stop::Cancelled,
+        };
         Walked {
             path,
             initial: self.initial,
