@@ -5,13 +5,14 @@
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-use beadwork_learn::fusion::{Config, FusionNet, History, Precision, Proposals};
+use beadwork_learn::fusion::{Config, FusionNet, History, Precision, Proposals, Without};
 use beadwork_learn::weights::{self, WeightsError};
 use tch::nn::VarStore;
 use tch::{Device, Kind, Tensor};
 
 /// The sizes that the reference was made with.
-const REFERENCE: Config = Config { width: 8, hidden: 16, history: 6, places: 128, canvas: 32 };
+const REFERENCE: Config =
+    Config { width: 8, hidden: 16, history: 6, places: 128, canvas: 32, without: Without::Nothing };
 
 fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
@@ -88,6 +89,29 @@ fn history_leaves_features_alone_before_training() {
     };
     let none = History { mask: inputs["mask"].zeros_like(), ..history(&inputs) };
     assert_eq!(forward(&history(&inputs)), forward(&none));
+}
+
+#[test]
+fn what_is_left_out_does_not_matter() {
+    let inputs = inputs();
+    let moved = |without, part: &str| {
+        let (variables, network) = network(Config { without, ..REFERENCE });
+        weights::load(&variables, &data("fusion_weights.safetensors")).unwrap();
+        let forward = || {
+            let proposals = network.forward(&inputs["state"], &history(&inputs), Precision::Single, false);
+            proposals.position.shallow_clone()
+        };
+        let before = tch::no_grad(forward);
+        for (name, mut variable) in variables.variables() {
+            if name.starts_with(part) {
+                tch::no_grad(|| _ = variable.fill_(0.25));
+            }
+        }
+        before != tch::no_grad(forward)
+    };
+    for (part, left_out) in [("history_encoder", Without::History), ("bottleneck_attn", Without::Attention)] {
+        assert!(moved(Without::Nothing, part) && !moved(left_out, part), "{part}");
+    }
 }
 
 #[test]

@@ -2,14 +2,20 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::ensure;
-use beadwork_grid::{Crossings, Layout, LayoutSpec, Path, Region, Start, Zones};
+use beadwork_dataset::Dataset;
+use beadwork_grid::{Crossings, Layout, LayoutSpec, Path as Route, Region, Start, Zones};
+use beadwork_learn::Device;
 use beadwork_learn::fusion::layer::Layer;
+use beadwork_learn::fusion::loss::Hits;
 use beadwork_learn::fusion::model::Model;
+use beadwork_learn::fusion::odds::Odds;
 use beadwork_learn::fusion::propose::{AllMoves, Asked, Proposer};
+use beadwork_learn::fusion::samples::{Batches, Split};
+use beadwork_learn::fusion::train::{Evaluation, evaluate};
 use beadwork_learn::fusion::walk::{Task, WalkSettings, Walked, walk};
 use beadwork_search::{Preset, Settings, Stop, anneal, chains, exact};
 use serde::Serialize;
@@ -29,7 +35,7 @@ use crate::{machine, output, paper, progress};
 Examples:
   beadwork eval fusion
   beadwork eval fusion --model runs/fusion --seeds 5 --sizes 30x30,50x50
-  beadwork eval fusion --json > fusion.json")]
+  beadwork eval fusion --data datasets/chains --json > fusion.json")]
 pub(super) struct FusionArgs {
     /// The model's folder.
     #[arg(long, value_name = "DIR", default_value = "models/fusion-small")]
@@ -58,6 +64,12 @@ pub(super) struct FusionArgs {
     /// Moves without a new best after which some are made at random.
     #[arg(long, value_name = "N", default_value_t = WalkSettings::default().patience)]
     patience: usize,
+    /// A dataset: also tell how often the network meets the moves of instances that it was never trained on.
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
+    /// Batches of that dataset.
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    batches: usize,
     /// Where the network computes.
     #[arg(long, value_name = "DEVICE", default_value = "cpu", value_parser = ["cpu", "cuda"])]
     device: String,
@@ -81,7 +93,7 @@ struct Instance {
     region: Region,
     zones: Zones,
     layer: Layer,
-    start: Path,
+    start: Route,
     initial: u32,
     target: u32,
     annealer: Taken,
@@ -205,8 +217,12 @@ pub(super) fn run(args: &FusionArgs) -> anyhow::Result<()> {
         }
     }
     bar.finish_and_clear();
+    let held_out = args.data.as_ref().map(|data| held_out(data, args.batches, &model, device)).transpose()?;
     if args.json {
+        let layouts = held_out.iter().flat_map(|held_out| &held_out.by_layout);
+        let layouts = layouts.map(|(name, (hits, odds))| (name.clone(), accuracy_row(hits, odds)));
         return output::json(&json!({
+            "held_out": layouts.collect::<serde_json::Map<_, _>>(),
             "model": args.model,
             "runs": args.runs,
             "budget": args.budget,
@@ -216,7 +232,52 @@ pub(super) fn run(args: &FusionArgs) -> anyhow::Result<()> {
             "rows": rows,
         }));
     }
-    output::text(&tables(&rows)?)
+    let mut text = tables(&rows)?;
+    if let Some(held_out) = held_out {
+        accuracy_table(&mut text, &held_out)?;
+    }
+    output::text(&text)
+}
+
+/// The network on examples that training never saw.
+fn held_out(data: &Path, batches: usize, model: &Model, device: Device) -> anyhow::Result<Evaluation> {
+    let dataset = Dataset::open(data)?;
+    let settings = model.training.held_out();
+    let examples: Vec<_> =
+        Batches::new(&dataset, Split::Test, &settings, 0).take(batches).collect::<Result<_, _>>()?;
+    ensure!(!examples.is_empty(), "'{}' has no instances that are kept for the end", data.display());
+    Ok(evaluate(&model.network, &examples, &model.training, device))
+}
+
+/// Shares in per cent: of the network, of chance and of greed.
+fn accuracy_row(hits: &Hits, odds: &Odds) -> serde_json::Value {
+    let count = hits.count.max(1) as f64;
+    let of_hits = |hits: u64| 100.0 * hits as f64 / count;
+    let of_odds = |odds: f64| 100.0 * odds / count;
+    json!({
+        "examples": hits.count,
+        "top_1": of_hits(hits.top_1), "top_5": of_hits(hits.top_5), "action": of_hits(hits.action),
+        "chance_1": of_odds(odds.chance_1), "chance_5": of_odds(odds.chance_5), "chance_action": of_odds(odds.chance_action),
+        "greedy_1": of_odds(odds.greedy_1), "greedy_5": of_odds(odds.greedy_5),
+    })
+}
+
+fn accuracy_table(text: &mut String, held_out: &Evaluation) -> std::fmt::Result {
+    let columns =
+        ["top_1", "greedy_1", "chance_1", "top_5", "greedy_5", "chance_5", "action", "chance_action"];
+    writeln!(
+        text,
+        "\nMoves of instances kept for the end, met by the network, by greed and by chance, %:\n"
+    )?;
+    writeln!(text, "| layout | examples | {} |", columns.join(" | "))?;
+    writeln!(text, "|---|---|{}", "---|".repeat(columns.len()))?;
+    for (layout, (hits, odds)) in &held_out.by_layout {
+        let row = accuracy_row(hits, odds);
+        let shares: Vec<_> =
+            columns.iter().map(|name| format!("{:.1}", row[name].as_f64().unwrap_or(0.0))).collect();
+        writeln!(text, "| {layout} | {} | {} |", hits.count, shares.join(" | "))?;
+    }
+    Ok(())
 }
 
 /// Walks all instances together; the seconds are shared out among them by their moves.

@@ -55,7 +55,7 @@ impl Log {
 
     fn write_evaluation(&mut self, step: u64, evaluation: &Evaluation) -> anyhow::Result<()> {
         let all = [("all", &evaluation.all)];
-        let layouts = evaluation.by_layout.iter().map(|(name, hits)| (name.as_str(), hits));
+        let layouts = evaluation.by_layout.iter().map(|(name, (hits, _))| (name.as_str(), hits));
         for (layout, hits) in all.into_iter().chain(layouts) {
             let (loss, count) = (evaluation.loss, hits.count);
             writeln!(

@@ -10,6 +10,7 @@ mod history;
 pub mod layer;
 pub mod loss;
 pub mod model;
+pub mod odds;
 pub mod parity;
 pub mod propose;
 pub mod samples;
@@ -49,17 +50,39 @@ pub struct Config {
     pub places: i64,
     /// Rows and columns of the layer's image: a multiple of 16.
     pub canvas: i64,
+    /// What is left out, to see what it is worth. Its parameters stay, and are not used.
+    pub without: Without,
+}
+
+/// A part of the network that can be left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Without {
+    /// Nothing is left out.
+    #[default]
+    Nothing,
+    /// The moves made before: features are not led by them.
+    History,
+    /// The look from each cell of the deepest level to all others.
+    Attention,
 }
 
 impl Config {
     /// As the paper has it: f = 48, K = 32, 192 hidden units, on up to 128 x 128 cells.
     pub const fn paper() -> Self {
-        Self { width: 48, hidden: 192, history: 32, places: 128, canvas: 128 }
+        Self { width: 48, hidden: 192, history: 32, places: 128, canvas: 128, without: Without::Nothing }
     }
 
     /// Narrower, f = 32, on the smallest canvas that holds a grid of so many cells along its longer side.
     pub const fn small(grid: i64) -> Self {
-        Self { width: 32, hidden: 192, history: 32, places: 128, canvas: (grid + 15) / 16 * 16 }
+        Self {
+            width: 32,
+            hidden: 192,
+            history: 32,
+            places: 128,
+            canvas: (grid + 15) / 16 * 16,
+            without: Without::Nothing,
+        }
     }
 }
 
@@ -113,7 +136,7 @@ impl FusionNet {
     /// # Panics
     /// If a size is none that [`Config`] allows.
     pub fn new(vs: &Path<'_>, config: Config) -> Self {
-        let Config { width: f, hidden, history, places, canvas } = config;
+        let Config { width: f, hidden, history, places, canvas, .. } = config;
         assert!(f >= 2 && hidden > 0 && history > 0 && places > 0, "all sizes are positive: {config:?}");
         assert!(canvas > 0 && canvas % 16 == 0, "the canvas of {canvas} can be halved four times");
         let encoder = [
@@ -191,7 +214,7 @@ impl FusionNet {
             skips.push(skip);
         }
         let x = self.bottleneck.forward(&x).feature_dropout(0.15, train);
-        let mut x = self.attention.forward(&x);
+        let mut x = if self.config.without == Without::Attention { x } else { self.attention.forward(&x) };
         let f = self.config.width;
         let film = self.film.forward(&self.history.forward(history, train)).dropout(0.1, train);
         let widths = [4 * f, 2 * f, f, f, 4 * f, 2 * f, f, f];
@@ -200,7 +223,10 @@ impl FusionNet {
         for ((up, skip), (scale, shift)) in
             self.decoder.iter().zip(skips.iter().rev()).zip(scales.iter().zip(shifts))
         {
-            x = scale * up.forward(&x, skip) + shift;
+            x = up.forward(&x, skip);
+            if self.config.without != Without::History {
+                x = scale * x + shift;
+            }
         }
         let head = |head: &nn::Sequential| head.forward(&x).to_kind(KIND);
         Proposals { position: head(&self.position), action: head(&self.action) }

@@ -7,7 +7,7 @@ use tch::nn::VarStore;
 use tch::{Device, Tensor, no_grad};
 use thiserror::Error;
 
-use super::{Config, FusionNet, History, Precision};
+use super::{Config, FusionNet, History, Precision, Without};
 use crate::weights::{self, WeightsError};
 
 /// How far two implementations lie apart.
@@ -53,6 +53,7 @@ pub fn compare(weights: &Path, io: &Path) -> Result<Parity, ParityError> {
         places: find(&read, weights, "history_encoder.pos_y_embed.weight", 2)?.size()[0],
         history: mask.size()[1],
         canvas: state.size()[3],
+        without: Without::Nothing,
     };
     let history = History {
         action: find(&given, io, "action", 2)?,

@@ -16,6 +16,7 @@ use thiserror::Error;
 
 use super::episode::{Episode, depth_quarter};
 use super::layer::{Canvas, Inputs, State};
+use super::odds::Odds;
 
 /// Which instances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,6 +76,8 @@ pub struct SampleSettings {
     pub rivals: Rivals,
     /// Whether examples are seen after a random symmetry.
     pub augment: bool,
+    /// Whether it is told how often their moves would be met without a network, which costs as much as the rest.
+    pub odds: bool,
 }
 
 /// Cells of the canvas that counts are given for.
@@ -120,6 +123,8 @@ pub struct Batch {
     pub rivals: Vec<bool>,
     /// Names of the layouts.
     pub layouts: Vec<String>,
+    /// How often the true moves would be met without a network; zeros where that was not asked for.
+    pub odds: Vec<Odds>,
 }
 
 /// A batch as tensors.
@@ -141,10 +146,11 @@ impl Batch {
             action: Vec::new(),
             rivals: Vec::new(),
             layouts: Vec::new(),
+            odds: Vec::new(),
         }
     }
 
-    fn push(&mut self, example: &Example, rivals: Rivals) {
+    fn push(&mut self, example: &Example, settings: &SampleSettings) {
         let Example { episode, move_index, symmetry, .. } = example;
         let (canvas, size) = (self.inputs.canvas(), episode.layer.size());
         let links = episode.links_before(*move_index);
@@ -163,7 +169,7 @@ impl Batch {
         let marked = &mut self.rivals[begin..];
         for y in 0..size.1 {
             for x in 0..size.0 {
-                match rivals {
+                match settings.rivals {
                     Rivals::Applicable => links.for_each_variant_at(x as u16, y as u16, |placed| {
                         let placed = symmetry.placed(placed, size);
                         marked[cell(placed.x.into(), placed.y.into())] = true;
@@ -181,6 +187,7 @@ impl Batch {
         self.position.push(position as i64);
         self.action.push(i64::from(placed.variant.class()));
         self.layouts.push(example.layout.to_string());
+        self.odds.push(if settings.odds { Odds::of(&state, made.placed) } else { Odds::default() });
     }
 
     /// Its targets as tensors.
@@ -315,7 +322,7 @@ impl Iterator for Batches<'_> {
             Err(error) => return Some(Err(error)),
         };
         let mut batch = Batch::new(canvas, self.settings.history);
-        examples.iter().for_each(|example| batch.push(example, self.settings.rivals));
+        examples.iter().for_each(|example| batch.push(example, self.settings));
         Some(Ok(batch))
     }
 }

@@ -20,8 +20,9 @@ use thiserror::Error;
 
 use super::loss::{Hits, LossSettings, loss};
 use super::model::Model;
+use super::odds::Odds;
 use super::samples::{Batch, Batches, Rivals, SampleError, SampleSettings, Split};
-use super::{Config, FusionNet, Precision};
+use super::{Config, FusionNet, Precision, Without};
 use crate::adamw::{AdamW, AdamWSettings};
 use crate::checkpoint::{Checkpoint, CheckpointError, Progress};
 use crate::weights::{self, WeightsError};
@@ -38,6 +39,8 @@ pub struct Training {
     pub hidden: i64,
     /// Moves it remembers, K.
     pub history: i64,
+    /// What is left out of it.
+    pub without: Without,
     /// What its features are computed in.
     pub precision: Precision,
     /// Steps, each with one batch, unless it stops early.
@@ -81,6 +84,7 @@ impl Default for Training {
             width: 32,
             hidden: 192,
             history: 32,
+            without: Without::Nothing,
             precision: Precision::Single,
             steps: 10_000,
             batch: 64,
@@ -182,8 +186,8 @@ pub struct Evaluation {
     pub loss: f64,
     /// All examples.
     pub all: Hits,
-    /// Those of each layout.
-    pub by_layout: BTreeMap<String, Hits>,
+    /// Those of each layout, and how often they would be met without a network.
+    pub by_layout: BTreeMap<String, (Hits, Odds)>,
 }
 
 /// How a run ended.
@@ -217,7 +221,18 @@ pub fn last_checkpoint(out: &Path) -> PathBuf {
 impl Training {
     /// The network's sizes.
     pub fn network(&self) -> Config {
-        Config { width: self.width, hidden: self.hidden, history: self.history, ..Config::small(32) }
+        Config {
+            width: self.width,
+            hidden: self.hidden,
+            history: self.history,
+            without: self.without,
+            ..Config::small(32)
+        }
+    }
+
+    /// How batches are drawn to evaluate it: seen as they were recorded.
+    pub fn held_out(&self) -> SampleSettings {
+        SampleSettings { augment: false, odds: true, ..self.samples() }
     }
 
     /// How its batches are drawn.
@@ -231,6 +246,7 @@ impl Training {
             history: self.history as usize,
             rivals: self.rivals,
             augment: true,
+            odds: false,
         }
     }
 
@@ -440,9 +456,12 @@ pub fn evaluate(network: &FusionNet, batches: &[Batch], training: &Training, dev
         let targets = batch.targets(device);
         let proposals = no_grad(|| network.forward(&state, &history, training.precision, false));
         evaluation.loss += no_grad(|| loss(&proposals, &targets, &training.loss)).double_value(&[]);
-        for (hits, layout) in Hits::each(&proposals, &targets).into_iter().zip(&batch.layouts) {
+        let hits = Hits::each(&proposals, &targets).into_iter();
+        for (hits, (layout, &odds)) in hits.zip(batch.layouts.iter().zip(&batch.odds)) {
             evaluation.all.add(hits);
-            evaluation.by_layout.entry(layout.clone()).or_default().add(hits);
+            let of_layout = evaluation.by_layout.entry(layout.clone()).or_default();
+            of_layout.0.add(hits);
+            of_layout.1.add(odds);
         }
     }
     evaluation.loss /= batches.len().max(1) as f64;
