@@ -150,5 +150,5 @@ fn a_seed_names_one_search_on_every_machine() {
     };
     // Pinned: a change here changes every dataset made before.
     assert_eq!(digest(Preset::Plain), (22, 94, 6_068_850_567_377_254_222));
-    assert_eq!(digest(Preset::Noisy), (0, 0, 0));
+    assert_eq!(digest(Preset::Noisy), (22, 99, 17_636_321_846_822_899_246));
 }
