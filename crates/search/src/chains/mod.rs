@@ -2,7 +2,7 @@
 //!
 //! From a zigzag hardly any variant lowers the cost by itself: they apply where the path turns, at the layer's sides, and have to
 //! be carried to where zones meet, window by window. An annealer finds such chains by chance, in many hundred moves. Here
-//! every variant that applies is followed up by a beam search ([`grow`]), and the chain that gains most for each of its moves
+//! every variant that applies is followed up by a beam search (`grow.rs`), and the chain that gains most for each of its moves
 //! is made; then again, until none gains. What a chain's search looked at is noted, and the search is only repeated where
 //! a move changed that.
 //!
