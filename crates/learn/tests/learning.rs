@@ -5,6 +5,7 @@
 use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use beadwork_dataset::{Config, Dataset, Factory, GenerateSettings, Slice, Trajectory, generate};
 use beadwork_grid::{Kind as MoveKind, Layout, LayoutSpec, Links, Region, Start, Symmetry, Zones, verify};
@@ -24,6 +25,14 @@ use tch::{Kind, Tensor};
 use tempfile::{TempDir, tempdir};
 
 static NEVER: AtomicBool = AtomicBool::new(false);
+
+/// libtorch's generator of random numbers belongs to the whole process: whoever draws from it holds this, and has it alone.
+static GENERATOR: Mutex<()> = Mutex::new(());
+
+fn alone() -> MutexGuard<'static, ()> {
+    // A test that failed while it had it leaves nothing behind: each seeds it anew.
+    GENERATOR.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// A dataset of chains on two small sizes.
 fn dataset() -> (TempDir, Dataset) {
@@ -213,6 +222,7 @@ fn loss_by_definition(
 
 #[test]
 fn the_loss_is_the_one_of_a_loop_over_cells() {
+    let _alone = alone();
     tch::manual_seed(3);
     let (batch, height, width) = (4_usize, 5_usize, 6_usize);
     let cells = height * width;
@@ -353,6 +363,7 @@ fn run(
 
 #[test]
 fn a_run_that_was_stopped_goes_on_with_the_same_losses() {
+    let _alone = alone();
     let (_folder, dataset) = dataset();
     let (whole, parts) = (tempdir().unwrap(), tempdir().unwrap());
     let training = small();
@@ -373,6 +384,7 @@ fn a_run_that_was_stopped_goes_on_with_the_same_losses() {
 
 #[test]
 fn what_can_not_be_trained_is_told_and_leaves_checkpoints_as_they_are() {
+    let _alone = alone();
     let (_folder, dataset) = dataset();
     let out = tempdir().unwrap();
     let training = small();
@@ -409,6 +421,7 @@ fn what_can_not_be_trained_is_told_and_leaves_checkpoints_as_they_are() {
 
 #[test]
 fn a_folder_that_holds_no_model_is_told() {
+    let _alone = alone();
     let folder = tempdir().unwrap();
     let open = || Model::open(folder.path(), Device::Cpu).unwrap_err();
     assert!(matches!(open(), ModelError::Unreadable { .. }));
@@ -433,6 +446,7 @@ fn records_of_other_searches_are_passed_over() {
 
 #[test]
 fn walks_make_better_paths_and_count_every_move() {
+    let _alone = alone();
     tch::manual_seed(1);
     let training = small();
     let variables = VarStore::new(Device::Cpu);
@@ -471,6 +485,7 @@ fn walks_make_better_paths_and_count_every_move() {
 /// Layers asked about together get the proposals that each gets alone, whatever their sizes.
 #[test]
 fn proposals_do_not_depend_on_the_company() {
+    let _alone = alone();
     tch::manual_seed(1);
     let variables = VarStore::new(Device::Cpu);
     let network = FusionNet::new(&variables.root(), small().network());

@@ -286,6 +286,9 @@ impl Training {
 
 /// Trains a network, or goes on with the training whose checkpoint lies in the folder.
 ///
+/// libtorch's generator of random numbers, which drops features, belongs to the whole process: whoever draws from it meanwhile makes
+/// this another run.
+///
 /// A step with 64 examples of 32 x 32 cells takes about 0.35 s on two cores with f = 32. Needs memory for the features of a batch,
 /// 1 GB, beside a few batches of examples.
 pub fn train(dataset: &Dataset, training: &Training, run: Run<'_>) -> Result<End, TrainError> {
