@@ -162,6 +162,15 @@ impl Links {
         }
     }
 
+    /// Visits all variants that apply, by their windows row by row. Linear in the plane's cells.
+    pub fn for_each_variant(&self, mut visit: impl FnMut(Placed)) {
+        for y in 0..self.height as u16 {
+            for x in 0..self.width as u16 {
+                self.for_each_variant_at(x, y, &mut visit);
+            }
+        }
+    }
+
     /// The rows of a variant's window, if it applies.
     #[inline]
     fn matching(&self, placed: Placed) -> Option<[Row; 3]> {

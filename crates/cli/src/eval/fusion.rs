@@ -145,18 +145,15 @@ impl Instance {
     }
 
     fn methods(&self) -> anyhow::Result<BTreeMap<&'static str, Taken>> {
-        let crossings = Crossings::new(&self.region, &self.zones);
+        let crossings = self.layer.crossings();
         let bound = Some(i64::from(self.target));
         let begin = Instant::now();
         let fast =
-            anneal(self.start.clone(), &crossings, &Settings { bound, ..Settings::preset(Preset::Fast, 0) });
+            anneal(self.start.clone(), crossings, &Settings { bound, ..Settings::preset(Preset::Fast, 0) });
         let fast = self.took(fast.moves.len(), begin, fast.cost);
         let begin = Instant::now();
-        let chains = chains::solve(
-            &self.start,
-            &crossings,
-            &chains::Settings { bound, ..chains::Settings::default() },
-        );
+        let chains =
+            chains::solve(&self.start, crossings, &chains::Settings { bound, ..chains::Settings::default() });
         let chains = self.took(chains.moves.len(), begin, chains.cost);
         let begin = Instant::now();
         let plan = exact::solve(&self.region, &self.zones, &exact::Settings::default())?;

@@ -1,7 +1,6 @@
 //! How often a true move would be met without a network.
 
 use super::layer::State;
-use super::propose::for_each_move;
 
 use beadwork_grid::Placed;
 
@@ -26,7 +25,7 @@ impl Odds {
         // The least change at each place; moves come place by place.
         let mut places: Vec<((u16, u16), i32)> = Vec::new();
         let mut variants = 0;
-        for_each_move(state, |placed| {
+        state.links.for_each_variant(|placed| {
             let (place, change) = ((placed.x, placed.y), state.layer.change(placed));
             variants += u32::from(place == (truth.x, truth.y));
             match places.last_mut() {

@@ -45,7 +45,7 @@ impl Proposer for AllMoves {
     fn propose(&mut self, states: &[State<'_>]) -> Vec<Vec<Proposal>> {
         let all = |state: &State<'_>| {
             let mut proposals = Vec::new();
-            for_each_move(state, |placed| {
+            state.links.for_each_variant(|placed| {
                 let change = state.layer.change(placed);
                 proposals.push(Proposal { placed, change, score: self.0.random() });
             });
@@ -103,7 +103,7 @@ impl<'a> Asked<'a> {
     /// The moves at the places that score most, each by its place's score and its own share of what applies there.
     fn choose(&self, state: &State<'_>, canvas: Canvas, scores: &[f32], logits: &[f32]) -> Vec<Proposal> {
         let mut places: Vec<(usize, Vec<Placed>)> = Vec::new();
-        for_each_move(state, |placed| {
+        state.links.for_each_variant(|placed| {
             let cell = usize::from(placed.y) * canvas.width as usize + usize::from(placed.x);
             match places.last_mut() {
                 Some((last, moves)) if *last == cell => moves.push(placed),
@@ -144,16 +144,6 @@ impl Proposer for Asked<'_> {
             }
         }
         proposals
-    }
-}
-
-/// Visits the moves that apply, row by row.
-pub(super) fn for_each_move(state: &State<'_>, mut visit: impl FnMut(Placed)) {
-    let (width, height) = state.layer.size();
-    for y in 0..height as u16 {
-        for x in 0..width as u16 {
-            state.links.for_each_variant_at(x, y, &mut visit);
-        }
     }
 }
 

@@ -14,7 +14,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::layer::{Layer, Made, State};
-use super::propose::{Proposal, Proposer, for_each_move};
+use super::propose::{Proposal, Proposer};
 
 /// How to walk.
 #[derive(Clone, Copy, Debug)]
@@ -190,7 +190,7 @@ impl<'a> Walk<'a> {
         let count = settings.perturbation.max(1) * self.failures.min(settings.escalation.max(1));
         for _ in 0..count {
             let mut all = Vec::new();
-            for_each_move(&self.state(), |placed| all.push(placed));
+            self.links.for_each_variant(|placed| all.push(placed));
             if all.is_empty() {
                 self.stuck = true;
                 return;

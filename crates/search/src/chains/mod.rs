@@ -106,7 +106,7 @@ pub fn solve<C: Cost>(start: &Path, cost: &C, settings: &Settings<'_>) -> Outcom
         if settings.bound.is_some_and(|bound| best <= bound) {
             break Stop::Optimal;
         }
-        let starts = applicable(start, &links);
+        let starts = applicable(&links);
         let mut chosen: Option<&Found> = None;
         for &first in &starts {
             if is_cancelled(settings.cancel) {
@@ -124,7 +124,7 @@ pub fn solve<C: Cost>(start: &Path, cost: &C, settings: &Settings<'_>) -> Outcom
         for planned in chain {
             let derailed = settings.noise > 0.0 && unit(&mut rng) < settings.noise;
             let placed = if derailed {
-                let all = applicable(start, &links);
+                let all = applicable(&links);
                 all[below(&mut rng, all.len())]
             } else {
                 planned
@@ -152,12 +152,8 @@ pub fn solve<C: Cost>(start: &Path, cost: &C, settings: &Settings<'_>) -> Outcom
 }
 
 /// All variants that apply, row by row.
-fn applicable(plane: &Path, links: &Links) -> Vec<Placed> {
+fn applicable(links: &Links) -> Vec<Placed> {
     let mut all = Vec::new();
-    for y in 0..plane.height() as u16 {
-        for x in 0..plane.width() as u16 {
-            links.for_each_variant_at(x, y, |placed| all.push(placed));
-        }
-    }
+    links.for_each_variant(|placed| all.push(placed));
     all
 }

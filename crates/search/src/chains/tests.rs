@@ -26,7 +26,7 @@ fn best_gains(plane: &Path, start: &Links, cost: &Crossings, first: Placed, dept
         gains.push(front.iter().map(|(.., change)| -change).max().unwrap_or(i64::MIN));
         let mut next = Vec::new();
         for (links, last, sum) in &front {
-            for placed in applicable(plane, links) {
+            for placed in applicable(links) {
                 if placed.x.abs_diff(last.x) <= 2 && placed.y.abs_diff(last.y) <= 2 {
                     let mut links = links.clone();
                     links.apply_variant(placed);
@@ -79,14 +79,14 @@ proptest! {
         let mut links = Links::new(&start);
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
         for _ in 0..detours {
-            let all = applicable(&start, &links);
+            let all = applicable(&links);
             if !all.is_empty() {
                 links.apply_variant(all[below(&mut rng, all.len())]);
             }
         }
         let settings = Settings { beam: usize::MAX, depth, patience: depth, ..Settings::default() };
         let grower = Grower::new(&start, &crossings, &settings);
-        for first in applicable(&start, &links) {
+        for first in applicable(&links) {
             let before = links.clone();
             let found = grower.grow(&mut links, first).0.map(|found| (found.moves.len() as i64, found.gain));
             prop_assert_eq!(&links, &before);
@@ -111,14 +111,14 @@ proptest! {
         let mut links = Links::new(&start);
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
         for _ in 0..moves {
-            let all = applicable(&start, &links);
+            let all = applicable(&links);
             links.apply_variant(all[below(&mut rng, all.len())]);
         }
-        let all = applicable(&start, &links);
+        let all = applicable(&links);
         let known: Vec<_> = all.iter().map(|&first| (first, grower.grow(&mut links, first))).collect();
         let changed = all[below(&mut rng, all.len())];
         links.apply_variant(changed);
-        let still: HashSet<Placed> = applicable(&start, &links).into_iter().collect();
+        let still: HashSet<Placed> = applicable(&links).into_iter().collect();
         for (first, (found, reach)) in known {
             if !reach.meets(Reach::window(changed)) {
                 prop_assert!(still.contains(&first));
