@@ -20,6 +20,8 @@ mod instance;
 #[cfg_attr(not(feature = "learn"), path = "unlearned.rs")]
 mod learned;
 mod machine;
+#[cfg(feature = "learn")]
+mod memory;
 mod output;
 mod paper;
 mod part;

@@ -14,7 +14,7 @@ use beadwork_learn::fusion::{FusionNet, Precision, VarStore};
 use serde_json::json;
 
 use super::middle;
-use crate::{machine, output};
+use crate::{machine, memory, output};
 
 /// Measure how fast networks are trained and asked, or compare one with PyTorch's.
 #[derive(clap::Args)]
@@ -51,6 +51,7 @@ pub(super) fn run(args: &LearnArgs) -> anyhow::Result<()> {
     if let Some([weights, io]) = args.parity.as_deref() {
         return compare(weights, io, args.json);
     }
+    memory::keep();
     let dataset = Dataset::open(&args.data)?;
     let training = Training { width: args.width, batch: args.batch, ..Training::default() };
     training.check()?;

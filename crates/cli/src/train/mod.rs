@@ -6,6 +6,8 @@ mod tensorboard;
 
 use clap::Subcommand;
 
+use crate::memory;
+
 /// Train a network. A run that was stopped goes on with --resume, with the same losses.
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -19,6 +21,7 @@ enum Network {
 }
 
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
+    memory::keep();
     match &args.network {
         Network::Fusion(args) => fusion::run(args),
     }
