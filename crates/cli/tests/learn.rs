@@ -1,0 +1,134 @@
+//! What learns, end to end: records, a training that is killed and goes on, walks and tables by its network.
+
+#![cfg(feature = "learn")]
+#![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
+
+use std::fs;
+use std::path::Path;
+use std::thread::sleep;
+use std::time::Duration;
+
+use beadwork_tests::{beadwork, fail, misused, run, text};
+use serde_json::Value;
+use tempfile::{TempDir, tempdir};
+
+const CHAINS: &str = "\
+count = 80
+per_shard = 16
+source = 'chains'
+sizes = ['14x11', '10x20']
+presets = ['plain', 'noisy']
+starts = ['row_zigzag']
+layouts = [{ name = 'voronoi' }, { name = 'islands', side = 3 }]
+";
+
+/// A folder with a dataset of chains, `data`.
+fn dataset() -> TempDir {
+    let folder = tempdir().unwrap();
+    let config = folder.path().join("chains.toml");
+    fs::write(&config, CHAINS).unwrap();
+    let data = folder.path().join("data");
+    run(&["gen-data", "--config", text(&config), "--out", text(&data)]);
+    folder
+}
+
+fn train<'a>(data: &'a Path, out: &'a Path) -> [&'a str; 8] {
+    ["train", "fusion", "--preset", "smoke", "--data", text(data), "--out", text(out)]
+}
+
+fn json(arguments: &[&str]) -> Value {
+    serde_json::from_str(&run(&[arguments, &["--json"]].concat())).unwrap()
+}
+
+#[test]
+fn a_network_is_trained_and_walks() {
+    let folder = dataset();
+    let (data, out) = (folder.path().join("data"), folder.path().join("run"));
+    let done = json(&train(&data, &out));
+    assert_eq!((&done["end"], &done["steps"]), (&"done".into(), &20.into()), "{done}");
+    let mut files: Vec<_> =
+        fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    files.retain(|name| !name.starts_with("events.out.tfevents."));
+    files.sort();
+    assert_eq!(files, ["best.safetensors", "config.toml", "evaluations.csv", "last.checkpoint", "steps.csv"]);
+    let error = fail(&train(&data, &out));
+    assert!(error.contains("--resume"), "{error}");
+    let again = json(&[&train(&data, &out)[..], &["--resume"]].concat());
+    assert_eq!((&again["end"], &again["examples"]), (&"done".into(), &0.into()), "nothing is left to do");
+
+    let svg = folder.path().join("walk.svg");
+    let words = ["zones", "--layout", "voronoi", "--method", "fusion", "--model", text(&out)];
+    let walked = json(&[&words[..], &["--size", "14x11", "--svg", text(&svg)]].concat());
+    assert_eq!(walked["method"], "fusion");
+    assert!(walked["crossings"].as_u64() <= walked["initial"].as_u64(), "{walked}");
+    assert!(fs::read_to_string(&svg).unwrap().starts_with("<svg"));
+    let error = fail(&[&words[..], &["--size", "200x10"]].concat());
+    assert!(error.contains("128 x 128") && error.contains("200 x 10"), "{error}");
+
+    let model = text(&out);
+    let table = ["eval", "fusion", "--model", model, "--sizes", "30x30", "--seeds", "1", "--runs", "2"];
+    let told = json(&[&table[..], &["--budget", "40", "--data", text(&data)]].concat());
+    assert_eq!(told["rows"].as_array().unwrap().len(), 2, "a seed of two layouts: {told}");
+}
+
+/// Losses of all steps.
+fn losses(out: &Path) -> Vec<String> {
+    let steps = fs::read_to_string(out.join("steps.csv")).unwrap();
+    steps.lines().map(|line| line.split(',').take(3).collect::<Vec<_>>().join(",")).collect()
+}
+
+#[test]
+fn a_training_that_was_killed_goes_on_with_the_same_losses() {
+    let folder = dataset();
+    let data = folder.path().join("data");
+    let (whole, killed) = (folder.path().join("whole"), folder.path().join("killed"));
+    run(&train(&data, &whole));
+    let mut training = beadwork().args(train(&data, &killed)).spawn().unwrap();
+    // Wherever that strikes: before the first checkpoint, between two, or after the end.
+    while training.try_wait().unwrap().is_none() && !killed.join("last.checkpoint").exists() {
+        sleep(Duration::from_millis(1));
+    }
+    training.kill().unwrap();
+    training.wait().unwrap();
+    run(&[&train(&data, &killed)[..], &["--resume"]].concat());
+    assert_eq!(losses(&killed), losses(&whole));
+    let weights = |out: &Path| fs::read(out.join("best.safetensors")).unwrap();
+    assert!(weights(&killed) == weights(&whole));
+}
+
+#[test]
+fn what_is_no_model_or_no_training_is_told() {
+    let folder = tempdir().unwrap();
+    let nowhere = folder.path().join("nowhere");
+    let error = fail(&["zones", "--size", "10x10", "--method", "fusion", "--model", text(&nowhere)]);
+    assert!(error.contains("nowhere"), "{error}");
+    let error = fail(&train(&nowhere, &folder.path().join("run")));
+    assert!(error.contains("nowhere"), "{error}");
+    assert!(!folder.path().join("run").exists());
+    let config = folder.path().join("typo.toml");
+    fs::write(&config, "widht = 32").unwrap();
+    let error = beadwork().args(["train", "fusion", "--config", text(&config)]).output().unwrap();
+    let error = String::from_utf8(error.stderr).unwrap();
+    assert!(error.contains("typo.toml") && error.contains("widht"), "{error}");
+    misused(&["train", "fusion"]);
+    misused(&["train", "fusion", "--preset", "enormous"]);
+}
+
+#[test]
+fn configurations_for_ablations_differ_from_the_first_in_what_they_leave_out() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../configs/train");
+    let read = |name: &str| -> toml::Table {
+        fs::read_to_string(folder.join(name).with_extension("toml")).unwrap().parse().unwrap()
+    };
+    let small = read("fusion-small");
+    let mut full = read("ablations/full");
+    assert_eq!(full.insert("steps".into(), small["steps"].clone()), Some(2000.into()));
+    assert_eq!(full, small);
+    for name in ["without-history", "without-attention", "classification"] {
+        let mut other = read(&format!("ablations/{name}"));
+        assert_eq!(other.insert("steps".into(), small["steps"].clone()), Some(2000.into()));
+        let what = other.remove("without").or_else(|| other.remove("loss")).unwrap().to_string();
+        assert!(what.contains(name.trim_start_matches("without-")), "{name}: {what}");
+        assert_eq!(other, small, "{name}");
+    }
+}
