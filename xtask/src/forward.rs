@@ -12,7 +12,7 @@ pub(crate) fn run(words: &[OsString]) -> Result<()> {
     let mut cargo = workspace::cargo();
     cargo.args(["run", "--quiet", "--release", "--locked", "-p", "beadwork-cli", "--bin", "beadwork"]);
     if learns(words) {
-        setup::run()?;
+        setup::provide_any()?;
         cargo.args(["--features", "learn"]);
     }
     cargo.arg("--").args(words);

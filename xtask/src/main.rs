@@ -17,6 +17,8 @@ use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
+use crate::setup::Target;
+
 const HELP: &str = "\
 Usage: cargo xtask WORD [ARGUMENTS]
 
@@ -25,7 +27,8 @@ Checks:
   tidy       what review forgets: module docs, manifests, trailing blanks, leftovers
 
 Preparation:
-  setup      libtorch for what learns, once for each user; LIBTORCH, where it is set, is checked instead
+  setup      libtorch for what learns, once for each user; LIBTORCH, where it is set, is checked instead;
+             with --cuda one that computes on graphics cards too
 
 Work; builds the binary `beadwork` in release and runs it with these words:
   gen-data   write training data
@@ -47,13 +50,14 @@ Examples:
   cargo xtask inspect datasets/smoke --verify
   cargo xtask train fusion --preset small --data datasets/chains --out runs/fusion
   cargo xtask bench grid
+  cargo xtask setup --cuda
 ";
 
 /// What the words on the command line ask for.
 #[derive(Debug, PartialEq, Eq)]
 enum Task {
     Help,
-    Setup,
+    Setup(Target),
     Test,
     Tidy,
     /// All words, for the binary.
@@ -74,7 +78,7 @@ fn main() -> ExitCode {
             let _ = std::io::stdout().write_all(HELP.as_bytes());
             Ok(())
         }
-        Task::Setup => setup::run(),
+        Task::Setup(target) => setup::run(target),
         Task::Test => test::run(),
         Task::Tidy => tidy::run(),
         Task::Forward(words) => forward::run(&words),
@@ -93,7 +97,10 @@ fn parse(words: Vec<OsString>) -> Result<Task, String> {
     let Some(first) = words.first() else { return Ok(Task::Help) };
     let own = match first.to_str() {
         Some("help" | "--help" | "-h") => return Ok(Task::Help),
-        Some("setup") => Task::Setup,
+        Some("setup") if words.get(1).is_some_and(|word| word == "--cuda") && words.len() == 2 => {
+            return Ok(Task::Setup(Target::Cuda));
+        }
+        Some("setup") => Task::Setup(Target::Cpu),
         Some("test") => Task::Test,
         Some("tidy") => Task::Tidy,
         _ if first.as_encoded_bytes().starts_with(b"-") => {
@@ -122,7 +129,10 @@ mod tests {
     fn own_words_take_no_arguments() {
         assert_eq!(parse(words("test")), Ok(Task::Test));
         assert_eq!(parse(words("tidy")), Ok(Task::Tidy));
-        assert_eq!(parse(words("setup")), Ok(Task::Setup));
+        assert_eq!(parse(words("setup")), Ok(Task::Setup(Target::Cpu)));
+        assert_eq!(parse(words("setup --cuda")), Ok(Task::Setup(Target::Cuda)));
+        assert!(parse(words("setup --cpu")).is_err());
+        assert!(parse(words("test --cuda")).is_err());
         assert!(parse(words("test crates/grid")).is_err());
         assert!(parse(words("--json")).is_err());
     }

@@ -17,17 +17,44 @@ use crate::workspace;
 /// The version that tch 0.26 is made for.
 const VERSION: &str = "2.13.0";
 
-/// What is fetched: name, version and checksum. All builds of torch hold the same libraries, whatever the Python that they
-/// are for; this one is for Python 3.12.
-const WHEELS: [(&str, &str, &str); 3] = [
+/// A wheel of the index: name, version and checksum.
+type Wheel = (&'static str, &'static str, &'static str);
+
+/// What every build needs. All builds of torch hold the same libraries, whatever the Python that they are for; this one is for
+/// Python 3.12. The other two are asked for by libtorch even where no graphics card is.
+const WHEELS: [Wheel; 3] = [
     ("torch", VERSION, "796633c4cdf0fe2cdced72d8f88f22e73dbcfce83132763162f6d4bff13b820b"),
     ("nvidia-cuda-cupti", "13.0.85", "4eb01c08e859bf924d222250d2e8f8b8ff6d3db4721288cf35d14252a4d933c8"),
     ("nvidia-cuda-runtime", "13.0.96", "7f82250d7782aa23b6cfe765ecc7db554bd3c2870c43f3d1821f1d18aebf0548"),
 ];
 
+/// What graphics cards need beside them: the libraries that torch's own wheel names as its dependencies.
+const CUDA_WHEELS: [Wheel; 12] = [
+    ("nvidia-cublas", "13.1.1.3", "37936a16db8fe4ac1f065c2139360608a543a09275cb1a1af612e08cfa065436"),
+    ("nvidia-cuda-nvrtc", "13.0.88", "ad9b6d2ead2435f11cbb6868809d2adeeee302e9bb94bcf0539c7a40d80e8575"),
+    ("nvidia-cudnn-cu13", "9.20.0.48", "0c45dd8eeb50b603f07995b1b300c62ffe6a1980482b82b3bcf94a4ca9d49304"),
+    ("nvidia-cufft", "12.0.0.61", "6c44f692dce8fd5ffd3e3df134b6cdb9c2f72d99cf40b62c32dde45eea9ddad3"),
+    ("nvidia-cufile", "1.15.1.6", "08a3ecefae5a01c7f5117351c64f17c7c62efa5fffdbe24fc7d298da19cd0b44"),
+    ("nvidia-curand", "10.4.0.35", "1aee33a5da6e1db083fe2b90082def8915f30f3248d5896bcec36a579d941bfc"),
+    ("nvidia-cusolver", "12.0.4.66", "0a759da5dea5c0ea10fd307de75cdeb59e7ea4fcb8add0924859b944babf1112"),
+    ("nvidia-cusparse", "12.6.3.3", "2b3c89c88d01ee0e477cb7f82ef60a11a4bcd57b6b87c33f789350b59759360b"),
+    ("nvidia-cusparselt-cu13", "0.8.1", "786ce87568c303fadb5afcc7102d454cd3040d75f6f8626f5db460d1871f4dd0"),
+    ("nvidia-nccl-cu13", "2.29.7", "edd81538446786ec3b73972543e53bb43bcaf0bfc8ef76cb679fcc390ffe136d"),
+    ("nvidia-nvjitlink", "13.5.37", "280d7cb9649704145f074b8dbde500de04ce02d0872e066e20a83c17bcaa93eb"),
+    ("nvidia-nvshmem-cu13", "3.4.5", "290f0a2ee94c9f3687a02502f3b9299a9f9fe826e6d0287ee18482e78d495b80"),
+];
+
 /// What the wheels are built for, the narrowest first.
-const PLATFORMS: [&str; 4] =
-    ["manylinux_2_28_x86_64", "manylinux_2_25_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64"];
+const PLATFORMS: [&str; 8] = [
+    "manylinux_2_28_x86_64",
+    "manylinux_2_27_x86_64",
+    "manylinux_2_25_x86_64",
+    "manylinux_2_18_x86_64",
+    "manylinux_2_17_x86_64",
+    "manylinux2014_x86_64",
+    "manylinux_2_12_x86_64",
+    "manylinux2010_x86_64",
+];
 
 /// Files without which no build succeeds.
 const NEEDED: [&str; 4] = [
@@ -37,20 +64,67 @@ const NEEDED: [&str; 4] = [
     "lib/libc10.so",
 ];
 
+/// What a build for graphics cards is known by.
+const CUDA: &str = "lib/libtorch_cuda.so";
+
 const OWN: &str = "set LIBTORCH to a folder with libtorch 2.13.0 instead";
 
-/// Whether builds find a libtorch.
-pub(crate) fn is_done() -> bool {
-    let own = std::env::var_os("LIBTORCH").map_or_else(|| workspace::root().join(".libtorch"), PathBuf::from);
-    check(&own).is_ok()
+/// What libtorch is to compute on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Target {
+    /// The processor.
+    Cpu,
+    /// The processor and graphics cards.
+    Cuda,
+}
+
+impl Target {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Cpu => "cpu",
+            Self::Cuda => "cuda",
+        }
+    }
+
+    fn wheels(self) -> impl Iterator<Item = Wheel> {
+        let more = match self {
+            Self::Cpu => [].as_slice(),
+            Self::Cuda => &CUDA_WHEELS,
+        };
+        WHEELS.iter().chain(more).copied()
+    }
+
+    fn size(self) -> &'static str {
+        match self {
+            Self::Cpu => "540 MB",
+            Self::Cuda => "2.4 GB",
+        }
+    }
+
+    /// Whether a folder holds the right libtorch for it.
+    fn check(self, folder: &Path) -> Result<()> {
+        let cuda = folder.join(CUDA);
+        ensure!(self == Self::Cpu || cuda.is_file(), "'{}' has no {CUDA}", folder.display());
+        check(folder)
+    }
+}
+
+/// Provides libtorch for the processor, unless builds find one already, for whatever it is made.
+pub(crate) fn provide_any() -> Result<()> {
+    let link = workspace::root().join(".libtorch");
+    if own(&link).is_none() && check(&link).is_ok() { Ok(()) } else { run(Target::Cpu) }
+}
+
+/// The folder that the user has chosen. Cargo itself sets the variable to the link, for what it runs.
+fn own(link: &Path) -> Option<PathBuf> {
+    std::env::var_os("LIBTORCH").map(PathBuf::from).filter(|own| own != link)
 }
 
 /// Provides libtorch, unless it is there.
-pub(crate) fn run() -> Result<()> {
+pub(crate) fn run(target: Target) -> Result<()> {
     let link = workspace::root().join(".libtorch");
-    // Cargo itself sets the variable to the link, for what it runs.
-    if let Some(own) = std::env::var_os("LIBTORCH").filter(|own| Path::new(own) != link) {
-        check(Path::new(&own)).with_context(|| format!("LIBTORCH is set to '{}'", own.display()))?;
+    if let Some(own) = own(&link) {
+        target.check(&own).with_context(|| format!("LIBTORCH is set to '{}'", own.display()))?;
         eprintln!("xtask: libtorch {VERSION}: '{}', as LIBTORCH says", own.display());
         return Ok(());
     }
@@ -59,14 +133,14 @@ pub(crate) fn run() -> Result<()> {
         "only Linux on x86-64 is provided for: {OWN}"
     );
     let cache = cache()?;
-    let folder = cache.join(format!("libtorch-{VERSION}-cpu"));
-    if let Err(lack) = check(&folder) {
+    let folder = cache.join(format!("libtorch-{VERSION}-{}", target.name()));
+    if let Err(lack) = target.check(&folder) {
         if folder.exists() {
             eprintln!("xtask: {lack:#}: it is made anew");
             fs::remove_dir_all(&folder).with_context(|| format!("'{}'", folder.display()))?;
         }
-        provide(&cache, &folder, OsStr::new("python3"))?;
-        check(&folder)?;
+        provide(&cache, &folder, target, OsStr::new("python3"))?;
+        target.check(&folder)?;
     }
     point(&link, &folder)?;
     eprintln!("xtask: libtorch {VERSION}: '{}'", folder.display());
@@ -94,7 +168,7 @@ fn check(folder: &Path) -> Result<()> {
 }
 
 /// Fetches and unpacks into a new folder of the cache.
-fn provide(cache: &Path, folder: &Path, python: &OsStr) -> Result<()> {
+fn provide(cache: &Path, folder: &Path, target: Target, python: &OsStr) -> Result<()> {
     let works = |words: &[&str]| {
         let mut python = Command::new(python);
         python.args(words).stdout(Stdio::null()).stderr(Stdio::null());
@@ -110,11 +184,13 @@ fn provide(cache: &Path, folder: &Path, python: &OsStr) -> Result<()> {
     );
     let wheels = cache.join("wheels");
     fs::create_dir_all(&wheels).with_context(|| format!("'{}' could not be made", wheels.display()))?;
-    eprintln!("xtask: fetching libtorch {VERSION} (540 MB, once) into '{}'", cache.display());
-    fetch(&wheels, python)?;
+    eprintln!("xtask: fetching libtorch {VERSION} ({}, once) into '{}'", target.size(), cache.display());
+    fetch(&wheels, target, python)?;
     eprintln!("xtask: unpacking");
-    let part = cache.join(format!("libtorch-{VERSION}-cpu.{}.part", std::process::id()));
-    let unpacked = unpack(&wheels, &part, python).and_then(|()| {
+    let mut part = folder.as_os_str().to_owned();
+    part.push(format!(".{}.part", std::process::id()));
+    let part = PathBuf::from(part);
+    let unpacked = unpack(&wheels, &part, target, python).and_then(|()| {
         fs::write(part.join("build-version"), format!("{VERSION}\n"))?;
         fs::rename(&part, folder).with_context(|| format!("'{}' could not be made", folder.display()))
     });
@@ -128,8 +204,8 @@ fn provide(cache: &Path, folder: &Path, python: &OsStr) -> Result<()> {
 
 /// Fetches the wheels one by one, so that each that is whole stays, whatever becomes of the next. Pip knows those that are
 /// there already, and fetches anew what has another checksum.
-fn fetch(wheels: &Path, python: &OsStr) -> Result<()> {
-    for (name, version, sha256) in WHEELS {
+fn fetch(wheels: &Path, target: Target, python: &OsStr) -> Result<()> {
+    for (name, version, sha256) in target.wheels() {
         let wanted = wheels.join("wanted.txt");
         fs::write(&wanted, format!("{name}=={version} --hash=sha256:{sha256}\n"))?;
         let mut pip = Command::new(python);
@@ -148,13 +224,13 @@ fn fetch(wheels: &Path, python: &OsStr) -> Result<()> {
     Ok(())
 }
 
-fn unpack(wheels: &Path, part: &Path, python: &OsStr) -> Result<()> {
+fn unpack(wheels: &Path, part: &Path, target: Target, python: &OsStr) -> Result<()> {
     let mut files = Vec::new();
     for entry in fs::read_dir(wheels)? {
         files.extend(Some(entry?.path()).filter(|path| path.extension() == Some(OsStr::new("whl"))));
     }
     let mut unpack = Command::new(python);
-    unpack.args(["-c", include_str!("unpack.py")]).arg(part).args(&files);
+    unpack.args(["-c", include_str!("unpack.py"), target.name()]).arg(part).args(&files);
     let status = unpack.status().context("python3 could not be started")?;
     ensure!(status.success(), "the wheels in '{}' could not be unpacked", wheels.display());
     Ok(())
@@ -222,6 +298,16 @@ mod tests {
     }
 
     #[test]
+    fn what_is_made_for_the_processor_is_not_for_graphics_cards() {
+        let folder = Folder::new("cuda").with_libtorch("2.13.0");
+        Target::Cpu.check(&folder.0).unwrap();
+        let error = format!("{:#}", Target::Cuda.check(&folder.0).unwrap_err());
+        assert!(error.contains(CUDA), "{error}");
+        fs::write(folder.0.join(CUDA), "").unwrap();
+        Target::Cuda.check(&folder.0).unwrap();
+    }
+
+    #[test]
     fn what_is_missing_is_named() {
         let folder = Folder::new("lacking").with_libtorch("2.13.0");
         for file in NEEDED.iter().rev().chain(&["build-version"]) {
@@ -237,10 +323,10 @@ mod tests {
     fn without_python_or_pip_nothing_is_left_behind() {
         let folder = Folder::new("python");
         let cache = folder.0.join("cache");
-        let error = provide(&cache, &cache.join("x"), OsStr::new("no-such-python")).unwrap_err();
+        let error = provide(&cache, &cache.join("x"), Target::Cpu, OsStr::new("no-such-python")).unwrap_err();
         assert!(format!("{error:#}").contains("python3 is needed"), "{error:#}");
         // Like a Python without modules, a shell runs what `-c` says, and finds no pip.
-        let error = provide(&cache, &cache.join("x"), OsStr::new("sh")).unwrap_err();
+        let error = provide(&cache, &cache.join("x"), Target::Cpu, OsStr::new("sh")).unwrap_err();
         assert!(format!("{error:#}").contains("pip for python3 is needed"), "{error:#}");
         assert!(!cache.exists());
     }
@@ -248,7 +334,7 @@ mod tests {
     #[test]
     fn a_failed_fetch_says_what_to_do() {
         let folder = Folder::new("fetch");
-        let error = fetch(&folder.0, OsStr::new("false")).unwrap_err();
+        let error = fetch(&folder.0, Target::Cpu, OsStr::new("false")).unwrap_err();
         assert!(format!("{error:#}").contains("run this again"), "{error:#}");
     }
 
@@ -256,7 +342,7 @@ mod tests {
     fn what_is_not_whole_does_not_stay() {
         let folder = Folder::new("part");
         // A program that claims to have fetched and unpacked, and did neither.
-        assert!(provide(&folder.0, &folder.0.join("x"), OsStr::new("true")).is_err());
+        assert!(provide(&folder.0, &folder.0.join("x"), Target::Cpu, OsStr::new("true")).is_err());
         let left: Vec<_> = fs::read_dir(&folder.0).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         assert_eq!(left, ["wheels"]);
     }

@@ -20,31 +20,21 @@ pub(crate) fn run() -> Result<()> {
     } else {
         cargo_step(&["test", "--locked"], None)?;
     }
-    if setup::is_done() {
-        cargo_step(
-            &[
-                "clippy",
-                "--locked",
-                "--all-targets",
-                "-p",
-                "beadwork-learn",
-                "-p",
-                "beadwork-cli",
-                "--features",
-                "beadwork-cli/learn",
-                "--",
-                "-D",
-                "warnings",
-            ],
-            None,
-        )?;
-        cargo_step(&["test", "--locked", "-p", "beadwork-learn"], None)?;
-    } else {
-        eprintln!("xtask: without libtorch, what learns is not tested: 'cargo xtask setup' provides it");
-    }
-    cargo_step(&["doc", "--no-deps", "--locked"], Some(("RUSTDOCFLAGS", "-D warnings")))?;
+    let strict = Some(("RUSTDOCFLAGS", "-D warnings"));
+    cargo_step(&["doc", "--no-deps", "--locked"], strict)?;
+    // What learns comes last: the first time it is fetched and built for minutes.
+    step("what learns: libtorch", setup::provide_any)?;
+    cargo_step(&learning(&["clippy", "--locked", "--all-targets"], &["--", "-D", "warnings"]), None)?;
+    cargo_step(&learning(&["test", "--locked"], &[]), None)?;
+    cargo_step(&["doc", "--no-deps", "--locked", "-p", "beadwork-learn"], strict)?;
     eprintln!("xtask: all passed in {:.1} s", begin.elapsed().as_secs_f64());
     Ok(())
+}
+
+/// Words of cargo for what needs libtorch: it is not among the workspace's default members, for it takes minutes to build.
+fn learning<'a>(first: &[&'a str], last: &[&'a str]) -> Vec<&'a str> {
+    let packages = ["-p", "beadwork-learn", "-p", "beadwork-cli", "--features", "beadwork-cli/learn"];
+    [first, &packages, last].concat()
 }
 
 /// Announces a step, does it and tells the seconds.

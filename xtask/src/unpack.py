@@ -1,11 +1,11 @@
-"""Unpacks what libtorch's build needs from wheels: python3 unpack.py FOLDER WHEEL..."""
+"""Unpacks what libtorch's build needs from wheels: python3 unpack.py cpu|cuda FOLDER WHEEL..."""
 
 import pathlib
 import shutil
 import sys
 import zipfile
 
-# Kernels for the processor and, as libtorch_cpu.so asks for them, the libraries that time graphics cards.
+# For the processor: kernels and, as libtorch_cpu.so asks for them, the libraries that time graphics cards.
 LIBRARIES = {
     "libtorch_cpu.so",
     "libtorch.so",
@@ -21,12 +21,15 @@ def place(member: str) -> pathlib.PurePosixPath | None:
     path = pathlib.PurePosixPath(member)
     if path.parts[:2] == ("torch", "include"):
         return path.relative_to("torch")
-    if path.parent.name == "lib" and path.name in LIBRARIES:
+    # With graphics cards, whatever is loaded at run time; Python's own part of torch is not.
+    shared = ".so" in path.suffixes and not path.name.startswith(("libtorch_python", "libshm"))
+    if path.parent.name == "lib" and (path.name in LIBRARIES or kind == "cuda" and shared):
         return pathlib.PurePosixPath("lib", path.name)
     return None
 
 
-folder, *wheels = map(pathlib.Path, sys.argv[1:])
+kind = sys.argv[1]
+folder, *wheels = map(pathlib.Path, sys.argv[2:])
 for wheel in wheels:
     with zipfile.ZipFile(wheel) as archive:
         for member in archive.infolist():
