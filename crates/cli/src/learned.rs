@@ -7,10 +7,10 @@ use beadwork_grid::{Path, Region, Zones};
 use beadwork_learn::fusion::layer::Layer;
 use beadwork_learn::fusion::model::Model;
 use beadwork_learn::fusion::propose::Asked;
-use beadwork_learn::fusion::walk::{Task, WalkSettings, walk};
+use beadwork_learn::fusion::walk::{Progress, Task, WalkSettings, walk};
 use beadwork_search::Stop;
 
-use crate::cancel;
+use crate::{cancel, progress};
 
 /// How `FusionNet` is to walk.
 #[derive(Clone, Copy)]
@@ -42,9 +42,20 @@ pub(crate) fn fusion(
     );
     let layer = Layer::new(region, zones);
     let task = Task { layer: &layer, start, target: of.target };
-    let settings =
-        WalkSettings { budget: of.budget, seed, cancel: Some(cancel::token()?), ..WalkSettings::default() };
+    let bar = progress::bar(of.budget as u64, "moves");
+    let observer = |come: Progress| {
+        bar.set_prefix(format!("{} crossings, moves", come.crossings));
+        bar.set_position(come.made as u64);
+    };
+    let settings = WalkSettings {
+        budget: of.budget,
+        seed,
+        cancel: Some(cancel::token()?),
+        observer: Some(&observer),
+        ..WalkSettings::default()
+    };
     let mut walked = walk(&[task], &mut Asked::new(&model.network, device), &settings);
+    bar.finish_and_clear();
     let walked = walked.pop().expect("one task");
     ensure!(walked.stop != Stop::Cancelled, "stopped");
     Ok((walked.path, walked.moves.len() as u64))

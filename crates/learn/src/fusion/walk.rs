@@ -2,7 +2,8 @@
 //!
 //! Of the proposed moves the one that lowers the crossings most is made, of equal ones the one that scores most, and none that
 //! leads back to a state seen before. Where no new best comes for long, or nothing is left to do, the walk goes back to its best
-//! path, and from there some moves are made as an annealer makes them, the more the longer it has been in vain. All moves ever
+//! path, unless it has come to another that is as good, and from there some moves are made as an annealer makes them, the more
+//! the longer it has been in vain. All moves ever
 //! made are counted. Many layers are walked together, so that the network sees them in batches.
 
 use std::collections::HashSet;
@@ -17,13 +18,13 @@ use super::layer::{Layer, Made, State};
 use super::propose::{Proposal, Proposer};
 
 /// How to walk.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct WalkSettings<'a> {
     /// Most moves, perturbations included.
     pub budget: usize,
     /// Moves without a new best after which some are made at random.
     pub patience: usize,
-    /// Whether these are made from the best path so far, rather than from where the walk is.
+    /// Whether these are made from the best path so far, the last of equal ones, rather than from where the walk is.
     pub returns: bool,
     /// Number of those.
     pub perturbation: usize,
@@ -35,6 +36,17 @@ pub struct WalkSettings<'a> {
     pub seed: u64,
     /// Ends all walks soon after it turns true.
     pub cancel: Option<&'a AtomicBool>,
+    /// Told before each question how far the walks have come.
+    pub observer: Option<&'a dyn Fn(Progress)>,
+}
+
+/// How far walks have come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Moves made by the longest of those that go on.
+    pub made: usize,
+    /// Crossings of the best paths of all walks together.
+    pub crossings: u64,
 }
 
 impl Default for WalkSettings<'_> {
@@ -48,6 +60,7 @@ impl Default for WalkSettings<'_> {
             temperature: 1.0,
             seed: 0,
             cancel: None,
+            observer: None,
         }
     }
 }
@@ -114,10 +127,15 @@ pub fn walk(tasks: &[Task<'_>], proposer: &mut dyn Proposer, settings: &WalkSett
     let mut walks: Vec<_> =
         (0..).zip(tasks).map(|(number, task)| Walk::new(task, settings.seed, number)).collect();
     loop {
+        let crossings = walks.iter().map(|walk| u64::from(walk.best)).sum();
         let mut active: Vec<_> = walks.iter_mut().filter(|walk| !walk.has_ended(settings)).collect();
         let cancelled = settings.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed));
         if active.is_empty() || cancelled {
             break;
+        }
+        if let Some(observer) = settings.observer {
+            let made = active.iter().map(|walk| walk.made).max().unwrap_or_default();
+            observer(Progress { made, crossings });
         }
         let states: Vec<_> = active.iter().map(|walk| walk.state()).collect();
         let proposed = proposer.propose(&states);
@@ -184,7 +202,12 @@ impl<'a> Walk<'a> {
     /// Moves as an annealer's at one temperature.
     fn perturb(&mut self, settings: &WalkSettings<'_>) {
         if settings.returns {
-            self.go_back();
+            if self.crossings == self.best {
+                // As good as the one known so far, from which nothing better was found.
+                self.moves_to_best = self.trail.len();
+            } else {
+                self.go_back();
+            }
         }
         self.failures += 1;
         let count = settings.perturbation.max(1) * self.failures.min(settings.escalation.max(1));
