@@ -193,7 +193,7 @@ pub(super) fn run(args: &FusionArgs) -> anyhow::Result<()> {
                 .collect::<Result<_, _>>()?;
             let mut network = Asked { places: args.places, ..Asked::new(&model.network, device) };
             let fusion = walk_all(&instances, &mut network, &settings);
-            // What suits it best: to go back to its best path, and to give up sooner, cost it targets.
+            // To give up sooner costs it targets, and to go back to its best path gains it none.
             let for_greedy = WalkSettings { patience: 32, returns: false, ..settings };
             let greedy = walk_all(&instances, &mut AllMoves::new(0), &for_greedy);
             for ((instance, fusion), greedy) in instances.iter().zip(fusion).zip(greedy) {
