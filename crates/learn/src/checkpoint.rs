@@ -83,8 +83,7 @@ impl Checkpoint {
         let (mean, square, steps) = optimiser.state();
         let Progress { steps: made, epoch, batches, best_loss, waited } = progress;
         let counts = [made, epoch, batches, waited, steps as u64].map(|count| count as i64);
-        let mut named: Vec<_> = variables.variables().into_iter().collect();
-        named.sort_by(|(name, _), (other, _)| name.cmp(other));
+        let mut named = weights::named(variables);
         named.extend([
             (ECHO.to_owned(), Tensor::from_slice(&self.echo)),
             (PROGRESS.to_owned(), Tensor::from_slice(&counts)),
@@ -114,14 +113,21 @@ impl Checkpoint {
             return Err(other_run());
         }
         let counts = Vec::<i64>::try_from(counts).ok().and_then(|counts| <[i64; 5]>::try_from(counts).ok());
-        let Some([steps, epoch, batches, waited, optimised]) = counts else { return Err(other_run()) };
+        let best = Vec::<f64>::try_from(best).ok().and_then(|best| <[f64; 1]>::try_from(best).ok());
+        let (Some([steps, epoch, batches, waited, optimised]), Some([best_loss])) = (counts, best) else {
+            return Err(other_run());
+        };
+        let (of_optimiser, ..) = optimiser.state();
+        if [&mean, &square].iter().any(|moments| moments.size() != of_optimiser.size()) {
+            return Err(other_run());
+        }
         weights::fill(variables, &mut read, &self.path)?;
         optimiser.restore(&mean, &square, optimised);
         Ok(Some(Progress {
             steps: steps as u64,
             epoch: epoch as u64,
             batches: batches as u64,
-            best_loss: best.double_value(&[0]),
+            best_loss,
             waited: waited as u64,
         }))
     }

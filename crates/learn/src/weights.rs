@@ -62,10 +62,16 @@ pub enum WeightsError {
 ///
 /// That halves the file, and moves each parameter by less than the last steps of a training do: 1 part in 2000.
 pub fn save(variables: &VarStore, path: &Path) -> Result<(), WeightsError> {
-    let all = variables.variables().into_iter();
-    let mut named: Vec<_> = all.map(|(name, variable)| (name, variable.to_kind(Kind::Half))).collect();
-    named.sort_by(|(name, _), (other, _)| name.cmp(other));
+    let mut named = named(variables);
+    named.iter_mut().for_each(|(_, parameter)| *parameter = parameter.to_kind(Kind::Half));
     save_tensors(&named, path)
+}
+
+/// All parameters of a network, in the order of their names.
+pub(crate) fn named(variables: &VarStore) -> Vec<(String, Tensor)> {
+    let mut named: Vec<_> = variables.variables().into_iter().collect();
+    named.sort_by(|(name, _), (other, _)| name.cmp(other));
+    named
 }
 
 /// Writes tensors by their names, as a file that is whole or absent.
@@ -101,8 +107,7 @@ pub(crate) fn fill(
     read: &mut HashMap<String, Tensor>,
     path: &Path,
 ) -> Result<(), WeightsError> {
-    let mut own: Vec<_> = variables.variables().into_iter().collect();
-    own.sort_by(|(name, _), (other, _)| name.cmp(other));
+    let own = named(variables);
     let mut pairs = Vec::with_capacity(own.len());
     for (name, variable) in own {
         let Some(tensor) = read.remove(&name) else {

@@ -13,7 +13,7 @@ use super::tensorboard::Events;
 const STEPS: &str = "step,examples,loss,rate,gradient\n";
 const EVALUATIONS: &str = "step,loss,layout,examples,top_1,top_5,action\n";
 
-/// The logs of one run.
+/// The logs of one run. Each event is in the tables when `write` comes back, and so before the checkpoint that follows it.
 pub(super) struct Log {
     folder: PathBuf,
     steps: BufWriter<File>,
@@ -40,12 +40,12 @@ impl Log {
             Event::Resumed { steps } => self.forget_after(*steps)?,
             Event::Step { step, examples, loss, rate, gradient } => {
                 writeln!(self.steps, "{step},{examples},{loss},{rate},{gradient}")?;
+                self.steps.flush()?;
                 let scalars = [("train/loss", *loss), ("train/rate", *rate), ("train/gradient", *gradient)];
                 self.events.write(*step, &scalars, now())?;
             }
             Event::Evaluated { step, evaluation, .. } => {
                 self.write_evaluation(*step, evaluation)?;
-                self.steps.flush()?;
                 self.evaluations.flush()?;
                 self.events.flush()?;
             }
@@ -75,7 +75,7 @@ impl Log {
         Ok(())
     }
 
-    /// Drops what was written of steps that will be made once more.
+    /// Drops what was written of steps that will be made once more, and a line that was cut short.
     fn forget_after(&mut self, steps: u64) -> anyhow::Result<()> {
         for (name, table) in [("steps.csv", &mut self.steps), ("evaluations.csv", &mut self.evaluations)] {
             table.flush()?;
@@ -87,6 +87,7 @@ impl Log {
                     .and_then(|step| step.parse().ok())
                     .is_none_or(|step: u64| step <= steps)
             };
+            let text = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
             let kept: String = text.split_inclusive('\n').filter(made).collect();
             beadwork_dataset::write_whole(&path, |out| out.write_all(kept.as_bytes()))?;
             *table = BufWriter::new(OpenOptions::new().append(true).open(&path)?);

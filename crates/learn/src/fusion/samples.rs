@@ -167,17 +167,16 @@ impl Batch {
         let begin = self.rivals.len();
         self.rivals.resize(begin + canvas.cells(), false);
         let marked = &mut self.rivals[begin..];
-        for y in 0..size.1 {
-            for x in 0..size.0 {
-                match settings.rivals {
-                    Rivals::Applicable => links.for_each_variant_at(x as u16, y as u16, |placed| {
-                        let placed = symmetry.placed(placed, size);
-                        marked[cell(placed.x.into(), placed.y.into())] = true;
-                    }),
-                    Rivals::Boundary => {
-                        let (column, row) = symmetry.cell((x, y), size);
-                        marked[cell(column, row)] = episode.layer.is_boundary(x, y);
-                    }
+        match settings.rivals {
+            Rivals::Applicable => links.for_each_variant(|placed| {
+                let placed = symmetry.placed(placed, size);
+                marked[cell(placed.x.into(), placed.y.into())] = true;
+            }),
+            Rivals::Boundary => {
+                let places = (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y)));
+                for (x, y) in places.filter(|&(x, y)| episode.layer.is_boundary(x, y)) {
+                    let (column, row) = symmetry.cell((x, y), size);
+                    marked[cell(column, row)] = true;
                 }
             }
         }

@@ -168,7 +168,7 @@ pub enum Event {
         /// Length of the gradient before it was shortened.
         gradient: f64,
     },
-    /// The network was evaluated, and a checkpoint written.
+    /// The network was evaluated; a checkpoint is written next.
     Evaluated {
         /// After which step.
         step: u64,
@@ -300,9 +300,7 @@ pub fn train(dataset: &Dataset, training: &Training, run: Run<'_>) -> Result<End
     tch::manual_seed(training.seed as i64);
     let variables = VarStore::new(device);
     let network = FusionNet::new(&variables.root(), training.network());
-    let mut parameters: Vec<_> = variables.variables().into_iter().collect();
-    parameters.sort_by(|(name, _), (other, _)| name.cmp(other));
-    let parameters = parameters.into_iter().map(|(_, parameter)| parameter).collect();
+    let parameters = weights::named(&variables).into_iter().map(|(_, parameter)| parameter).collect();
     let decay = AdamWSettings { weight_decay: training.weight_decay, ..AdamWSettings::default() };
     let mut optimiser = AdamW::new(parameters, decay);
     let echo = toml::to_string(training).expect("a configuration is plain data");
@@ -358,8 +356,9 @@ pub fn train(dataset: &Dataset, training: &Training, run: Run<'_>) -> Result<End
                 } else {
                     progress.waited += 1;
                 }
-                checkpoint.save(&variables, &optimiser, progress)?;
+                // What is told comes first: a run that goes on from a checkpoint has then told all before it.
                 observer(&Event::Evaluated { step, evaluation, best });
+                checkpoint.save(&variables, &optimiser, progress)?;
                 if progress.waited >= training.patience {
                     return Ok(End::Early);
                 }
