@@ -24,8 +24,11 @@ pub(crate) fn run() -> Result<()> {
     cargo_step(&["doc", "--no-deps", "--locked"], strict)?;
     // What learns comes last: the first time it is fetched and built for minutes.
     step("what learns: libtorch", setup::provide_any)?;
-    cargo_step(&learning(&["clippy", "--locked", "--all-targets"], &["--", "-D", "warnings"]), None)?;
-    cargo_step(&learning(&["test", "--locked"], &[]), None)?;
+    // In the tests' own profile, so that C++ is compiled once for both.
+    let lints = ["clippy", "--locked", "--all-targets", "--profile", "test"];
+    cargo_step(&learning(&lints, &["--", "-D", "warnings"]), None)?;
+    // Tests already run side by side, and threads that wait for each other's cores cost more than they bring.
+    cargo_step(&learning(&["test", "--locked"], &[]), Some(("OMP_NUM_THREADS", "1")))?;
     cargo_step(&["doc", "--no-deps", "--locked", "-p", "beadwork-learn"], strict)?;
     eprintln!("xtask: all passed in {:.1} s", begin.elapsed().as_secs_f64());
     Ok(())
