@@ -142,7 +142,9 @@ pub(crate) fn run(target: Target) -> Result<()> {
         provide(&cache, &folder, target, OsStr::new("python3"))?;
         target.check(&folder)?;
     }
-    point(&link, &folder)?;
+    if point(&link, &folder)? {
+        forget_builds()?;
+    }
     eprintln!("xtask: libtorch {VERSION}: '{}'", folder.display());
     Ok(())
 }
@@ -187,9 +189,7 @@ fn provide(cache: &Path, folder: &Path, target: Target, python: &OsStr) -> Resul
     eprintln!("xtask: fetching libtorch {VERSION} ({}, once) into '{}'", target.size(), cache.display());
     fetch(&wheels, target, python)?;
     eprintln!("xtask: unpacking");
-    let mut part = folder.as_os_str().to_owned();
-    part.push(format!(".{}.part", std::process::id()));
-    let part = PathBuf::from(part);
+    let part = cache.join(format!("libtorch-{VERSION}-{}.{}.part", target.name(), std::process::id()));
     let unpacked = unpack(&wheels, &part, target, python).and_then(|()| {
         fs::write(part.join("build-version"), format!("{VERSION}\n"))?;
         fs::rename(&part, folder).with_context(|| format!("'{}' could not be made", folder.display()))
@@ -236,19 +236,35 @@ fn unpack(wheels: &Path, part: &Path, target: Target, python: &OsStr) -> Result<
     Ok(())
 }
 
-/// Has the link point to a folder, whatever it pointed to before.
+/// Has the next build ask anew what there is to link: what LIBTORCH says is the same link, so cargo sees no change.
+fn forget_builds() -> Result<()> {
+    for profile in ["dev", "release"] {
+        let mut clean = workspace::cargo();
+        clean.current_dir(workspace::root()).args(["clean", "--quiet", "--locked", "--profile", profile]);
+        clean.args(["-p", "torch-sys", "-p", "beadwork-learn", "-p", "beadwork-cli"]);
+        let status = clean.status().context("cargo could not be started")?;
+        ensure!(status.success(), "builds against another libtorch could not be removed: run 'cargo clean'");
+    }
+    Ok(())
+}
+
+/// Has the link point to a folder; tells whether it pointed elsewhere before.
 #[cfg(unix)]
-fn point(link: &Path, folder: &Path) -> Result<()> {
-    if fs::read_link(link).is_ok_and(|target| target == folder) {
-        return Ok(());
+fn point(link: &Path, folder: &Path) -> Result<bool> {
+    let before = fs::read_link(link).ok();
+    if before.as_deref() == Some(folder) {
+        return Ok(false);
     }
     let new = link.with_extension(std::process::id().to_string());
     let made = std::os::unix::fs::symlink(folder, &new).and_then(|()| fs::rename(&new, link));
-    made.with_context(|| format!("'{}' could not be made to point to '{}'", link.display(), folder.display()))
+    made.with_context(|| {
+        format!("'{}' could not be made to point to '{}'", link.display(), folder.display())
+    })?;
+    Ok(before.is_some())
 }
 
 #[cfg(not(unix))]
-fn point(_: &Path, _: &Path) -> Result<()> {
+fn point(_: &Path, _: &Path) -> Result<bool> {
     anyhow::bail!("only Linux is provided for: {OWN}")
 }
 
