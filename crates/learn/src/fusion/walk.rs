@@ -36,14 +36,14 @@ pub struct WalkSettings<'a> {
     pub seed: u64,
     /// Ends all walks soon after it turns true.
     pub cancel: Option<&'a AtomicBool>,
-    /// Told before each question how far the walks have come.
+    /// Told before each question, and at the end, how far the walks have come.
     pub observer: Option<&'a dyn Fn(Progress)>,
 }
 
 /// How far walks have come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    /// Moves made by the longest of those that go on.
+    /// Moves made by the longest.
     pub made: usize,
     /// Crossings of the best paths of all walks together.
     pub crossings: u64,
@@ -127,15 +127,16 @@ pub fn walk(tasks: &[Task<'_>], proposer: &mut dyn Proposer, settings: &WalkSett
     let mut walks: Vec<_> =
         (0..).zip(tasks).map(|(number, task)| Walk::new(task, settings.seed, number)).collect();
     loop {
-        let crossings = walks.iter().map(|walk| u64::from(walk.best)).sum();
+        if let Some(observer) = settings.observer {
+            observer(Progress {
+                made: walks.iter().map(|walk| walk.made).max().unwrap_or_default(),
+                crossings: walks.iter().map(|walk| u64::from(walk.best)).sum(),
+            });
+        }
         let mut active: Vec<_> = walks.iter_mut().filter(|walk| !walk.has_ended(settings)).collect();
         let cancelled = settings.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed));
         if active.is_empty() || cancelled {
             break;
-        }
-        if let Some(observer) = settings.observer {
-            let made = active.iter().map(|walk| walk.made).max().unwrap_or_default();
-            observer(Progress { made, crossings });
         }
         let states: Vec<_> = active.iter().map(|walk| walk.state()).collect();
         let proposed = proposer.propose(&states);
