@@ -14,6 +14,7 @@ use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use crate::config::{Config, ConfigError, Size, StartChoice};
+use crate::manifest::fingerprint;
 use crate::shard::hex;
 use crate::source::Search;
 use crate::trajectory::{DrawError, Instance, Moves, Trajectory};
@@ -147,9 +148,7 @@ impl Factory {
             let (_, region, _) = stratum.draw(0)?;
             stratum.start(&region)?;
         }
-        let described = json!([env!("CARGO_PKG_VERSION"), echo]).to_string();
-        let digest = Sha256::digest(described.as_bytes());
-        let fingerprint = digest.iter().take(8).fold(0, |sum, &byte| sum << 8 | u64::from(byte));
+        let fingerprint = fingerprint(env!("CARGO_PKG_VERSION"), &echo);
         Ok(Self { config, echo, strata, fingerprint })
     }
 

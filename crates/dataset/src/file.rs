@@ -36,10 +36,20 @@ pub fn write_whole<T>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>,
 ) -> Result<T, FileError> {
+    write_whole_at(path, |partial| {
+        let mut out = BufWriter::new(File::create(partial)?);
+        let value = write(&mut out)?;
+        out.into_inner().map_err(io::IntoInnerError::into_error)?;
+        Ok(value)
+    })
+}
+
+/// [`write_whole`] for those who can only write to a path: `write` makes the temporary file at the one it is given.
+pub fn write_whole_at<T>(path: &Path, write: impl FnOnce(&Path) -> io::Result<T>) -> Result<T, FileError> {
     try_write(path, write).map_err(|cause| FileError::new("write", path, cause))
 }
 
-fn try_write<T>(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>) -> io::Result<T> {
+fn try_write<T>(path: &Path, write: impl FnOnce(&Path) -> io::Result<T>) -> io::Result<T> {
     let no_name = || io::Error::new(io::ErrorKind::InvalidInput, "the path names no file");
     let name = path.file_name().ok_or_else(no_name)?;
     let mut partial_name = OsString::from(".");
@@ -47,9 +57,8 @@ fn try_write<T>(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Res
     // Two processes that make the same file must not fill one temporary file together.
     partial_name.push(format!(".{}.partial", std::process::id()));
     let partial = Partial { path: path.with_file_name(partial_name) };
-    let mut out = BufWriter::new(File::create(&partial.path)?);
-    let value = write(&mut out)?;
-    out.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
+    let value = write(&partial.path)?;
+    File::options().write(true).open(&partial.path)?.sync_all()?;
     fs::rename(&partial.path, path)?;
     sync_folder(path)?;
     Ok(value)

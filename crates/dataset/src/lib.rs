@@ -43,7 +43,7 @@ mod trajectory;
 pub use codec::CodecError;
 pub use config::{Config, ConfigError, LayoutConfig, Named, Size, SizeError, StartChoice};
 pub use factory::{Factory, FactoryError};
-pub use file::{FileError, write_whole};
+pub use file::{FileError, write_whole, write_whole_at};
 pub use generate::{
     GenerateError, GenerateProgress, GenerateSettings, Generated, Slice, SliceError, generate, search_times,
 };

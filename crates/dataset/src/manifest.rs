@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use crate::file::{self, FileError, write_whole};
@@ -108,6 +109,13 @@ impl ShardEntry {
     }
 }
 
+/// A number that tells configurations and versions of this crate apart.
+pub(crate) fn fingerprint(version: &str, config: &serde_json::Value) -> u64 {
+    let described = serde_json::json!([version, config]).to_string();
+    let digest = Sha256::digest(described.as_bytes());
+    digest.iter().take(8).fold(0, |sum, &byte| sum << 8 | u64::from(byte))
+}
+
 /// Read before the rest, which another version may have changed.
 #[derive(Deserialize)]
 struct Versioned {
@@ -146,6 +154,11 @@ impl Manifest {
             serde_json::to_writer_pretty(&mut *out, self)?;
             out.write_all(b"\n")
         })
+    }
+
+    /// A number that tells datasets apart by what they were made from: their shards carry it too.
+    pub fn fingerprint(&self) -> u64 {
+        fingerprint(&self.crate_version, &self.config)
     }
 
     fn contradiction(&self) -> Option<String> {

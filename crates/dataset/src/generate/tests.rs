@@ -43,6 +43,7 @@ fn the_dataset_holds_every_trajectory_in_order() {
     assert_eq!(records.iter().map(|it| it.index).collect::<Vec<_>>(), (0..23).collect::<Vec<_>>());
     assert_eq!(dataset.manifest().moves, records.iter().map(|it| it.moves.len() as u64).sum::<u64>());
     assert_eq!(dataset.manifest().strata["voronoi/9x8/short"], 12);
+    assert_eq!(dataset.manifest().fingerprint(), factory(SMALL).fingerprint());
     records.iter().for_each(|it| drop(it.replay().unwrap()));
     let times = search_times(&folder.path().join("shard-00004.bws")).unwrap();
     assert!(times.len() == 3 && times.iter().all(|&milliseconds| milliseconds > 0.0), "{times:?}");
