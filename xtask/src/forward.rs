@@ -24,7 +24,7 @@ fn learns(words: &[OsString]) -> bool {
     let word = |at: usize| words.get(at).and_then(|word| word.to_str()).unwrap_or_default();
     match word(0) {
         "train" => true,
-        "eval" => matches!(word(1), "fusion" | "unet" | "ppo"),
+        "eval" => word(1) == "fusion",
         "bench" => word(1) == "learn",
         "zones" => {
             words.windows(2).any(|pair| pair[0] == "--method" && pair[1] == "fusion")

@@ -224,11 +224,24 @@ fn fetch(wheels: &Path, target: Target, python: &OsStr) -> Result<()> {
     Ok(())
 }
 
-fn unpack(wheels: &Path, part: &Path, target: Target, python: &OsStr) -> Result<()> {
+/// The wheels of a folder that are wanted: others may have been left there by a fetch of another version.
+fn whole(wheels: &Path, target: Target) -> Result<Vec<PathBuf>> {
+    let wanted: Vec<_> =
+        target.wheels().map(|(name, version, _)| format!("{}-{version}-", name.replace('-', "_"))).collect();
     let mut files = Vec::new();
     for entry in fs::read_dir(wheels)? {
-        files.extend(Some(entry?.path()).filter(|path| path.extension() == Some(OsStr::new("whl"))));
+        let entry = entry?;
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if name.ends_with(".whl") && wanted.iter().any(|wanted| name.starts_with(wanted)) {
+            files.push(entry.path());
+        }
     }
+    Ok(files)
+}
+
+fn unpack(wheels: &Path, part: &Path, target: Target, python: &OsStr) -> Result<()> {
+    let files = whole(wheels, target)?;
     let mut unpack = Command::new(python);
     unpack.args(["-c", include_str!("unpack.py"), target.name()]).arg(part).args(&files);
     let status = unpack.status().context("python3 could not be started")?;
@@ -352,6 +365,22 @@ mod tests {
         let folder = Folder::new("fetch");
         let error = fetch(&folder.0, Target::Cpu, OsStr::new("false")).unwrap_err();
         assert!(format!("{error:#}").contains("run this again"), "{error:#}");
+    }
+
+    #[test]
+    fn wheels_of_other_versions_are_left_alone() {
+        let folder = Folder::new("wheels");
+        let names = [
+            "nvidia_cuda_cupti-13.0.85-py3-none-manylinux_2_25_x86_64.whl",
+            "torch-2.13.0-cp312-cp312-manylinux_2_28_x86_64.whl",
+        ];
+        for name in names.iter().chain(&["torch-2.12.1-cp312-cp312-manylinux_2_28_x86_64.whl", "wanted.txt"])
+        {
+            fs::write(folder.0.join(name), "").unwrap();
+        }
+        let mut found = whole(&folder.0, Target::Cpu).unwrap();
+        found.sort();
+        assert_eq!(found, names.map(|name| folder.0.join(name)));
     }
 
     #[test]

@@ -1,5 +1,7 @@
 """Unpacks what libtorch's build needs from wheels: python3 unpack.py cpu|cuda FOLDER WHEEL..."""
 
+from __future__ import annotations
+
 import pathlib
 import shutil
 import sys
