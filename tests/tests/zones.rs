@@ -179,7 +179,7 @@ fn impossible_wishes_are_refused() {
 
 #[test]
 fn arguments_that_make_no_sense_are_named() {
-    let complaints: [(&[&str], &str); 12] = [
+    let complaints: [(&[&str], &str); 14] = [
         (&["zones", "--size", "0x3"], "0x3"),
         (&["zones", "--layout", "spots"], "'spots'"),
         (&["zones", "--image", "x.png", "--size", "3x3"], "--size"),
@@ -190,6 +190,8 @@ fn arguments_that_make_no_sense_are_named() {
         (&["zones", "--method", "zigzag", "--costs", "none.csv"], "--costs is for --method exact"),
         (&["zones", "--method", "genetic", "--preset", "long"], "'long' is no preset of the genetic"),
         (&["zones", "--plot", "x.svg"], "--plot is for --method genetic"),
+        (&["zones", "--budget", "10"], "--budget is for --method fusion"),
+        (&["zones", "--method", "anneal", "--model", "none"], "--model is for --method fusion"),
         (&["eval", "zones", "--method", "exact", "--threads", "2"], "--threads means nothing to exact"),
         (&["eval", "zones", "--presets", "fast"], "--presets means nothing to the table of all"),
     ];

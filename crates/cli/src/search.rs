@@ -63,6 +63,9 @@ pub(crate) struct Row {
     /// What only the genetic algorithm has.
     #[serde(flatten)]
     pub(crate) genetic: Option<GeneticRow>,
+    /// What only the network has.
+    #[serde(flatten)]
+    pub(crate) fusion: Option<FusionRow>,
 }
 
 impl Row {
@@ -104,6 +107,19 @@ pub(crate) struct GeneticRow {
     /// Genes that were known from parents.
     pub(crate) spared: u64,
     pub(crate) history: Vec<Generation>,
+}
+
+/// What a walk led by a network tells beside the common row, whose moves are those to the best path alone.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct FusionRow {
+    /// Crossings that are enough.
+    pub(crate) target: u32,
+    /// Whether it got there, rather than to the end of its budget.
+    pub(crate) reached: bool,
+    /// All moves made, those that were given up included.
+    pub(crate) made: u64,
+    /// Those of them that were made at random.
+    pub(crate) perturbed: u64,
 }
 
 /// What a population came to.
@@ -189,7 +205,7 @@ impl Search<'_> {
             _ => bound::components(region, zones, pieces),
         };
         let (mut lower, mut piece_bound) = (u64::from(lower), bounds.map_or(1, |bounds| bounds.pieces));
-        let (mut exact, mut genetic) = (None, None);
+        let (mut exact, mut genetic, mut fusion) = (None, None, None);
         let mut seconds_before = 0.0;
         let begin = Instant::now();
         let (best, moves) = match choice {
@@ -249,7 +265,10 @@ impl Search<'_> {
             }
             Choice::Fusion(of) => {
                 let target = of.target.max(lower as u32);
-                learned::fusion(&Fusion { target, ..of }, region, zones, start, seed)?
+                let (path, moves, row) =
+                    learned::fusion(&Fusion { target, ..of }, region, zones, start, seed)?;
+                fusion = Some(row);
+                (path, moves)
             }
         };
         let seconds = seconds_before + begin.elapsed().as_secs_f64();
@@ -271,6 +290,7 @@ impl Search<'_> {
             seconds,
             exact,
             genetic,
+            fusion,
         };
         Ok((best, row))
     }

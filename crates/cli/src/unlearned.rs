@@ -1,20 +1,36 @@
 //! What stands in for learned methods in builds that do not learn.
 
-use std::path::Path as File;
+use std::path::Path as Folder;
 
 use anyhow::bail;
 use beadwork_grid::{Path, Region, Zones};
+
+use crate::search::FusionRow;
+
+/// No build that does not learn has one.
+pub(crate) enum Model {}
 
 /// How `FusionNet` would walk.
 #[derive(Clone, Copy)]
 #[allow(dead_code, reason = "the fields are those of builds that learn")]
 pub(crate) struct Fusion<'a> {
-    pub(crate) model: &'a File,
+    pub(crate) model: &'a Model,
     pub(crate) target: u32,
     pub(crate) budget: usize,
 }
 
 /// Tells how to come by a build that learns.
-pub(crate) fn fusion(_: &Fusion<'_>, _: &Region, _: &Zones, _: &Path, _: u64) -> anyhow::Result<(Path, u64)> {
+pub(crate) fn open(_: &Folder, _: &Region) -> anyhow::Result<Model> {
     bail!("this build has no networks: 'cargo xtask zones --method fusion' makes one that has")
+}
+
+/// Is never called, for want of a model.
+pub(crate) fn fusion(
+    of: &Fusion<'_>,
+    _: &Region,
+    _: &Zones,
+    _: &Path,
+    _: u64,
+) -> anyhow::Result<(Path, u64, FusionRow)> {
+    match *of.model {}
 }

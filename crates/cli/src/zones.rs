@@ -17,7 +17,7 @@ use serde_json::json;
 
 use crate::ends::{Place, read_costs};
 use crate::instance::{Instance, InstanceArgs};
-use crate::learned::Fusion;
+use crate::learned::{self, Fusion};
 use crate::output::wrong_use;
 use crate::search::{Breeding, Choice, MethodName, Row, Search};
 use crate::{generations, machine, output, progress};
@@ -62,15 +62,15 @@ pub(crate) struct Args {
     /// window, short or fast.
     #[arg(long, value_name = "NAME")]
     preset: Option<String>,
-    /// Fusion: folder of the trained network.
-    #[arg(long, value_name = "DIR", default_value = "models/fusion-small")]
-    model: PathBuf,
+    /// Fusion: folder of the trained network; models/fusion-small if not given.
+    #[arg(long, value_name = "DIR")]
+    model: Option<PathBuf>,
     /// Fusion: crossings that are enough; the proven bound if not given.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    target: u32,
-    /// Fusion: most moves.
-    #[arg(long, value_name = "N", default_value_t = 1000)]
-    budget: usize,
+    #[arg(long, value_name = "N")]
+    target: Option<u32>,
+    /// Fusion: most moves; 1000 if not given.
+    #[arg(long, value_name = "N")]
+    budget: Option<usize>,
     /// Path to start from: row_zigzag, column_zigzag, spiral, cover, or auto (the row zigzag where there is one, else
     /// the cover).
     #[arg(long, value_name = "START", default_value = "auto")]
@@ -110,6 +110,11 @@ impl Args {
             ("--stages", self.stages.is_some()),
         ];
         let genetic = [("--threads", self.threads.is_some()), ("--plot", self.plot.is_some())];
+        let fusion = [
+            ("--model", self.model.is_some()),
+            ("--target", self.target.is_some()),
+            ("--budget", self.budget.is_some()),
+        ];
         let given =
             |flags: &[(&'static str, bool)]| flags.iter().find(|(_, given)| *given).map(|(flag, _)| *flag);
         if let Some(flag) = given(&exact).filter(|_| method != MethodName::Exact) {
@@ -117,6 +122,9 @@ impl Args {
         }
         if let Some(flag) = given(&genetic).filter(|_| method != MethodName::Genetic) {
             wrong_use(&format!("{flag} is for --method genetic"));
+        }
+        if let Some(flag) = given(&fusion).filter(|_| method != MethodName::Fusion) {
+            wrong_use(&format!("{flag} is for --method fusion"));
         }
         if self.preset.is_some() && !matches!(method, MethodName::Anneal | MethodName::Genetic) {
             wrong_use("--preset is for --method anneal and --method genetic");
@@ -160,7 +168,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let stages = |stage: Stage, links: &[[Cell; 2]]| {
         drawn.lock().expect("no drawing panics").entry(stage).or_default().extend(links);
     };
-    let pool;
+    let (pool, model);
     let choice = match method {
         MethodName::Zigzag => Choice::Zigzag,
         MethodName::Anneal => Choice::Anneal(args.preset(Preset::Paper)),
@@ -188,7 +196,10 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
             })
         }
         MethodName::Fusion => {
-            Choice::Fusion(Fusion { model: &args.model, target: args.target, budget: args.budget })
+            let folder = args.model.as_deref().unwrap_or("models/fusion-small".as_ref());
+            model = learned::open(folder, region)?;
+            let (target, budget) = (args.target.unwrap_or(0), args.budget.unwrap_or(1000));
+            Choice::Fusion(Fusion { model: &model, target, budget })
         }
     };
     let bounds = (method != MethodName::Exact).then(|| Bounds::new(region, zones));
@@ -226,14 +237,15 @@ fn describe(row: &Row, costs: Option<&ZoneCosts>) -> String {
         Some(exact) if costs.is_some() => format!(" at a cost of {}, at least {bound}", exact.cost),
         _ => format!(", at least {bound}"),
     };
-    let work = match (&row.exact, &row.genetic) {
-        (Some(exact), _) => format!("{} attempts", exact.attempts),
-        (_, Some(genetic)) => format!(
+    let work = match (&row.exact, &row.genetic, &row.fusion) {
+        (Some(exact), ..) => format!("{} attempts", exact.attempts),
+        (_, Some(genetic), _) => format!(
             "{} by the best annealing run, {} moves after {} generations",
             genetic.seeded,
             row.moves,
             genetic.history.len() - 1
         ),
+        (.., Some(fusion)) => format!("{} moves of {} that were made", row.moves, fusion.made),
         _ => format!("{} moves", row.moves),
     };
     format!(

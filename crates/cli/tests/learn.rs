@@ -50,17 +50,38 @@ fn a_network_is_trained_and_walks() {
         fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     files.retain(|name| !name.starts_with("events.out.tfevents."));
     files.sort();
-    assert_eq!(files, ["best.safetensors", "config.toml", "evaluations.csv", "last.checkpoint", "steps.csv"]);
+    assert_eq!(
+        files,
+        [
+            "best.safetensors",
+            "config.toml",
+            "dataset.toml",
+            "evaluations.csv",
+            "last.checkpoint",
+            "steps.csv",
+        ]
+    );
     let error = fail(&train(&data, &out));
     assert!(error.contains("--resume"), "{error}");
     let again = json(&[&train(&data, &out)[..], &["--resume"]].concat());
     assert_eq!((&again["end"], &again["examples"]), (&"done".into(), &0.into()), "nothing is left to do");
+
+    let model = out.join("best.safetensors");
+    fs::remove_file(out.join("last.checkpoint")).unwrap();
+    for resume in [&[][..], &["--resume"]] {
+        let before = fs::read(&model).unwrap();
+        let error = fail(&[&train(&data, &out)[..], resume].concat());
+        assert!(error.contains("would be overwritten"), "{error}");
+        assert!(fs::read(&model).unwrap() == before);
+    }
 
     let svg = folder.path().join("walk.svg");
     let words = ["zones", "--layout", "voronoi", "--method", "fusion", "--model", text(&out)];
     let walked = json(&[&words[..], &["--size", "14x11", "--svg", text(&svg)]].concat());
     assert_eq!(walked["method"], "fusion");
     assert!(walked["crossings"].as_u64() <= walked["initial"].as_u64(), "{walked}");
+    assert!(walked["moves"].as_u64() <= walked["made"].as_u64(), "{walked}");
+    assert_eq!(walked["reached"], walked["crossings"] == walked["target"], "the target is a lower bound");
     assert!(fs::read_to_string(&svg).unwrap().starts_with("<svg"));
     let error = fail(&[&words[..], &["--size", "200x10"]].concat());
     assert!(error.contains("128 x 128") && error.contains("200 x 10"), "{error}");
@@ -69,6 +90,19 @@ fn a_network_is_trained_and_walks() {
     let table = ["eval", "fusion", "--model", model, "--sizes", "30x30", "--seeds", "1", "--runs", "2"];
     let told = json(&[&table[..], &["--budget", "40", "--data", text(&data)]].concat());
     assert_eq!(told["rows"].as_array().unwrap().len(), 2, "a seed of two layouts: {told}");
+    // Of each layout four trajectories are kept for the end; of each 20 moves count, or fewer if it is shorter.
+    assert!((4..=80).contains(&told["held_out"]["islands"]["examples"].as_u64().unwrap()), "{told}");
+    let error = fail(&["eval", "fusion", "--model", model, "--sizes", "30x30,200x10"]);
+    assert!(error.contains("128 x 128") && error.contains("200 x 10"), "{error}");
+
+    let config = folder.path().join("other.toml");
+    fs::write(&config, format!("seed = 1\n{CHAINS}")).unwrap();
+    let other = folder.path().join("other");
+    run(&["gen-data", "--config", text(&config), "--out", text(&other)]);
+    let words = [&table[..], &["--budget", "5", "--data", text(&other)]].concat();
+    let told = beadwork().args(words).output().unwrap();
+    let told = String::from_utf8(told.stderr).unwrap();
+    assert!(told.contains("not those that the network learned from"), "{told}");
 }
 
 /// Losses of all steps.
@@ -83,13 +117,17 @@ fn a_training_that_was_killed_goes_on_with_the_same_losses() {
     let data = folder.path().join("data");
     let (whole, killed) = (folder.path().join("whole"), folder.path().join("killed"));
     run(&train(&data, &whole));
-    let mut training = beadwork().args(train(&data, &killed)).spawn().unwrap();
-    // Wherever that strikes: before the first checkpoint, between two, or after the end.
-    while training.try_wait().unwrap().is_none() && !killed.join("last.checkpoint").exists() {
-        sleep(Duration::from_millis(1));
+    // Lines are its head and 20 steps; evaluations, with checkpoints, come after 10 of them and after the last.
+    for (resume, lines) in [(&[][..], 0), (&["--resume"], 4), (&["--resume"], 12)] {
+        let mut training = beadwork().args(train(&data, &killed)).args(resume).spawn().unwrap();
+        let told = || fs::read_to_string(killed.join("steps.csv")).map_or(0, |text| text.lines().count());
+        let begun = || killed.join("last.checkpoint").exists();
+        while training.try_wait().unwrap().is_none() && !(begun() && told() >= lines) {
+            sleep(Duration::from_millis(1));
+        }
+        training.kill().unwrap();
+        training.wait().unwrap();
     }
-    training.kill().unwrap();
-    training.wait().unwrap();
     run(&[&train(&data, &killed)[..], &["--resume"]].concat());
     assert_eq!(losses(&killed), losses(&whole));
     let weights = |out: &Path| fs::read(out.join("best.safetensors")).unwrap();

@@ -45,11 +45,23 @@ pub enum CheckpointError {
         /// What it lacks.
         name: &'static str,
     },
-    /// It belongs to a run with another configuration.
-    #[error("'{}' belongs to a run with another configuration: choose another folder", path.display())]
+    /// It belongs to a run with another configuration or dataset.
+    #[error("'{}' belongs to another run, with '{theirs}' where this one has '{ours}': choose another folder", path.display())]
     OtherRun {
         /// The file.
         path: PathBuf,
+        /// The first line of its configuration that differs.
+        theirs: String,
+        /// What this run's says there.
+        ours: String,
+    },
+    /// What it holds is not of the shape that it must have.
+    #[error("'{}' is damaged: its '{name}' is not as it was written", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is not.
+        name: &'static str,
     },
 }
 
@@ -58,7 +70,7 @@ pub enum CheckpointError {
 pub struct Checkpoint {
     path: PathBuf,
     /// The run's configuration, which is kept with it.
-    echo: Vec<u8>,
+    echo: String,
 }
 
 const ECHO: &str = "run.configuration";
@@ -85,7 +97,7 @@ impl Checkpoint {
         let counts = [made, epoch, batches, waited, steps as u64].map(|count| count as i64);
         let mut named = weights::named(variables);
         named.extend([
-            (ECHO.to_owned(), Tensor::from_slice(&self.echo)),
+            (ECHO.to_owned(), Tensor::from_slice(self.echo.as_bytes())),
             (PROGRESS.to_owned(), Tensor::from_slice(&counts)),
             (BEST.to_owned(), Tensor::from_slice(&[best_loss])),
             (MEAN.to_owned(), mean.shallow_clone()),
@@ -108,18 +120,18 @@ impl Checkpoint {
             |name| read.remove(name).ok_or_else(|| CheckpointError::Lacks { path: self.path.clone(), name });
         let (echo, counts, best) = (take(ECHO)?, take(PROGRESS)?, take(BEST)?);
         let (mean, square) = (take(MEAN)?, take(SQUARE)?);
-        let other_run = || CheckpointError::OtherRun { path: self.path.clone() };
-        if Vec::<u8>::try_from(echo).ok().as_ref() != Some(&self.echo) {
-            return Err(other_run());
-        }
+        let damaged = |name| CheckpointError::Damaged { path: self.path.clone(), name };
+        let echo = Vec::<u8>::try_from(echo).ok().and_then(|echo| String::from_utf8(echo).ok());
+        self.compare(&echo.ok_or_else(|| damaged(ECHO))?)?;
         let counts = Vec::<i64>::try_from(counts).ok().and_then(|counts| <[i64; 5]>::try_from(counts).ok());
+        let [steps, epoch, batches, waited, optimised] = counts.ok_or_else(|| damaged(PROGRESS))?;
         let best = Vec::<f64>::try_from(best).ok().and_then(|best| <[f64; 1]>::try_from(best).ok());
-        let (Some([steps, epoch, batches, waited, optimised]), Some([best_loss])) = (counts, best) else {
-            return Err(other_run());
-        };
+        let [best_loss] = best.ok_or_else(|| damaged(BEST))?;
         let (of_optimiser, ..) = optimiser.state();
-        if [&mean, &square].iter().any(|moments| moments.size() != of_optimiser.size()) {
-            return Err(other_run());
+        for (name, moments) in [(MEAN, &mean), (SQUARE, &square)] {
+            if moments.size() != of_optimiser.size() {
+                return Err(damaged(name));
+            }
         }
         weights::fill(variables, &mut read, &self.path)?;
         optimiser.restore(&mean, &square, optimised);
@@ -130,5 +142,25 @@ impl Checkpoint {
             best_loss,
             waited: waited as u64,
         }))
+    }
+
+    /// Whether a checkpoint with this text is this run's.
+    fn compare(&self, echo: &str) -> Result<(), CheckpointError> {
+        if echo == self.echo {
+            return Ok(());
+        }
+        let (mut theirs, mut ours) = (echo.lines(), self.echo.lines());
+        loop {
+            let (its, own) = (theirs.next(), ours.next());
+            // Texts whose lines are equal differ in their ends.
+            if its != own || its.is_none() {
+                let told = |line: Option<&str>| line.unwrap_or_default().to_owned();
+                return Err(CheckpointError::OtherRun {
+                    path: self.path.clone(),
+                    theirs: told(its),
+                    ours: told(own),
+                });
+            }
+        }
     }
 }

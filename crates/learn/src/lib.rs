@@ -21,7 +21,7 @@
 //! let zones = LayoutSpec::new(Layout::Islands).zones(&region, 0)?;
 //! let (layer, start) = (Layer::new(&region, &zones), Start::RowZigzag.path(&region)?);
 //! let model = Model::open(Path::new("models/fusion-small"), Device::Cpu)?;
-//! let task = Task { layer: &layer, start: &start, target: 30 };
+//! let task = Task { layer: &layer, start: &start, target: 30, seed: 0 };
 //! let walked = walk(&[task], &mut Asked::new(&model.network, Device::Cpu), &WalkSettings::default());
 //! assert!(walked[0].crossings <= walked[0].initial);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -1,9 +1,10 @@
 //! Parameters in files: safetensors, by the names that PyTorch gives them.
 
 use std::collections::HashMap;
-use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
+use beadwork_dataset::{FileError, write_whole_at};
 use tch::nn::VarStore;
 use tch::{Kind, TchError, Tensor, no_grad};
 use thiserror::Error;
@@ -37,13 +38,8 @@ pub enum WeightsError {
         name: String,
     },
     /// The file can't be written; what had its name stays.
-    #[error("cannot write '{}': {cause}", path.display())]
-    Unwritten {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        cause: String,
-    },
+    #[error(transparent)]
+    Unwritten(#[from] FileError),
     /// A parameter has another shape.
     #[error("'{name}' in '{}' has the shape {got:?}: the network's is {expected:?}", path.display())]
     Shape {
@@ -76,18 +72,7 @@ pub(crate) fn named(variables: &VarStore) -> Vec<(String, Tensor)> {
 
 /// Writes tensors by their names, as a file that is whole or absent.
 pub(crate) fn save_tensors(named: &[(String, Tensor)], path: &Path) -> Result<(), WeightsError> {
-    let unwritten = |cause: String| WeightsError::Unwritten { path: path.into(), cause };
-    let mut partial = path.to_owned().into_os_string();
-    partial.push(format!(".{}.partial", std::process::id()));
-    let partial = PathBuf::from(partial);
-    let written = Tensor::write_safetensors(named, &partial)
-        .map_err(|error| error.to_string())
-        .and_then(|()| fs::rename(&partial, path).map_err(|error| error.to_string()));
-    if written.is_err() {
-        // What can't be written can perhaps not be removed either; the first reason is the one to tell.
-        let _ = fs::remove_file(&partial);
-    }
-    written.map_err(unwritten)
+    Ok(write_whole_at(path, |partial| Tensor::write_safetensors(named, partial).map_err(io::Error::other))?)
 }
 
 /// Reads all parameters of a network: the file must have just these names and shapes. Numbers of other kinds are converted.

@@ -34,8 +34,8 @@ pub(super) struct LearnArgs {
     #[arg(long, value_name = "N", default_value_t = 64)]
     batch: usize,
     /// Steps measured, after two that are not.
-    #[arg(long, value_name = "N", default_value_t = 8)]
-    steps: usize,
+    #[arg(long, value_name = "N", default_value = "8", value_parser = clap::value_parser!(u64).range(1..))]
+    steps: u64,
     /// Instead: the largest difference between a network and what PyTorch made of its weights and inputs, both in safetensors.
     #[arg(long, value_names = ["WEIGHTS", "IO"], num_args = 2)]
     parity: Option<Vec<PathBuf>>,
@@ -55,12 +55,12 @@ pub(super) fn run(args: &LearnArgs) -> anyhow::Result<()> {
     let dataset = Dataset::open(&args.data)?;
     let training = Training { width: args.width, batch: args.batch, ..Training::default() };
     training.check()?;
-    let (examples, loading) = load(&dataset, &training)?;
-    let loaded = examples.first().context("the dataset has no examples on a canvas of 32 x 32 cells")?;
+    let (loaded, loading) = load(&dataset, &training)?;
+    let loaded = &loaded.context("the dataset has no full batch on a canvas of 32 x 32 cells")?;
     let mut rows = Vec::new();
     for precision in [Precision::Single, Precision::Half] {
         let training = Training { precision, ..training.clone() };
-        let seconds = middle(measure_steps(&training, loaded, args.steps + 2)?.split_off(2));
+        let seconds = middle(measure_steps(&training, loaded, args.steps as usize + 2)?.split_off(2));
         rows.push((precision, loaded.inputs.len() as f64 / seconds));
     }
     let asked = ask(&training, loaded);
@@ -90,17 +90,17 @@ pub(super) fn run(args: &LearnArgs) -> anyhow::Result<()> {
     output::text(&(lines.join("\n") + "\n"))
 }
 
-/// Full batches on a canvas of 32 x 32 cells, and how many examples a second were made, of all canvases by their cells.
-fn load(dataset: &Dataset, training: &Training) -> anyhow::Result<(Vec<Batch>, f64)> {
+/// The first full batch on a canvas of 32 x 32 cells, and how many examples a second were made, of all canvases by their cells.
+fn load(dataset: &Dataset, training: &Training) -> anyhow::Result<(Option<Batch>, f64)> {
     let settings = training.samples();
     let begin = Instant::now();
-    let (mut full, mut cells) = (Vec::new(), 0);
+    let (mut full, mut cells) = (None, 0);
     for batch in Batches::new(dataset, Split::Train, &settings, 0) {
         let batch = batch?;
         let canvas = batch.inputs.canvas();
         cells += canvas.cells() * batch.inputs.len();
         if canvas.cells() == 32 * 32 && batch.inputs.len() == settings.batch {
-            full.push(batch);
+            full.get_or_insert(batch);
         }
         if begin.elapsed().as_secs_f64() > 10.0 {
             break;

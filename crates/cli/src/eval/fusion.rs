@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::ensure;
@@ -11,7 +11,7 @@ use beadwork_grid::{Crossings, Layout, LayoutSpec, Path as Route, Region, Start,
 use beadwork_learn::Device;
 use beadwork_learn::fusion::layer::Layer;
 use beadwork_learn::fusion::loss::Hits;
-use beadwork_learn::fusion::model::Model;
+use beadwork_learn::fusion::model::{Model, Origin};
 use beadwork_learn::fusion::odds::Odds;
 use beadwork_learn::fusion::propose::{AllMoves, Asked, Proposer};
 use beadwork_learn::fusion::samples::{Batches, Split};
@@ -22,6 +22,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::statistics::mean;
+use crate::learned::check_size;
 use crate::{machine, output, paper, progress};
 
 /// How many moves and seconds FusionNet takes to the crossings that the paper's annealer reaches, and what others take.
@@ -41,10 +42,10 @@ pub(super) struct FusionArgs {
     #[arg(long, value_name = "DIR", default_value = "models/fusion-small")]
     model: PathBuf,
     /// Seeds for each layout and size up to 60x60 and 30x100.
-    #[arg(long, value_name = "N", default_value_t = 20)]
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..))]
     seeds: u64,
     /// Seeds for each layout of 80x80 and 100x100.
-    #[arg(long, value_name = "N", default_value_t = 5)]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..))]
     large_seeds: u64,
     /// Sizes, with commas; the paper's six if not given.
     #[arg(long, value_name = "WxH", value_delimiter = ',')]
@@ -64,12 +65,12 @@ pub(super) struct FusionArgs {
     /// Moves without a new best after which some are made at random.
     #[arg(long, value_name = "N", default_value_t = WalkSettings::default().patience)]
     patience: usize,
-    /// A dataset: also tell how often the network meets the moves of instances that it was never trained on.
+    /// The dataset it was trained on: also tell how often it meets the moves of those instances that were kept for the end.
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
-    /// Batches of that dataset.
-    #[arg(long, value_name = "N", default_value_t = 200)]
-    batches: usize,
+    /// Moves of each of their trajectories.
+    #[arg(long, value_name = "N", default_value_t = 20, requires = "data")]
+    per_trajectory: usize,
     /// Where the network computes.
     #[arg(long, value_name = "DEVICE", default_value = "cpu", value_parser = ["cpu", "cuda"])]
     device: String,
@@ -81,7 +82,7 @@ pub(super) struct FusionArgs {
 /// Layouts of the paper's Table 2.
 const LAYOUTS: [Layout; 2] = [Layout::Voronoi, Layout::Islands];
 
-/// Longer sides from which on instances are `--large-seeds` for a layout; 30x100 is not one of them.
+/// Cells from which on instances are `--large-seeds` for a layout.
 const LARGE_CELLS: u32 = 80 * 80;
 
 /// An instance with its target.
@@ -173,7 +174,6 @@ impl Instance {
 }
 
 pub(super) fn run(args: &FusionArgs) -> anyhow::Result<()> {
-    ensure!(args.seeds > 0 && args.large_seeds > 0, "there must be seeds");
     let device = crate::train::fusion::device(&args.device)?;
     let model = Model::open(&args.model, device)?;
     let paper_sizes = || paper::SIZES.iter().map(|size| (size.width, size.height)).collect();
@@ -182,6 +182,17 @@ pub(super) fn run(args: &FusionArgs) -> anyhow::Result<()> {
     } else {
         args.sizes.iter().map(|size| (size.width, size.height)).collect()
     };
+    for &size in &sizes {
+        check_size(&model, size)?;
+    }
+    let data = args.data.as_deref().map(Dataset::open).transpose()?;
+    if let Some(data) = data.as_ref().filter(|data| Origin::of(data) != model.origin) {
+        eprintln!(
+            "beadwork: {} trajectories of dataset {} are not those that the network learned from: it may have seen their instances",
+            data.manifest().records,
+            Origin::of(data).dataset
+        );
+    }
     let settings = WalkSettings { budget: args.budget, patience: args.patience, ..WalkSettings::default() };
     let bar = progress::bar((sizes.len() * LAYOUTS.len()) as u64, "layouts and sizes");
     let mut rows = Vec::new();
@@ -195,7 +206,7 @@ pub(super) fn run(args: &FusionArgs) -> anyhow::Result<()> {
             let fusion = walk_all(&instances, &mut network, &settings);
             // To give up sooner costs it targets, and to go back to its best path gains it none.
             let for_greedy = WalkSettings { patience: 32, returns: false, ..settings };
-            let greedy = walk_all(&instances, &mut AllMoves::new(0), &for_greedy);
+            let greedy = walk_all(&instances, &mut AllMoves { seed: 0 }, &for_greedy);
             for ((instance, fusion), greedy) in instances.iter().zip(fusion).zip(greedy) {
                 let mut methods = instance.methods()?;
                 methods.insert("fusion", fusion);
@@ -214,7 +225,7 @@ pub(super) fn run(args: &FusionArgs) -> anyhow::Result<()> {
         }
     }
     bar.finish_and_clear();
-    let held_out = args.data.as_ref().map(|data| held_out(data, args.batches, &model, device)).transpose()?;
+    let held_out = data.map(|data| held_out(&data, args.per_trajectory, &model, device)).transpose()?;
     if args.json {
         let layouts = held_out.iter().flat_map(|held_out| &held_out.by_layout);
         let layouts = layouts.map(|(name, (hits, odds))| (name.clone(), accuracy_row(hits, odds)));
@@ -237,12 +248,15 @@ pub(super) fn run(args: &FusionArgs) -> anyhow::Result<()> {
 }
 
 /// The network on examples that training never saw.
-fn held_out(data: &Path, batches: usize, model: &Model, device: Device) -> anyhow::Result<Evaluation> {
-    let dataset = Dataset::open(data)?;
-    let settings = model.training.held_out();
-    let examples: Vec<_> =
-        Batches::new(&dataset, Split::Test, &settings, 0).take(batches).collect::<Result<_, _>>()?;
-    ensure!(!examples.is_empty(), "'{}' has no instances that are kept for the end", data.display());
+fn held_out(
+    dataset: &Dataset,
+    per_trajectory: usize,
+    model: &Model,
+    device: Device,
+) -> anyhow::Result<Evaluation> {
+    let settings = model.training.held_out(per_trajectory);
+    let examples: Vec<_> = Batches::new(dataset, Split::Test, &settings, 0).collect::<Result<_, _>>()?;
+    ensure!(!examples.is_empty(), "the dataset has no instances that are kept for the end");
     Ok(evaluate(&model.network, &examples, &model.training, device))
 }
 
@@ -280,8 +294,8 @@ fn accuracy_table(text: &mut String, held_out: &Evaluation) -> std::fmt::Result 
 /// Walks all instances together; the seconds are shared out among them by their moves.
 fn walk_all(instances: &[Instance], proposer: &mut dyn Proposer, settings: &WalkSettings<'_>) -> Vec<Taken> {
     let mut tasks = Vec::with_capacity(instances.len());
-    for Instance { layer, start, target, .. } in instances {
-        tasks.push(Task { layer, start, target: *target });
+    for Instance { layer, start, target, seed, .. } in instances {
+        tasks.push(Task { layer, start, target: *target, seed: *seed });
     }
     let begin = Instant::now();
     let walked = walk(&tasks, proposer, settings);
@@ -322,14 +336,18 @@ fn tables(rows: &[Row]) -> Result<String, std::fmt::Error> {
             let missed = if reached < count { format!(" ({reached})") } else { String::new() };
             format!("{:.0}{missed}", moves(method))
         };
+        // Where the annealer found nothing, nobody needs a move.
+        let share = match moves("annealer") {
+            0.0 => "-".into(),
+            all => format!("{:.0} %", 100.0 * moves("fusion") / all),
+        };
         writeln!(
             text,
-            "| {layout} | {width}x{height} | {count} | {:.1} | {:.1} | {} | {} | {:.0} % | {} | {} | {} | {:.1} |",
+            "| {layout} | {width}x{height} | {count} | {:.1} | {:.1} | {} | {} | {share} | {} | {} | {} | {:.1} |",
             mean(of().map(|row| f64::from(row.initial))),
             mean(of().map(|row| f64::from(row.target))),
             told("annealer"),
             told("fusion"),
-            100.0 * moves("fusion") / moves("annealer"),
             told("greedy"),
             told("chains"),
             told("fast"),

@@ -1,10 +1,11 @@
 //! `train fusion`: the network that proposes moves of a layer's path.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, ensure};
 use beadwork_dataset::Dataset;
 use beadwork_learn::fusion::model::Model;
 use beadwork_learn::fusion::train::{End, Event, Run, Training, last_checkpoint, train};
@@ -51,11 +52,18 @@ pub(crate) struct Args {
     json: bool,
 }
 
+/// Built-in configurations: seconds; the committed weights, an hour; f = 48, days.
+const PRESETS: [(&str, &str); 3] = [
+    ("smoke", include_str!("../../../../configs/train/fusion-smoke.toml")),
+    ("small", include_str!("../../../../configs/train/fusion-small.toml")),
+    ("paper", include_str!("../../../../configs/train/fusion-paper.toml")),
+];
+
 #[derive(clap::Args)]
 #[group(required = true, multiple = false)]
 struct Source {
     /// A built-in configuration: smoke (seconds), small (the committed weights, an hour), paper (f = 48).
-    #[arg(long, value_name = "NAME", value_parser = ["smoke", "small", "paper"])]
+    #[arg(long, value_name = "NAME", value_parser = PRESETS.map(|(name, _)| name))]
     preset: Option<String>,
     /// A configuration file; see configs/train.
     #[arg(long, value_name = "FILE")]
@@ -64,28 +72,33 @@ struct Source {
 
 impl Source {
     fn read(&self) -> anyhow::Result<Training> {
-        let preset = self.preset.as_deref();
-        let (name, text) = match (preset, &self.config) {
-            (Some("smoke"), _) => {
-                ("smoke".into(), include_str!("../../../../configs/train/fusion-smoke.toml").into())
-            }
-            (Some("small"), _) => {
-                ("small".into(), include_str!("../../../../configs/train/fusion-small.toml").into())
-            }
-            (Some(_), _) => {
-                ("paper".into(), include_str!("../../../../configs/train/fusion-paper.toml").into())
-            }
-            (None, Some(path)) => {
-                let text =
-                    fs::read_to_string(path).with_context(|| format!("cannot read '{}'", path.display()))?;
-                (path.display().to_string(), text)
-            }
-            (None, None) => bail!("neither a preset nor a configuration is given"),
-        };
-        let name: String = name;
-        let text: String = text;
-        toml::from_str(&text).with_context(|| format!("'{name}' is no configuration of a training"))
+        if let Some(preset) = &self.preset {
+            let (_, text) =
+                PRESETS.iter().find(|(name, _)| name == preset).expect("clap has checked the name");
+            return Ok(toml::from_str(text).expect("the configurations are tested"));
+        }
+        let path = self.config.as_ref().expect("clap asks for one of the two");
+        let text = fs::read_to_string(path).with_context(|| format!("cannot read '{}'", path.display()))?;
+        toml::from_str(&text)
+            .with_context(|| format!("'{}' is no configuration of a training", path.display()))
     }
+}
+
+/// Refuses a folder in which something would be overwritten.
+fn check_folder(out: &Path, resume: bool) -> anyhow::Result<()> {
+    let checkpoint = last_checkpoint(out);
+    if checkpoint.exists() {
+        ensure!(resume, "'{}' holds a run: go on with --resume, or choose another folder", out.display());
+        return Ok(());
+    }
+    for file in [Model::config_file(out), Model::weights_file(out)] {
+        ensure!(
+            !file.exists(),
+            "'{}' would be overwritten, and there is no checkpoint to go on from: choose another folder",
+            file.display()
+        );
+    }
+    Ok(())
 }
 
 /// The device of this name.
@@ -106,27 +119,25 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     training.seed = args.seed.unwrap_or(training.seed);
     let device = device(&args.device)?;
     let dataset = Dataset::open(&args.data)?;
-    let began = last_checkpoint(&args.out).exists();
-    ensure!(
-        args.resume || !began,
-        "'{}' holds a run: go on with --resume, or choose another folder",
-        args.out.display()
-    );
+    check_folder(&args.out, args.resume)?;
     fs::create_dir_all(&args.out).with_context(|| format!("cannot make '{}'", args.out.display()))?;
 
     let begin = Instant::now();
     let mut log = Log::open(&args.out, args.resume)?;
     let bar = progress::bar(training.steps, "steps");
+    let cancel = cancel::token()?;
     let mut failed = None;
-    let mut examples = 0;
+    let (mut steps, mut examples) = (0, 0);
     let mut last_evaluation = None;
     let mut observer = |event: &Event| {
         match event {
-            Event::Resumed { steps } => {
-                bar.set_position(*steps);
+            Event::Began { steps: made } => {
+                steps = *made;
+                bar.set_position(*made);
                 bar.reset_eta();
             }
             Event::Step { step, examples: of_batch, loss, .. } => {
+                steps = *step;
                 examples += *of_batch as u64;
                 let rate = examples as f64 / begin.elapsed().as_secs_f64();
                 bar.set_prefix(format!("loss {loss:.3}, {rate:.0} examples/s, steps"));
@@ -145,31 +156,34 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
                         if *best { ", the best so far" } else { "" },
                     );
                 });
-                last_evaluation = Some((*step, evaluation.clone()));
+                last_evaluation = Some(evaluation.clone());
             }
         }
         if let Err(error) = log.write(event) {
             failed.get_or_insert(error);
+            // Hours of work that nobody can follow are not what was asked for.
+            cancel.store(true, Ordering::Relaxed);
         }
     };
-    let run = Run { device, out: &args.out, cancel: cancel::token()?, observer: &mut observer };
-    let end = train(&dataset, &training, run)?;
+    let run = Run { device, out: &args.out, cancel, observer: &mut observer };
+    let end = train(&dataset, &training, run);
     bar.finish_and_clear();
     if let Some(error) = failed {
         return Err(error.context(format!("cannot log to '{}'", args.out.display())));
     }
+    let end = end?;
     let seconds = begin.elapsed().as_secs_f64();
-    let weights = Model::weights_file(&args.out);
+    let weights = Some(Model::weights_file(&args.out)).filter(|file| file.exists());
     if args.json {
-        let (step, evaluation) = last_evaluation.map_or((None, None), |(step, evaluation)| {
+        let evaluation = last_evaluation.map(|evaluation| {
             let all = evaluation.all;
             let hits = json!({ "examples": all.count, "top_1": all.top_1, "top_5": all.top_5, "action": all.action });
-            (Some(step), Some(json!({ "loss": evaluation.loss, "hits": hits })))
+            json!({ "loss": evaluation.loss, "hits": hits })
         });
         return output::json(&json!({
             "network": "fusion",
             "end": format!("{end:?}").to_lowercase(),
-            "steps": step,
+            "steps": steps,
             "evaluation": evaluation,
             "examples": examples,
             "seconds": seconds,
@@ -182,8 +196,6 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         End::Early => "it stopped getting better",
         End::Cancelled => "stopped; go on with --resume",
     };
-    output::text(&format!(
-        "{how}; {examples} examples in {seconds:.0} s; best weights: {}\n",
-        weights.display()
-    ))
+    let best = weights.map_or("none yet".into(), |file| file.display().to_string());
+    output::text(&format!("{how}; {examples} examples in {seconds:.0} s; best weights: {best}\n"))
 }

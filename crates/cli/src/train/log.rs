@@ -37,7 +37,7 @@ impl Log {
 
     pub(super) fn write(&mut self, event: &Event) -> anyhow::Result<()> {
         match event {
-            Event::Resumed { steps } => self.forget_after(*steps)?,
+            Event::Began { steps } => self.forget_after(*steps)?,
             Event::Step { step, examples, loss, rate, gradient } => {
                 writeln!(self.steps, "{step},{examples},{loss},{rate},{gradient}")?;
                 self.steps.flush()?;

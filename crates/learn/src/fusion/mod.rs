@@ -33,14 +33,17 @@ pub const CHANNELS: i64 = 9;
 /// Variants of a move.
 pub const ACTIONS: i64 = 12;
 
+/// Places along each axis that the presets know: the longest side of a layer, in cells.
+pub const PLACES: u32 = 128;
+
 /// The kind of parameters, inputs and outputs.
 const KIND: Kind = Kind::Float;
 
 /// Sizes of the network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Config {
-    /// Channels of the first and last level, f: at least 2, and a multiple of 16 from 16 on, for norms take groups of an
-    /// eighth of f and of half of it. The deepest levels have four times as many.
+    /// Channels of the first and last level, f: 2, 4, 8 or a multiple of 16, for norms share out f channels and half of them
+    /// among up to eight groups. The deepest levels have four times as many.
     pub width: i64,
     /// Units of each of the two recurrent layers.
     pub hidden: i64,
@@ -48,7 +51,8 @@ pub struct Config {
     pub history: i64,
     /// Places along y and x that moves in the history may have.
     pub places: i64,
-    /// Rows and columns of the layer's image: a multiple of 16.
+    /// Rows and columns of the largest image that it is meant for: a multiple of 16. Parameters do not depend on it, and images of
+    /// any other multiples of 16 are taken too.
     pub canvas: i64,
     /// What is left out, to see what it is worth. Its parameters stay, and are not used.
     pub without: Without,
@@ -70,7 +74,14 @@ pub enum Without {
 impl Config {
     /// As the paper has it: f = 48, K = 32, 192 hidden units, on up to 128 x 128 cells.
     pub const fn paper() -> Self {
-        Self { width: 48, hidden: 192, history: 32, places: 128, canvas: 128, without: Without::Nothing }
+        Self {
+            width: 48,
+            hidden: 192,
+            history: 32,
+            places: PLACES as i64,
+            canvas: 128,
+            without: Without::Nothing,
+        }
     }
 
     /// Narrower, f = 32, on the smallest canvas that holds a grid of so many cells along its longer side.
@@ -79,7 +90,7 @@ impl Config {
             width: 32,
             hidden: 192,
             history: 32,
-            places: 128,
+            places: PLACES as i64,
             canvas: (grid + 15) / 16 * 16,
             without: Without::Nothing,
         }

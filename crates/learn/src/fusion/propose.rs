@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use beadwork_grid::{Placed, Symmetry};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use tch::{Device, Tensor, no_grad};
+use tch::{Device, Tensor};
 
 use super::layer::{Canvas, Inputs, State};
-use super::{FusionNet, Precision};
+use super::{FusionNet, Precision, ask};
 
 /// A move that applies, and what is thought of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,24 +30,23 @@ pub trait Proposer {
     fn propose(&mut self, states: &[State<'_>]) -> Vec<Vec<Proposal>>;
 }
 
-/// All moves that apply, in random order: what a planner has without a network.
+/// All moves that apply, in random order: what a planner has without a network. The order depends on the seed and on how many
+/// moves were made before.
 #[derive(Debug)]
-pub struct AllMoves(ChaCha8Rng);
-
-impl AllMoves {
-    /// With the order's seed.
-    pub fn new(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
-    }
+pub struct AllMoves {
+    /// Seed of the order.
+    pub seed: u64,
 }
 
 impl Proposer for AllMoves {
     fn propose(&mut self, states: &[State<'_>]) -> Vec<Vec<Proposal>> {
         let all = |state: &State<'_>| {
+            let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+            rng.set_stream(state.made.len() as u64);
             let mut proposals = Vec::new();
             state.links.for_each_variant(|placed| {
                 let change = state.layer.change(placed);
-                proposals.push(Proposal { placed, change, score: self.0.random() });
+                proposals.push(Proposal { placed, change, score: rng.random() });
             });
             sort(&mut proposals);
             proposals
@@ -78,7 +77,7 @@ impl<'a> Asked<'a> {
     }
 
     /// Proposes for states on one canvas.
-    fn ask(&self, states: &[&State<'_>], canvas: Canvas) -> Vec<Vec<Proposal>> {
+    fn ask_together(&self, states: &[&State<'_>], canvas: Canvas) -> Vec<Vec<Proposal>> {
         let places = self.network.config().places as u32;
         assert!(
             states.iter().all(|state| state.layer.size().0.max(state.layer.size().1) <= places),
@@ -87,10 +86,8 @@ impl<'a> Asked<'a> {
         let mut inputs = Inputs::new(canvas, self.network.config().history as usize);
         states.iter().for_each(|state| inputs.push(state, Symmetry::ALL[0]));
         let (image, history) = inputs.tensors(self.device);
-        let (position, action) = no_grad(|| {
-            let proposals = self.network.forward(&image, &history, self.precision, false);
-            (numbers(&proposals.position), numbers(&proposals.action))
-        });
+        let proposals = ask(self.network, &image, &history, self.precision);
+        let (position, action) = (numbers(&proposals.position), numbers(&proposals.action));
         let cells = canvas.cells();
         let of_state = |(at, state): (usize, &&State<'_>)| {
             let scores = &position[at * cells..][..cells];
@@ -138,7 +135,7 @@ impl Proposer for Asked<'_> {
         for (canvas, members) in by_canvas {
             for together in members.chunks((self.cells / canvas.cells()).max(1)) {
                 let asked: Vec<_> = together.iter().map(|&at| &states[at]).collect();
-                for (&at, proposed) in together.iter().zip(self.ask(&asked, canvas)) {
+                for (&at, proposed) in together.iter().zip(self.ask_together(&asked, canvas)) {
                     proposals[at] = proposed;
                 }
             }

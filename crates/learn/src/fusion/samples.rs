@@ -14,6 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use tch::{Device, Tensor};
 use thiserror::Error;
 
+use super::PLACES;
 use super::episode::{Episode, depth_quarter};
 use super::layer::{Canvas, Inputs, State};
 use super::odds::Odds;
@@ -64,7 +65,7 @@ pub struct SampleSettings {
     /// Examples in a batch on a canvas of 32 x 32 cells; on larger ones fewer in proportion, but at least 8.
     pub batch: usize,
     /// Examples drawn from a trajectory on a canvas of 32 x 32 cells; fewer in proportion on larger ones, whose examples cost
-    /// more.
+    /// more, unless they are held out.
     pub per_trajectory: usize,
     /// Share of the examples, 0..=1, that are drawn from all depths alike, from the layer's sides inwards; the others as they come.
     pub balance: f64,
@@ -74,10 +75,9 @@ pub struct SampleSettings {
     pub history: usize,
     /// What the true position is ranked above.
     pub rivals: Rivals,
-    /// Whether examples are seen after a random symmetry.
-    pub augment: bool,
-    /// Whether it is told how often their moves would be met without a network, which costs as much as the rest.
-    pub odds: bool,
+    /// Whether they are to evaluate with: seen as they were recorded, equally many of trajectories of all sizes, with how often
+    /// their moves would be met without a network, which costs as much as the rest.
+    pub held_out: bool,
 }
 
 /// Cells of the canvas that counts are given for.
@@ -89,6 +89,9 @@ impl SampleSettings {
     }
 
     fn per_trajectory(&self, canvas: Canvas) -> usize {
+        if self.held_out {
+            return self.per_trajectory;
+        }
         (self.per_trajectory * UNIT / canvas.cells()).clamp(1, self.per_trajectory)
     }
 }
@@ -107,6 +110,20 @@ pub enum SampleError {
         index: u64,
         /// What is wrong with it.
         cause: ReplayError,
+    },
+    /// A layer is larger than the network knows places.
+    #[error(
+        "trajectory {index} is of {width} x {height} cells: the network knows {most} places along each axis"
+    )]
+    TooLarge {
+        /// Its number.
+        index: u64,
+        /// Columns.
+        width: u16,
+        /// Rows.
+        height: u16,
+        /// Most columns or rows.
+        most: u32,
     },
 }
 
@@ -186,7 +203,7 @@ impl Batch {
         self.position.push(position as i64);
         self.action.push(i64::from(placed.variant.class()));
         self.layouts.push(example.layout.to_string());
-        self.odds.push(if settings.odds { Odds::of(&state, made.placed) } else { Odds::default() });
+        self.odds.push(if settings.held_out { Odds::of(&state, made.placed) } else { Odds::default() });
     }
 
     /// Its targets as tensors.
@@ -281,7 +298,11 @@ impl<'a> Batches<'a> {
         if Split::of(trajectory, self.strata) != self.split {
             return Ok(());
         }
-        let replay = |cause| SampleError::Replay { index: trajectory.index, cause };
+        let Trajectory { index, width, height, .. } = *trajectory;
+        if u32::from(width.max(height)) > PLACES {
+            return Err(SampleError::TooLarge { index, width, height, most: PLACES });
+        }
+        let replay = |cause| SampleError::Replay { index, cause };
         let Some(episode) = Episode::new(trajectory).map_err(replay)? else { return Ok(()) };
         if episode.needed.is_empty() {
             return Ok(());
@@ -301,7 +322,7 @@ impl<'a> Batches<'a> {
                 &episode.needed
             };
             let move_index = from[self.rng.random_range(0..from.len())];
-            let symmetry = if self.settings.augment { self.rng.random_range(0..8) } else { 0 };
+            let symmetry = if self.settings.held_out { 0 } else { self.rng.random_range(0..8) };
             let symmetry = Symmetry::ALL[symmetry];
             let canvas = Canvas::holding(symmetry.size(size));
             let example =

@@ -5,6 +5,7 @@
 //! same losses from its last checkpoint.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,10 +20,10 @@ use tch::{Device, no_grad};
 use thiserror::Error;
 
 use super::loss::{Hits, LossSettings, loss};
-use super::model::Model;
+use super::model::{Model, Origin};
 use super::odds::Odds;
 use super::samples::{Batch, Batches, Rivals, SampleError, SampleSettings, Split};
-use super::{Config, FusionNet, Precision, Without};
+use super::{Config, FusionNet, PLACES, Precision, Without, ask};
 use crate::adamw::{AdamW, AdamWSettings};
 use crate::checkpoint::{Checkpoint, CheckpointError, Progress};
 use crate::weights::{self, WeightsError};
@@ -69,9 +70,9 @@ pub struct Training {
     pub clip: f64,
     /// Steps between two evaluations, after each of which a checkpoint is written.
     pub evaluate_every: u64,
-    /// Batches of an evaluation.
-    pub valid_batches: usize,
-    /// Evaluations without a better one after which the run stops early.
+    /// Examples from each of the trajectories that steer it, of all layouts and sizes, in an evaluation.
+    pub valid_per_trajectory: usize,
+    /// Evaluations without a better one after which the run stops early, at least 1.
     pub patience: u64,
     /// Threads of libtorch; 0 for one a core.
     pub threads: usize,
@@ -99,7 +100,7 @@ impl Default for Training {
             weight_decay: 1e-2,
             clip: 1.0,
             evaluate_every: 500,
-            valid_batches: 24,
+            valid_per_trajectory: 2,
             patience: 40,
             threads: 0,
         }
@@ -150,9 +151,9 @@ pub enum TrainError {
 /// What a run tells its observer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
-    /// It goes on after so many steps, from a checkpoint.
-    Resumed {
-        /// Steps made.
+    /// It begins, or goes on from a checkpoint after so many steps: whatever was told of later ones will be told anew.
+    Began {
+        /// Steps made, 0 where there is no checkpoint.
         steps: u64,
     },
     /// A step was made.
@@ -226,13 +227,13 @@ impl Training {
             hidden: self.hidden,
             history: self.history,
             without: self.without,
-            ..Config::small(32)
+            ..Config::small(PLACES.into())
         }
     }
 
-    /// How batches are drawn to evaluate it: seen as they were recorded.
-    pub fn held_out(&self) -> SampleSettings {
-        SampleSettings { augment: false, odds: true, ..self.samples() }
+    /// How so many examples of each trajectory are drawn to evaluate it: seen as they were recorded.
+    pub fn held_out(&self, per_trajectory: usize) -> SampleSettings {
+        SampleSettings { held_out: true, per_trajectory, ..self.samples() }
     }
 
     /// How its batches are drawn.
@@ -245,32 +246,53 @@ impl Training {
             pool: self.pool,
             history: self.history as usize,
             rivals: self.rivals,
-            augment: true,
-            odds: false,
+            held_out: false,
         }
     }
 
     /// Whether all fields are in their ranges.
     pub fn check(&self) -> Result<(), TrainError> {
-        let must = |holds: bool, field, value: String, must| {
-            if holds { Ok(()) } else { Err(TrainError::Config { field, value, must }) }
+        let must = |holds: bool, field, value: &dyn Display, must| {
+            if holds { Ok(()) } else { Err(TrainError::Config { field, value: value.to_string(), must }) }
         };
         let width = self.width;
-        must(
-            width >= 2 && (width < 16 && 64 % width == 0 || width % 16 == 0),
-            "width",
-            width.to_string(),
-            "2, 4, 8 or a multiple of 16",
-        )?;
-        must(self.hidden > 0, "hidden", self.hidden.to_string(), "positive")?;
-        must(self.history > 0, "history", self.history.to_string(), "positive")?;
-        must(self.batch > 0, "batch", self.batch.to_string(), "positive")?;
-        must(self.per_trajectory > 0, "per_trajectory", self.per_trajectory.to_string(), "positive")?;
-        must(self.rate > 0.0, "rate", self.rate.to_string(), "positive")?;
-        must(self.clip > 0.0, "clip", self.clip.to_string(), "positive")?;
-        must(self.loss.hardest > 0, "loss.hardest", self.loss.hardest.to_string(), "positive")?;
-        must((0.0..=1.0).contains(&self.balance), "balance", self.balance.to_string(), "between 0 and 1")?;
-        must(self.evaluate_every > 0, "evaluate_every", self.evaluate_every.to_string(), "positive")
+        let suits = matches!(width, 2 | 4 | 8) || width > 0 && width % 16 == 0;
+        must(suits, "width", &width, "2, 4, 8 or a multiple of 16")?;
+        let whole: [(&str, i64); 9] = [
+            ("hidden", self.hidden),
+            ("history", self.history),
+            ("steps", self.steps as i64),
+            ("batch", self.batch as i64),
+            ("per_trajectory", self.per_trajectory as i64),
+            ("evaluate_every", self.evaluate_every as i64),
+            ("valid_per_trajectory", self.valid_per_trajectory as i64),
+            ("patience", self.patience as i64),
+            ("loss.hardest", self.loss.hardest),
+        ];
+        for (field, value) in whole {
+            must(value > 0, field, &value, "positive")?;
+        }
+        for (field, value) in [("rate", self.rate), ("clip", self.clip)] {
+            must(value > 0.0 && value.is_finite(), field, &value, "positive")?;
+        }
+        let weights = [
+            ("weight_decay", self.weight_decay),
+            ("loss.margin", self.loss.margin),
+            ("loss.neighbours", self.loss.neighbours),
+        ];
+        for (field, value) in weights {
+            must(value >= 0.0 && value.is_finite(), field, &value, "0 or more")?;
+        }
+        let shares = [
+            ("balance", self.balance),
+            ("final_rate", self.final_rate),
+            ("loss.smoothing", self.loss.smoothing),
+            ("loss.neighbour_smoothing", self.loss.neighbour_smoothing),
+        ];
+        for (field, value) in shares {
+            must((0.0..=1.0).contains(&value), field, &value, "between 0 and 1")?;
+        }
+        Ok(())
     }
 
     /// Warm-up, then a cosine; `step` from 1.
@@ -284,6 +306,10 @@ impl Training {
     }
 }
 
+fn in_toml(table: &impl Serialize) -> String {
+    toml::to_string(table).expect("plain data")
+}
+
 /// Trains a network, or goes on with the training whose checkpoint lies in the folder.
 ///
 /// libtorch's generator of random numbers, which drops features, belongs to the whole process: whoever draws from it meanwhile makes
@@ -293,6 +319,7 @@ impl Training {
 /// 1 GB, beside a few batches of examples.
 pub fn train(dataset: &Dataset, training: &Training, run: Run<'_>) -> Result<End, TrainError> {
     training.check()?;
+    let origin = Origin::of(dataset);
     let Run { device, out, cancel, observer } = run;
     if training.threads > 0 {
         tch::set_num_threads(training.threads as i32);
@@ -303,19 +330,26 @@ pub fn train(dataset: &Dataset, training: &Training, run: Run<'_>) -> Result<End
     let parameters = weights::named(&variables).into_iter().map(|(_, parameter)| parameter).collect();
     let decay = AdamWSettings { weight_decay: training.weight_decay, ..AdamWSettings::default() };
     let mut optimiser = AdamW::new(parameters, decay);
-    let echo = toml::to_string(training).expect("a configuration is plain data");
+    let (config, origin) = (in_toml(training), in_toml(&origin));
 
-    let checkpoint = Checkpoint::new(&last_checkpoint(out), &echo);
-    let mut progress = checkpoint.load(&variables, &mut optimiser)?.unwrap_or_default();
-    write_whole(&Model::config_file(out), |file| file.write_all(echo.as_bytes()))
-        .map_err(TrainError::File)?;
-    if progress.steps > 0 {
-        observer(&Event::Resumed { steps: progress.steps });
+    let checkpoint = Checkpoint::new(&last_checkpoint(out), &format!("{config}{origin}"));
+    let begun = checkpoint.load(&variables, &mut optimiser)?;
+    let mut progress = begun.unwrap_or_default();
+    if begun.is_none() {
+        // Before all else, so that whatever a kill leaves in the folder can be gone on with.
+        checkpoint.save(&variables, &optimiser, progress)?;
+    }
+    for (file, text) in [(Model::config_file(out), &config), (Model::origin_file(out), &origin)] {
+        write_whole(&file, |file| file.write_all(text.as_bytes())).map_err(TrainError::File)?;
+    }
+    observer(&Event::Began { steps: progress.steps });
+    if progress.waited >= training.patience {
+        return Ok(End::Early);
     }
 
     let settings = training.samples();
-    let valid = Batches::new(dataset, Split::Valid, &settings, 0);
-    let valid: Vec<Batch> = valid.take(training.valid_batches).collect::<Result<_, _>>()?;
+    let held_out = training.held_out(training.valid_per_trajectory);
+    let valid: Vec<Batch> = Batches::new(dataset, Split::Valid, &held_out, 0).collect::<Result<_, _>>()?;
     if valid.is_empty() {
         return Err(TrainError::Empty("to evaluate with: each layout and size needs ten random instances"));
     }
@@ -428,12 +462,9 @@ fn feed(
     for epoch in first.. {
         let mut batches = Batches::new(dataset, Split::Train, settings, epoch);
         let mut taken = if epoch == first { skip } else { 0 };
-        match batches.skip_batches(taken) {
-            Ok(_) => {}
-            Err(error) => {
-                send(Err(error.into()));
-                return;
-            }
+        if let Err(error) = batches.skip_batches(taken) {
+            send(Err(error.into()));
+            return;
         }
         let before = taken;
         for batch in batches {
@@ -456,7 +487,7 @@ pub fn evaluate(network: &FusionNet, batches: &[Batch], training: &Training, dev
     for batch in batches {
         let (state, history) = batch.inputs.tensors(device);
         let targets = batch.targets(device);
-        let proposals = no_grad(|| network.forward(&state, &history, training.precision, false));
+        let proposals = ask(network, &state, &history, training.precision);
         evaluation.loss += no_grad(|| loss(&proposals, &targets, &training.loss)).double_value(&[]);
         let hits = Hits::each(&proposals, &targets).into_iter();
         for (hits, (layout, &odds)) in hits.zip(batch.layouts.iter().zip(&batch.odds)) {

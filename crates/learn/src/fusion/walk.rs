@@ -3,15 +3,17 @@
 //! Of the proposed moves the one that lowers the crossings most is made, of equal ones the one that scores most, and none that
 //! leads back to a state seen before. Where no new best comes for long, or nothing is left to do, the walk goes back to its best
 //! path, unless it has come to another that is as good, and from there some moves are made as an annealer makes them, the more
-//! the longer it has been in vain. All moves ever
-//! made are counted. Many layers are walked together, so that the network sees them in batches.
+//! the longer it has been in vain. All moves ever made are counted. Many layers are walked together, so that the network sees
+//! them in batches.
 
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use beadwork_grid::{Links, Path, Placed};
 use beadwork_search::{Move, Stop};
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
+use rand::distr::Distribution;
+use rand::distr::weighted::WeightedIndex;
 use rand_chacha::ChaCha8Rng;
 
 use super::layer::{Layer, Made, State};
@@ -20,20 +22,18 @@ use super::propose::{Proposal, Proposer};
 /// How to walk.
 #[derive(Clone, Copy)]
 pub struct WalkSettings<'a> {
-    /// Most moves, perturbations included.
+    /// Most moves, perturbations included; 0 for none.
     pub budget: usize,
-    /// Moves without a new best after which some are made at random.
+    /// Moves without a new best after which some are made at random; with 0 no others are.
     pub patience: usize,
     /// Whether these are made from the best path so far, the last of equal ones, rather than from where the walk is.
     pub returns: bool,
-    /// Number of those.
+    /// Number of those; 0 is taken as 1.
     pub perturbation: usize,
-    /// As many times that number are made at most, after as many perturbations in vain.
+    /// As many times that number are made at most, after as many perturbations in vain; 0 is taken as 1.
     pub escalation: usize,
-    /// The temperature at which they are accepted, in crossings.
+    /// The temperature at which they are accepted, in crossings: positive.
     pub temperature: f64,
-    /// Seed of them.
-    pub seed: u64,
     /// Ends all walks soon after it turns true.
     pub cancel: Option<&'a AtomicBool>,
     /// Told before each question, and at the end, how far the walks have come.
@@ -58,7 +58,6 @@ impl Default for WalkSettings<'_> {
             perturbation: 4,
             escalation: 8,
             temperature: 1.0,
-            seed: 0,
             cancel: None,
             observer: None,
         }
@@ -74,6 +73,8 @@ pub struct Task<'a> {
     pub start: &'a Path,
     /// Crossings that are enough.
     pub target: u32,
+    /// Seed of the moves made at random.
+    pub seed: u64,
 }
 
 /// What a walk came to.
@@ -123,9 +124,12 @@ struct Walk<'a> {
 /// proposer makes of them.
 ///
 /// Costs a question for each move of the longest walk, with all layers that are still walked.
+///
+/// # Panics
+/// If the temperature is not positive.
 pub fn walk(tasks: &[Task<'_>], proposer: &mut dyn Proposer, settings: &WalkSettings<'_>) -> Vec<Walked> {
-    let mut walks: Vec<_> =
-        (0..).zip(tasks).map(|(number, task)| Walk::new(task, settings.seed, number)).collect();
+    assert!(settings.temperature > 0.0, "a temperature of {} is not positive", settings.temperature);
+    let mut walks: Vec<_> = tasks.iter().map(Walk::new).collect();
     loop {
         if let Some(observer) = settings.observer {
             observer(Progress {
@@ -148,10 +152,8 @@ pub fn walk(tasks: &[Task<'_>], proposer: &mut dyn Proposer, settings: &WalkSett
 }
 
 impl<'a> Walk<'a> {
-    fn new(task: &'a Task<'a>, seed: u64, number: u64) -> Self {
+    fn new(task: &'a Task<'a>) -> Self {
         let initial = task.layer.crossings().count(task.start);
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        rng.set_stream(number);
         Self {
             task,
             links: Links::new(task.start),
@@ -166,7 +168,7 @@ impl<'a> Walk<'a> {
             failures: 0,
             seen: HashSet::from([0]),
             key: 0,
-            rng,
+            rng: ChaCha8Rng::seed_from_u64(task.seed),
             stuck: false,
         }
     }
@@ -213,20 +215,9 @@ impl<'a> Walk<'a> {
         self.failures += 1;
         let count = settings.perturbation.max(1) * self.failures.min(settings.escalation.max(1));
         for _ in 0..count {
-            let mut all = Vec::new();
-            self.links.for_each_variant(|placed| all.push(placed));
-            if all.is_empty() {
+            let Some((placed, change)) = self.draw(settings.temperature) else {
                 self.stuck = true;
                 return;
-            }
-            // The temperature is positive, so that something is accepted in the end.
-            let (placed, change) = loop {
-                let placed = all[self.rng.random_range(0..all.len())];
-                let change = self.task.layer.change(placed);
-                let chance = (-f64::from(change) / settings.temperature).exp();
-                if change <= 0 || self.rng.random::<f64>() < chance {
-                    break (placed, change);
-                }
             };
             self.make(placed, change);
             self.perturbed += 1;
@@ -235,6 +226,18 @@ impl<'a> Walk<'a> {
             }
         }
         self.since = self.made;
+    }
+
+    /// A move that applies: drawn as if any were tried until one is accepted, whatever it adds to the crossings with a chance of
+    /// e to the power of that, negative, by the temperature.
+    fn draw(&mut self, temperature: f64) -> Option<(Placed, i32)> {
+        let mut all = Vec::new();
+        self.links.for_each_variant(|placed| all.push((placed, self.task.layer.change(placed))));
+        // The least that any adds is taken from all, which changes no ratio, so that not all chances are too small to tell.
+        let least = all.iter().map(|&(_, change)| change.max(0)).min()?;
+        let chances = all.iter().map(|&(_, change)| (f64::from(least - change.max(0)) / temperature).exp());
+        let chances = WeightedIndex::new(chances).expect("one of them at least is 1");
+        Some(all[chances.sample(&mut self.rng)])
     }
 
     /// Takes up the best path again, which is no move: it was never given away.
@@ -292,4 +295,51 @@ impl<'a> Walk<'a> {
 /// A number by which states are told apart: exclusive or of those of all unit cells switched an odd number of times.
 fn key(placed: Placed, width: u32) -> u64 {
     placed.switches(width).iter().fold(0, |key, switch| key ^ switch.mixed())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
+
+    use std::collections::BTreeMap;
+
+    use beadwork_grid::{Layout, LayoutSpec, Region, Start};
+    use rand::RngExt;
+
+    use super::*;
+
+    /// An annealer tries any move, and makes it by a chance that falls with the crossings it adds.
+    #[test]
+    fn random_moves_are_drawn_as_an_annealer_accepts_them() {
+        let region = Region::rectangle(12, 11).unwrap();
+        let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, 4).unwrap();
+        let layer = Layer::new(&region, &zones);
+        let start = Start::RowZigzag.path(&region).unwrap();
+        let task = Task { layer: &layer, start: &start, target: 0, seed: 3 };
+        let mut walk = Walk::new(&task);
+        (0..10)
+            .for_each(|_| walk.draw(5.0).into_iter().for_each(|(placed, change)| walk.make(placed, change)));
+        let mut all = Vec::new();
+        walk.links.for_each_variant(|placed| all.push((placed, layer.change(placed))));
+        for temperature in [0.4, 2.0] {
+            const DRAWS: usize = 20_000;
+            let (mut drawn, mut accepted) = (BTreeMap::new(), BTreeMap::new());
+            for _ in 0..DRAWS {
+                *drawn.entry(walk.draw(temperature).unwrap().1).or_insert(0_usize) += 1;
+                let change = loop {
+                    let (_, change) = all[(walk.rng.random::<f64>() * all.len() as f64) as usize];
+                    if walk.rng.random::<f64>() < (-f64::from(change) / temperature).exp() {
+                        break change;
+                    }
+                };
+                *accepted.entry(change).or_insert(0_usize) += 1;
+            }
+            assert!(drawn.len() > 2, "{drawn:?}");
+            for change in drawn.keys().chain(accepted.keys()) {
+                let [ours, theirs] =
+                    [&drawn, &accepted].map(|of| of.get(change).copied().unwrap_or(0) as f64);
+                assert!((ours - theirs).abs() < 5.0 * (ours + theirs).sqrt(), "{change}: {ours} {theirs}");
+            }
+        }
+    }
 }
