@@ -225,7 +225,7 @@ fn fetch(wheels: &Path, target: Target, python: &OsStr) -> Result<()> {
 }
 
 /// The wheels of a folder that are wanted: others may have been left there by a fetch of another version.
-fn whole(wheels: &Path, target: Target) -> Result<Vec<PathBuf>> {
+fn wheels_of_target(wheels: &Path, target: Target) -> Result<Vec<PathBuf>> {
     let wanted: Vec<_> =
         target.wheels().map(|(name, version, _)| format!("{}-{version}-", name.replace('-', "_"))).collect();
     let mut files = Vec::new();
@@ -241,7 +241,7 @@ fn whole(wheels: &Path, target: Target) -> Result<Vec<PathBuf>> {
 }
 
 fn unpack(wheels: &Path, part: &Path, target: Target, python: &OsStr) -> Result<()> {
-    let files = whole(wheels, target)?;
+    let files = wheels_of_target(wheels, target)?;
     let mut unpack = Command::new(python);
     unpack.args(["-c", include_str!("unpack.py"), target.name()]).arg(part).args(&files);
     let status = unpack.status().context("python3 could not be started")?;
@@ -378,7 +378,7 @@ mod tests {
         {
             fs::write(folder.0.join(name), "").unwrap();
         }
-        let mut found = whole(&folder.0, Target::Cpu).unwrap();
+        let mut found = wheels_of_target(&folder.0, Target::Cpu).unwrap();
         found.sort();
         assert_eq!(found, names.map(|name| folder.0.join(name)));
     }
