@@ -84,8 +84,9 @@ pub fn misused(arguments: &[&str]) -> String {
 /// # Panics
 /// If the folder can't be read.
 pub fn dataset(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let entries =
-        fs::read_dir(folder).expect("the folder is there").map(|entry| entry.expect("it can be read").path());
+    let entries = fs::read_dir(folder)
+        .expect("the folder is there")
+        .map(|entry| entry.expect("it can be read").path());
     let files = entries.filter(|path| !path.to_string_lossy().ends_with(".ms.csv"));
     files
         .map(|path| {

@@ -32,7 +32,8 @@ fn smoke_is_made_shown_and_verified() {
     let folder = tempdir().unwrap();
     let out = text(folder.path());
     let made: serde_json::Value =
-        serde_json::from_str(&run(&["gen-data", "--preset", "smoke", "--out", out, "--json"])).unwrap();
+        serde_json::from_str(&run(&["gen-data", "--preset", "smoke", "--out", out, "--json"]))
+            .unwrap();
     assert_eq!((&made["made"], &made["complete"]), (&96.into(), &true.into()));
     let shown = run(&["inspect", out, "--verify", "--records", "2"]);
     assert!(
@@ -43,7 +44,13 @@ fn smoke_is_made_shown_and_verified() {
     let json: serde_json::Value =
         serde_json::from_str(&run(&["inspect", out, "--verify", "--json"])).unwrap();
     assert_eq!((&json["records"], &json["moves"]), (&96.into(), &made["moves"]));
-    let shard = run(&["inspect", text(&folder.path().join("shard-00001.bws")), "--verify", "--records", "1"]);
+    let shard = run(&[
+        "inspect",
+        text(&folder.path().join("shard-00001.bws")),
+        "--verify",
+        "--records",
+        "1",
+    ]);
     assert!(shard.contains("32 trajectories") && shard.contains("trajectory 32: "), "{shard}");
     assert!(shown.contains("searches took "), "{shown}");
 }
@@ -119,7 +126,9 @@ fn ctrl_c_ends_cleanly_and_the_run_goes_on() {
     while child.try_wait().unwrap().is_none() && !out.join("shard-00000.bws").exists() {
         std::thread::sleep(Duration::from_millis(5));
     }
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert!(
+        Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success()
+    );
     let output = child.wait_with_output().unwrap();
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{stderr}");
@@ -155,8 +164,12 @@ fn damaged_shards_are_named() {
         assert!(error.contains("shard-00001.bws") && error.contains(word), "{case}: {error}");
         let error = fail(&["inspect", text(folder.path()), "--verify"]);
         assert!(error.contains("shard-00001.bws"), "{case}: {error}");
-        let error = fail(&["gen-data", "--preset", "smoke", "--count", "40", "--out", text(folder.path())]);
-        assert!(error.contains("shard-00001.bws") && error.contains("remove it"), "{case}: {error}");
+        let error =
+            fail(&["gen-data", "--preset", "smoke", "--count", "40", "--out", text(folder.path())]);
+        assert!(
+            error.contains("shard-00001.bws") && error.contains("remove it"),
+            "{case}: {error}"
+        );
     }
     fs::remove_file(&shard).unwrap();
     assert!(fail(&["inspect", text(folder.path())]).contains("shard-00001.bws"));
@@ -239,13 +252,19 @@ fn wrong_configurations_are_refused() {
         ("count = 1\ncolour = 'red'", "colour"),
         ("count = 1\npresets = ['paper']", "config.toml': it needs 'layouts'"),
         ("count = 1\ncount = 2", "config.toml': line 2: "),
-        ("count = 1\npresets = ['paper']\nlayouts = [{ name = 'islands' }]\nsizes = ['5x5']", "no room"),
+        (
+            "count = 1\npresets = ['paper']\nlayouts = [{ name = 'islands' }]\nsizes = ['5x5']",
+            "no room",
+        ),
     ] {
         let file = config(folder.path(), toml);
         let error = fail(&["gen-data", "--config", &file, "--out", text(&out)]);
         assert!(error.contains(word), "{error}");
     }
-    assert!(fail(&["gen-data", "--config", text(&folder.path().join("none.toml"))]).contains("none.toml"));
+    assert!(
+        fail(&["gen-data", "--config", text(&folder.path().join("none.toml"))])
+            .contains("none.toml")
+    );
     assert!(!out.exists(), "nothing is made of a wrong configuration");
     let wrong_use: [&[&str]; 6] = [
         &["gen-data", "--preset", "smoke", "--pictures", "."],
@@ -256,17 +275,25 @@ fn wrong_configurations_are_refused() {
         &["fly"],
     ];
     for arguments in wrong_use {
-        assert_eq!(beadwork().args(arguments).output().unwrap().status.code(), Some(2), "{arguments:?}");
+        assert_eq!(
+            beadwork().args(arguments).output().unwrap().status.code(),
+            Some(2),
+            "{arguments:?}"
+        );
     }
 }
 
 #[test]
 fn the_bench_of_the_factory_cleans_up() {
     let folder = tempdir().unwrap();
-    let printed = run(&["bench", "dataset", "--count", "20", "--scratch", text(folder.path()), "--json"]);
+    let printed =
+        run(&["bench", "dataset", "--count", "20", "--scratch", text(folder.path()), "--json"]);
     let facts: serde_json::Value = serde_json::from_str(&printed).unwrap();
     assert_eq!(facts["trajectories"], 20);
-    assert!(facts["speed_up"].as_f64().unwrap() > 0.0 && facts["bytes_per_move"].as_f64().unwrap() > 0.0);
+    assert!(
+        facts["speed_up"].as_f64().unwrap() > 0.0
+            && facts["bytes_per_move"].as_f64().unwrap() > 0.0
+    );
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
@@ -281,5 +308,8 @@ fn solutions_of_the_genetic_algorithm_are_recorded() {
     let shown = run(&["inspect", text(&out), "--verify", "--records", "3"]);
     assert!(shown.contains("genetic_short"), "{shown}");
     fs::write(&config, text_of_config.replace("short", "long")).unwrap();
-    assert!(fail(&["gen-data", "--config", text(&config)]).contains("'long' is no preset of the genetic"));
+    assert!(
+        fail(&["gen-data", "--config", text(&config)])
+            .contains("'long' is no preset of the genetic")
+    );
 }

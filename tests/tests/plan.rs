@@ -28,8 +28,16 @@ fn json(arguments: &[&str]) -> Value {
 fn a_part_becomes_gcode_with_totals_beside_it() {
     let folder = tempfile::tempdir().unwrap();
     let (gcode, svg) = (folder.path().join("logo.gcode"), folder.path().join("logo.svg"));
-    let arguments =
-        ["plan", "example:logo-plate", "--objective", "tools", "--out", text(&gcode), "--svg", text(&svg)];
+    let arguments = [
+        "plan",
+        "example:logo-plate",
+        "--objective",
+        "tools",
+        "--out",
+        text(&gcode),
+        "--svg",
+        text(&svg),
+    ];
     let summary = run(&arguments);
     assert!(summary.contains("4 tool changes (proven to be the fewest)"), "{summary}");
     assert!(summary.contains("read again and checked: 76800 cells"), "{summary}");
@@ -48,7 +56,9 @@ fn a_part_becomes_gcode_with_totals_beside_it() {
     for event in program.trace() {
         match event.unwrap() {
             Event::ToolChange { from: Some(_), .. } => changes += 1,
-            Event::Motion(motion) if motion.is_stroke() && motion.feature == Feature::SolidInfill => {
+            Event::Motion(motion)
+                if motion.is_stroke() && motion.feature == Feature::SolidInfill =>
+            {
                 part_mm += motion.length_mm();
             }
             _ => {}
@@ -68,14 +78,24 @@ fn a_part_becomes_gcode_with_totals_beside_it() {
 
     // Again, on one thread: the same bytes.
     let again = folder.path().join("again.gcode");
-    run(&["plan", "example:logo-plate", "--objective", "tools", "--out", text(&again), "--threads", "1"]);
+    run(&[
+        "plan",
+        "example:logo-plate",
+        "--objective",
+        "tools",
+        "--out",
+        text(&again),
+        "--threads",
+        "1",
+    ]);
     assert_eq!(fs::read(&gcode).unwrap(), fs::read(&again).unwrap());
 }
 
 #[test]
 fn modes_constraints_and_flavours_are_obeyed() {
     let plan = |more: &[&str]| {
-        let arguments = [&["plan", "example:palette", "--objective", "tools", "--json"], more].concat();
+        let arguments =
+            [&["plan", "example:palette", "--objective", "tools", "--json"], more].concat();
         json(&arguments)
     };
     let free = plan(&["--mode", "free"]);
@@ -88,7 +108,8 @@ fn modes_constraints_and_flavours_are_obeyed() {
 
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("u.gcode");
-    let klipper = ["--flavour", "klipper", "--tower", "none", "--stacking", "keep", "--out", text(&file)];
+    let klipper =
+        ["--flavour", "klipper", "--tower", "none", "--stacking", "keep", "--out", text(&file)];
     run(&[&["plan", "example:u-shape", "--objective", "tools"], &klipper[..]].concat());
     let gcode = fs::read_to_string(&file).unwrap();
     assert!(gcode.contains("SET_VELOCITY_LIMIT") && !gcode.contains("M204"));
@@ -136,9 +157,13 @@ fn bad_input_is_named_and_leaves_nothing_behind() {
         let input = tempfile::tempdir().unwrap();
         let file = input.path().join(name);
         fs::write(&file, bytes).unwrap();
-        let arguments = [&["plan", text(&file), "--objective", "tools", "--out", text(&out)], more].concat();
+        let arguments =
+            [&["plan", text(&file), "--objective", "tools", "--out", text(&out)], more].concat();
         let error = fail(&arguments);
-        assert!(fs::read_dir(folder.path()).unwrap().next().is_none(), "{name}: something was written");
+        assert!(
+            fs::read_dir(folder.path()).unwrap().next().is_none(),
+            "{name}: something was written"
+        );
         error
     };
     let error = refused("empty.stl", b"", &[]);
@@ -154,18 +179,34 @@ fn bad_input_is_named_and_leaves_nothing_behind() {
     assert!(error.ends_with("is no .stl, .3mf or .obj file"), "{error}");
 
     let plan = |more: &[&str]| {
-        fail(&[&["plan", "example:palette", "--objective", "tools", "--out", text(&out)], more].concat())
+        fail(
+            &[&["plan", "example:palette", "--objective", "tools", "--out", text(&out)], more]
+                .concat(),
+        )
     };
     assert!(plan(&["--bead", "0"]).ends_with("the bead width is 0 mm: it must be more than 0"));
-    assert!(plan(&["--bead", "-0.4"]).ends_with("the bead width is -0.4 mm: it must be more than 0"));
-    assert!(plan(&["--layer", "nan"]).ends_with("the layer height is NaN mm: it must be more than 0"));
-    assert!(plan(&["--scale", "10"]).contains("the part is 600.0 x 450.0 x 20.0 mm and does not fit"));
-    assert!(plan(&["--bed", "70,60,50"]).contains("no side of the part has room for a purge tower"));
+    assert!(
+        plan(&["--bead", "-0.4"]).ends_with("the bead width is -0.4 mm: it must be more than 0")
+    );
+    assert!(
+        plan(&["--layer", "nan"]).ends_with("the layer height is NaN mm: it must be more than 0")
+    );
+    assert!(
+        plan(&["--scale", "10"]).contains("the part is 600.0 x 450.0 x 20.0 mm and does not fit")
+    );
+    assert!(
+        plan(&["--bed", "70,60,50"]).contains("no side of the part has room for a purge tower")
+    );
     assert!(plan(&["--tower", "100,80,30,30"]).ends_with("purge.tower overlaps the part"));
-    assert!(plan(&["--first-tool", "12"]).ends_with("tool 12 has no costs, which are given for 12 tools"));
+    assert!(
+        plan(&["--first-tool", "12"])
+            .ends_with("tool 12 has no costs, which are given for 12 tools")
+    );
     assert!(plan(&["--mode", "continuous", "--same-order"]).contains("they can't obey an order"));
     assert!(!out.exists());
-    assert!(fail(&["plan", "example:cube", "--objective", "tools"]).contains("unknown example 'cube'"));
+    assert!(
+        fail(&["plan", "example:cube", "--objective", "tools"]).contains("unknown example 'cube'")
+    );
     assert!(
         fail(&["plan", "/no/such/file.stl", "--objective", "tools"])
             .contains("cannot read '/no/such/file.stl'")
@@ -174,12 +215,27 @@ fn bad_input_is_named_and_leaves_nothing_behind() {
         fail(&["plan", "example:u-shape", "--objective", "tools", "--out", text(folder.path())])
             .ends_with("is a folder")
     );
-    let twice = ["plan", "example:u-shape", "--objective", "tools", "--out", text(&out), "--svg", text(&out)];
+    let twice = [
+        "plan",
+        "example:u-shape",
+        "--objective",
+        "tools",
+        "--out",
+        text(&out),
+        "--svg",
+        text(&out),
+    ];
     assert!(misused(&twice).contains("the same file"));
     assert!(misused(&["plan", "example:palette"]).contains("--objective"));
     assert!(misused(&["plan", "--objective", "tools"]).contains("PART"));
-    assert!(misused(&["plan", "x.stl", "--objective", "tools", "--rotate", "90"]).contains("give 3 numbers"));
-    assert!(misused(&["plan", "x.stl", "--objective", "tools", "--before", "2"]).contains("numbered from 0"));
+    assert!(
+        misused(&["plan", "x.stl", "--objective", "tools", "--rotate", "90"])
+            .contains("give 3 numbers")
+    );
+    assert!(
+        misused(&["plan", "x.stl", "--objective", "tools", "--before", "2"])
+            .contains("numbered from 0")
+    );
 }
 
 #[test]
@@ -204,9 +260,13 @@ fn several_files_are_several_materials_in_one_frame() {
     let plan = ["plan", text(&left), text(&right), "--objective", "tools", "--json"];
     let value = json(&plan);
     assert_eq!(value["materials"], serde_json::json!(["left", "right"]));
-    assert_eq!((&value["width"], &value["height"], &value["layers"]), (&16.into(), &8.into(), &4.into()));
+    assert_eq!(
+        (&value["width"], &value["height"], &value["layers"]),
+        (&16.into(), &8.into(), &4.into())
+    );
     assert_eq!(value["tool_changes"], 4);
-    let inches = json(&[&plan[..], &["--unit", "in", "--scale", "0.5", "--materials", "one"]].concat());
+    let inches =
+        json(&[&plan[..], &["--unit", "in", "--scale", "0.5", "--materials", "one"]].concat());
     assert!((inches["size_mm"][0].as_f64().unwrap() - 101.6).abs() < 1e-9);
     assert_eq!(inches["tool_changes"], 0);
 }
@@ -218,14 +278,20 @@ fn real_parts_are_planned_and_broken_ones_refused() {
     let out = folder.path().join("out.gcode");
     let plan = |name: &str, more: &[&str]| {
         let file = parts.join(name);
-        json(&[&["plan", text(&file), "--objective", "tools", "--json", "--out", text(&out)], more].concat())
+        json(
+            &[&["plan", text(&file), "--objective", "tools", "--json", "--out", text(&out)], more]
+                .concat(),
+        )
     };
     let yin_yang = plan("yin_yang.3mf", &["--rotate", "90,0,0"]);
     assert_eq!((&yin_yang["layers"], &yin_yang["tool_changes"]), (&20.into(), &20.into()));
     let extruders = plan("8_extruders.3mf", &["--mode", "free"]);
     assert_eq!((&extruders["layers"], &extruders["tool_changes"]), (&40.into(), &280.into()));
     let bearing = plan("Bearing.3mf", &["--materials", "bodies", "--mode", "continuous"]);
-    assert_eq!((&bearing["layers"], &bearing["bounds"]["layers_optimal"]), (&60.into(), &60.into()));
+    assert_eq!(
+        (&bearing["layers"], &bearing["bounds"]["layers_optimal"]),
+        (&60.into(), &60.into())
+    );
 
     let refused = |name: &str| {
         let file = parts.join("broken").join(name);
@@ -249,11 +315,13 @@ fn real_parts_are_planned_and_broken_ones_refused() {
     ]
     .into_iter()
     .for_each(refused);
-    for (name, repair) in
-        [("missing_triangle.stl", "1 hole closed"), ("inverted_face.stl", "1 triangle turned outwards")]
-    {
+    for (name, repair) in [
+        ("missing_triangle.stl", "1 hole closed"),
+        ("inverted_face.stl", "1 triangle turned outwards"),
+    ] {
         let file = parts.join("broken").join(name);
-        let output = beadwork().args(["plan", text(&file), "--objective", "tools"]).output().unwrap();
+        let output =
+            beadwork().args(["plan", text(&file), "--objective", "tools"]).output().unwrap();
         assert!(output.status.success(), "{name}");
         let told = String::from_utf8_lossy(&output.stderr);
         assert!(told.contains(repair), "{told}");

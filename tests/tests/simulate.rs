@@ -41,7 +41,10 @@ fn layers_are_told_with_their_reward() {
     let value = json(&[&plate]);
     assert_eq!(value["part"], "plate");
     assert_eq!(value["pattern"], "contour-zigzag-x-0");
-    assert_eq!((&value["width"], &value["height"], &value["depth"]), (&24.into(), &16.into(), &4.into()));
+    assert_eq!(
+        (&value["width"], &value["height"], &value["depth"]),
+        (&24.into(), &16.into(), &4.into())
+    );
     assert_eq!(value["voxels"], 24 * 16 * 4);
     let layers = value["layers"].as_array().unwrap();
     assert_eq!(layers.len(), 4);
@@ -50,7 +53,10 @@ fn layers_are_told_with_their_reward() {
         assert_eq!(layer["layer"], number_of_layer);
         assert_eq!(layer["voxels"], 24 * 16 * number_of_layer);
         let [mean, min, max] = ["mean_c", "min_c", "max_c"].map(|key| number(&layer[key]));
-        assert!(25.0 < min && min < mean && mean < 110.0 && mean < max && max <= 230.0 + 1e-3, "{layer}");
+        assert!(
+            25.0 < min && min < mean && mean < 110.0 && mean < max && max <= 230.0 + 1e-3,
+            "{layer}"
+        );
         // 384 voxels of half a millimetre at 30 mm/s, and some travel.
         assert!((6.39..7.0).contains(&number(&layer["print_seconds"])), "{layer}");
         assert!(number(&layer["hot_spots"]) >= 1.0, "the voxel under the nozzle is hot: {layer}");
@@ -70,7 +76,10 @@ fn layers_are_told_with_their_reward() {
 
     assert_eq!(without_seconds(json(&[&plate])), without_seconds(value.clone()), "the same again");
     let summary = run(&["simulate", &plate]);
-    assert!(summary.contains("1536 voxels in 4 layers") && summary.contains("\nreward -"), "{summary}");
+    assert!(
+        summary.contains("1536 voxels in 4 layers") && summary.contains("\nreward -"),
+        "{summary}"
+    );
     assert!(summary.contains("voxels above 105 °C") && !summary.contains("warpage"), "{summary}");
     assert!(value["time_above"].is_null() && value["warpage"].is_null());
 }
@@ -97,14 +106,22 @@ fn patterns_materials_methods_and_process_matter() {
     }
     // All methods follow the same equation.
     let exact = reward(&["--method", "reference"]);
-    for method in [&["--method", "naive"][..], &["--accuracy", "standard"], &["--accuracy", "high"]] {
-        assert!((reward(method) / exact - 1.0).abs() < 0.1, "{method:?}: {} {exact}", reward(method));
+    for method in [&["--method", "naive"][..], &["--accuracy", "standard"], &["--accuracy", "high"]]
+    {
+        assert!(
+            (reward(method) / exact - 1.0).abs() < 0.1,
+            "{method:?}: {} {exact}",
+            reward(method)
+        );
     }
     assert_eq!(json(&[&plate, "--travel-mm-s", "none"])["process"]["travel_mm_s"], Value::Null);
 
     let end = &json(&[&plate, "--end-seconds", "120"])["end"];
     let last = &json(&[&plate])["layers"][3];
-    assert!(number(&end["std_c"]) < number(&last["std_c"]) && number(&end["max_c"]) < 90.0, "{end}");
+    assert!(
+        number(&end["std_c"]) < number(&last["std_c"]) && number(&end["max_c"]) < 90.0,
+        "{end}"
+    );
 }
 
 #[test]
@@ -112,12 +129,14 @@ fn measures_and_pictures_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let plate = plate(folder.path());
     let [csv, svg, cuts] = ["heat.csv", "heat.svg", "cuts"].map(|name| folder.path().join(name));
-    let sections = ["--section", "x=6", "--section", "y=0", "--section", "z=1", "--section-out", text(&cuts)];
+    let sections =
+        ["--section", "x=6", "--section", "y=0", "--section", "z=1", "--section-out", text(&cuts)];
     run(&[&["simulate", &plate, "--csv", text(&csv), "--svg", text(&svg)], &sections[..]].concat());
 
     let csv = fs::read_to_string(csv).unwrap();
     let lines: Vec<&str> = csv.lines().collect();
-    let head = "layer,voxels,mean_c,std_c,min_c,max_c,print_seconds,hot_spots,ground_mean_c,ground_min_c";
+    let head =
+        "layer,voxels,mean_c,std_c,min_c,max_c,print_seconds,hot_spots,ground_mean_c,ground_min_c";
     assert_eq!(lines[0], head);
     assert_eq!(lines.len(), 5);
     let layers = json(&[&plate])["layers"].clone();
@@ -125,7 +144,10 @@ fn measures_and_pictures_are_written() {
         for (name, value) in head.split(',').zip(line.split(',')) {
             let told = layer[name].as_f64();
             assert!(value.is_empty() == told.is_none(), "{name}: {value}");
-            assert!(told.is_none_or(|told| (told - value.parse::<f64>().unwrap()).abs() < 1e-9), "{name}");
+            assert!(
+                told.is_none_or(|told| (told - value.parse::<f64>().unwrap()).abs() < 1e-9),
+                "{name}"
+            );
         }
     }
 
@@ -144,7 +166,10 @@ fn measures_and_pictures_are_written() {
         let info = picture.next_frame(&mut pixels).unwrap();
         let [wide, high] = [info.width - 136, info.height.max(28) - 28].map(f64::from);
         assert!((850.0..=900.0).contains(&wide), "{name}: {wide}");
-        assert!((high - wide * size[1] / size[0]).abs() < 20.0 || high < 180.0, "{name}: {wide} x {high}");
+        assert!(
+            (high - wide * size[1] / size[0]).abs() < 20.0 || high < 180.0,
+            "{name}: {wide} x {high}"
+        );
         let colours = pixels.chunks(4).collect::<std::collections::HashSet<_>>();
         assert!(colours.len() > 50, "{name}");
     }
@@ -161,18 +186,24 @@ fn the_print_is_watched_if_asked() {
     let watched = json(&[&plate, "--time-above", "--warpage"]);
     // Looks cut long steps: no more than the method's error.
     assert!((number(&watched["reward"]) / number(&usual["reward"]) - 1.0).abs() < 0.01);
-    let [seconds, longest, mean] =
-        [&watched["print_seconds"], &watched["time_above"]["longest_s"], &watched["time_above"]["mean_s"]]
-            .map(number);
+    let [seconds, longest, mean] = [
+        &watched["print_seconds"],
+        &watched["time_above"]["longest_s"],
+        &watched["time_above"]["mean_s"],
+    ]
+    .map(number);
     assert_eq!(watched["time_above"]["above_c"], watched["glass_transition_c"]);
     assert!(0.0 < mean && mean < longest && longest < seconds, "{mean} {longest} {seconds}");
-    let [lift, curvature] = ["corner_lift_mm", "curvature_1_m"].map(|key| number(&watched["warpage"][key]));
+    let [lift, curvature] =
+        ["corner_lift_mm", "curvature_1_m"].map(|key| number(&watched["warpage"][key]));
     assert!(0.0 < lift && lift < 1.0 && curvature > 0.0, "{lift} {curvature}");
 
     let hotter = &json(&[&plate, "--time-above=150"])["time_above"];
     assert!(number(&hotter["above_c"]) > 149.0 && number(&hotter["mean_s"]) < mean, "{hotter}");
     let summary = run(&["simulate", &plate, "--time-above", "--warpage"]);
-    assert!(summary.contains("above 105 °C: ") && summary.contains("ranks plans, does not predict"));
+    assert!(
+        summary.contains("above 105 °C: ") && summary.contains("ranks plans, does not predict")
+    );
 }
 
 #[test]
@@ -215,14 +246,16 @@ fn probes_need_a_voxel_of_the_part() {
     let folder = tempfile::tempdir().unwrap();
     let history = folder.path().join("history.csv");
     let refused = |probe: &str| {
-        let arguments = ["simulate", "example:u-shape", "--probe", probe, "--probe-out", text(&history)];
+        let arguments =
+            ["simulate", "example:u-shape", "--probe", probe, "--probe-out", text(&history)];
         let error = fail(&arguments);
         assert!(!history.exists(), "{probe}");
         error
     };
     assert!(refused("22,5,1").ends_with("the part has no voxel at the probe 22,5,1"));
     assert!(
-        refused("22,-1,1").contains("the probe 22,-1,1 lies outside of the part, which is 45 x 25 x 3 mm")
+        refused("22,-1,1")
+            .contains("the probe 22,-1,1 lies outside of the part, which is 45 x 25 x 3 mm")
     );
 
     let misuse = |more: &[&str]| misused(&[&["simulate", "example:u-shape"], more].concat());
@@ -231,7 +264,9 @@ fn probes_need_a_voxel_of_the_part() {
     assert!(misuse(&["--probe-out", "x"]).contains("--probe"));
     assert!(misuse(&["--probe-seconds", "2"]).contains("--probe"));
     let out = ["--probe", "1,2,3", "--probe-out", "x"];
-    assert!(misuse(&[&out[..], &["--probe-seconds", "0"]].concat()).contains("give seconds from 0.001"));
+    assert!(
+        misuse(&[&out[..], &["--probe-seconds", "0"]].concat()).contains("give seconds from 0.001")
+    );
     assert!(misuse(&[&out[..], &["--csv", "x"]].concat()).contains("the same file"));
     assert!(misuse(&["--time-above=warm"]).contains("give °C or glass-transition"));
 }
@@ -254,12 +289,15 @@ fn a_planned_program_is_simulated_with_its_part_and_without() {
     assert_eq!(without["layers"], with_part["layers"]);
 
     // What the program heats is heated, unless it is said otherwise.
-    let hot =
-        fs::read_to_string(&gcode).unwrap().replace("M109 S230", "M109 S215").replace("M190 S80", "M190 S60");
+    let hot = fs::read_to_string(&gcode)
+        .unwrap()
+        .replace("M109 S230", "M109 S215")
+        .replace("M190 S80", "M190 S60");
     fs::write(&gcode, hot).unwrap();
     let process = &json(&["--gcode", text(&gcode)])["process"];
     assert_eq!((&process["nozzle_c"], &process["plate_c"]), (&215.0.into(), &60.0.into()));
-    let process = &json(&["--gcode", text(&gcode), "--nozzle-c", "240", "--plate-c", "none"])["process"];
+    let process =
+        &json(&["--gcode", text(&gcode), "--nozzle-c", "240", "--plate-c", "none"])["process"];
     assert_eq!((&process["nozzle_c"], &process["plate_c"]), (&240.0.into(), &Value::Null));
 
     // Another part, cells of another size, and half a program.
@@ -293,10 +331,15 @@ fn bad_input_is_named_and_leaves_nothing_behind() {
     assert!(refused(&["--print-mm-s", "0"]).ends_with("print_mm_s is 0: it must be more than 0"));
     assert!(refused(&["--convection", "-1"]).contains("convection_w_m2k is -1"));
     assert!(refused(&["--nozzle-c", "nan"]).contains("extrusion_c is NaN"));
-    assert!(refused(&["--layer", "0"]).ends_with("the layer height is 0 mm: it must be more than 0"));
+    assert!(
+        refused(&["--layer", "0"]).ends_with("the layer height is 0 mm: it must be more than 0")
+    );
     assert!(refused(&["--method", "naive", "--print-mm-s", "1"]).contains("longest stable step"));
     let section = ["--section", "x=46", "--section-out", text(folder.path())];
-    assert!(refused(&section).ends_with("the section x=46 lies outside of the part, which ends at 45 mm"));
+    assert!(
+        refused(&section)
+            .ends_with("the section x=46 lies outside of the part, which ends at 45 mm")
+    );
     assert!(refused(&["--csv", text(folder.path())]).ends_with("is a folder"));
 
     let file = folder.path().join("part.gcode");
@@ -310,7 +353,9 @@ fn bad_input_is_named_and_leaves_nothing_behind() {
     assert!(program(format!("{head}G20\n").as_bytes()).contains("line 3: inches"));
     let high = format!("{head}M83\nG1 Z1 F600\nG1 X5 E1\n");
     assert!(program(high.as_bytes()).contains("it prints nothing in layer 1"));
-    assert!(fail(&["simulate", "--gcode", "/no/such.gcode"]).contains("cannot read '/no/such.gcode'"));
+    assert!(
+        fail(&["simulate", "--gcode", "/no/such.gcode"]).contains("cannot read '/no/such.gcode'")
+    );
 
     let misuse = |more: &[&str]| misused(&[&["simulate", "example:u-shape"], more].concat());
     assert!(misused(&["simulate"]).contains("PART"));

@@ -36,16 +36,23 @@ fn json(arguments: &[&str]) -> Value {
 
 #[test]
 fn annealing_beats_the_zigzag() {
-    let zigzag = json(&["zones", "--layout", "stripes", "--size", "30x30", "--method", "zigzag", "--json"]);
+    let zigzag =
+        json(&["zones", "--layout", "stripes", "--size", "30x30", "--method", "zigzag", "--json"]);
     assert_eq!(
         (&zigzag["initial"], &zigzag["crossings"], &zigzag["moves"]),
         (&60.into(), &60.into(), &0.into())
     );
     for preset in ["paper", "fast"] {
-        let row = json(&["zones", "--layout", "stripes", "--size", "30x30", "--preset", preset, "--json"]);
-        let keys = ["layout", "width", "height", "zones", "seed", "method", "piece_bound", "seconds"];
+        let row = json(&[
+            "zones", "--layout", "stripes", "--size", "30x30", "--preset", preset, "--json",
+        ]);
+        let keys =
+            ["layout", "width", "height", "zones", "seed", "method", "piece_bound", "seconds"];
         assert!(keys.iter().all(|key| !row[key].is_null()), "{row}");
-        assert_eq!((&row["initial"], &row["bound"], &row["pieces"]), (&60.into(), &2.into(), &1.into()));
+        assert_eq!(
+            (&row["initial"], &row["bound"], &row["pieces"]),
+            (&60.into(), &2.into(), &1.into())
+        );
         assert!(row["crossings"].as_u64().unwrap() < 45, "{row}");
     }
 }
@@ -53,18 +60,25 @@ fn annealing_beats_the_zigzag() {
 #[test]
 fn the_fewest_crossings_are_proven() {
     let row = json(&["zones", "--layout", "stripes", "--size", "30x30", "--json"]);
-    let expected: [(&str, Value); 4] =
-        [("method", "exact".into()), ("crossings", 2.into()), ("bound", 2.into()), ("optimal", true.into())];
+    let expected: [(&str, Value); 4] = [
+        ("method", "exact".into()),
+        ("crossings", 2.into()),
+        ("bound", 2.into()),
+        ("optimal", true.into()),
+    ];
     for (key, value) in expected {
         assert_eq!(row[key], value, "{row}");
     }
-    let told = run(&["zones", "--layout", "islands", "--size", "40x40", "--shape", "disc", "--seed", "2"]);
+    let told =
+        run(&["zones", "--layout", "islands", "--size", "40x40", "--shape", "disc", "--seed", "2"]);
     assert!(told.contains("proven to be the fewest"), "{told}");
     let folder = tempdir().unwrap();
     let stages = folder.path().join("stages.svg");
     run(&["zones", "--size", "16x12", "--stages", text(&stages)]);
     let drawing = fs::read_to_string(&stages).unwrap();
-    assert!(["ladders", "cheapest 2-matching", "the path"].iter().all(|step| drawing.contains(step)));
+    assert!(
+        ["ladders", "cheapest 2-matching", "the path"].iter().all(|step| drawing.contains(step))
+    );
     let hasty = json(&["zones", "--size", "60x60", "--zones", "40", "--time", "0", "--json"]);
     assert_eq!((&hasty["attempts"], &hasty["pieces"]), (&1.into(), &1.into()), "{hasty}");
 }
@@ -77,11 +91,13 @@ fn ends_and_costs_are_kept_to() {
     let layer = ["zones", "--size", "20x20", "--json", "--costs", text(&costs)];
     let row = json(&[&layer[..], &["--start-at", "0,0", "--end-at", "right"]].concat());
     assert!(
-        row["cost"].as_u64() >= row["bound"].as_u64() && row["cost"].as_u64() >= row["crossings"].as_u64()
+        row["cost"].as_u64() >= row["bound"].as_u64()
+            && row["cost"].as_u64() >= row["crossings"].as_u64()
     );
     assert!(fail(&["zones", "--size", "9x9", "--start-at", "9,0"]).contains("9,0"));
     assert!(
-        fail(&["zones", "--size", "9x9", "--start-at", "3,3", "--end-at", "3,3"]).contains("begin and end")
+        fail(&["zones", "--size", "9x9", "--start-at", "3,3", "--end-at", "3,3"])
+            .contains("begin and end")
     );
     for (content, complaint) in
         [("0 1", "row 1 has 2"), ("0 x\n1 0", "'x' in row 1"), ("0 1\n1 0", "3"), ("1", "inside")]
@@ -97,8 +113,16 @@ fn a_picture_is_planned_and_drawn() {
     let folder = tempdir().unwrap();
     let (picture, drawing) = (folder.path().join("disc.png"), folder.path().join("disc.svg"));
     write_png(&picture, 24, &disc(24));
-    let row =
-        json(&["zones", "--image", text(&picture), "--preset", "fast", "--svg", text(&drawing), "--json"]);
+    let row = json(&[
+        "zones",
+        "--image",
+        text(&picture),
+        "--preset",
+        "fast",
+        "--svg",
+        text(&drawing),
+        "--json",
+    ]);
     assert_eq!((&row["layout"], &row["zones"]), (&"disc".into(), &2.into()));
     assert!(row["crossings"].as_u64() <= row["initial"].as_u64());
     assert!(row["pieces"].as_u64() >= row["piece_bound"].as_u64());
@@ -132,12 +156,17 @@ fn a_folder_of_pictures_becomes_a_dataset() {
     assert_eq!(shown["config"]["pictures"][0]["name"], "disc-12");
 
     // Another picture under the same name is another dataset.
-    write_png(&pictures.join("disc-20.png"), 20, &disc(20).iter().rev().copied().collect::<Vec<_>>());
+    write_png(
+        &pictures.join("disc-20.png"),
+        20,
+        &disc(20).iter().rev().copied().collect::<Vec<_>>(),
+    );
     assert!(fail(&make).contains("another configuration"));
     fs::write(pictures.join("broken.png"), "text").unwrap();
     assert!(fail(&make).contains("picture 'broken.png'"));
     assert!(
-        fail(&["gen-data", "--preset", "pictures", "--pictures", text(&out)]).contains("no PNG pictures")
+        fail(&["gen-data", "--preset", "pictures", "--pictures", text(&out)])
+            .contains("no PNG pictures")
     );
 }
 
@@ -164,7 +193,9 @@ fn bad_pictures_are_named() {
     let colours: Vec<u8> = (0..256_u32).flat_map(|i| [i as u8, 1, 2, 255]).collect();
     assert!(complaint(&picture(16, &colours)).contains("255"));
     assert!(complaint(&picture(4097, &vec![255; 4097 * 4097 * 4])).contains("4096"));
-    assert!(fail(&["zones", "--image", text(&folder.path().join("none.png"))]).contains("none.png"));
+    assert!(
+        fail(&["zones", "--image", text(&folder.path().join("none.png"))]).contains("none.png")
+    );
 }
 
 #[test]
@@ -174,7 +205,10 @@ fn impossible_wishes_are_refused() {
     let folder = tempdir().unwrap();
     let picture = folder.path().join("disc.png");
     write_png(&picture, 24, &disc(24));
-    assert!(fail(&["zones", "--image", text(&picture), "--start", "row_zigzag"]).contains("no row_zigzag"));
+    assert!(
+        fail(&["zones", "--image", text(&picture), "--start", "row_zigzag"])
+            .contains("no row_zigzag")
+    );
 }
 
 #[test]
@@ -188,11 +222,17 @@ fn arguments_that_make_no_sense_are_named() {
         (&["zones", "--preset", "window"], "with --method genetic it is a preset"),
         (&["zones", "--method", "anneal", "--attempts", "9"], "--attempts is for --method exact"),
         (&["zones", "--method", "zigzag", "--costs", "none.csv"], "--costs is for --method exact"),
-        (&["zones", "--method", "genetic", "--preset", "long"], "'long' is no preset of the genetic"),
+        (
+            &["zones", "--method", "genetic", "--preset", "long"],
+            "'long' is no preset of the genetic",
+        ),
         (&["zones", "--plot", "x.svg"], "--plot is for --method genetic"),
         (&["zones", "--budget", "10"], "--budget is for --method fusion"),
         (&["zones", "--method", "anneal", "--model", "none"], "--model is for --method fusion"),
-        (&["eval", "zones", "--method", "exact", "--threads", "2"], "--threads means nothing to exact"),
+        (
+            &["eval", "zones", "--method", "exact", "--threads", "2"],
+            "--threads means nothing to exact",
+        ),
         (&["eval", "zones", "--presets", "fast"], "--presets means nothing to the table of all"),
     ];
     for (arguments, complaint) in complaints {
@@ -206,8 +246,8 @@ fn the_genetic_algorithm_tells_its_generations() {
     let folder = tempdir().unwrap();
     let plot = folder.path().join("generations.svg");
     let arguments = [
-        "zones", "--layout", "islands", "--size", "30x30", "--method", "genetic", "--preset", "short",
-        "--json",
+        "zones", "--layout", "islands", "--size", "30x30", "--method", "genetic", "--preset",
+        "short", "--json",
     ];
     let row = json(&[&arguments[..], &["--threads", "2", "--plot", text(&plot)]].concat());
     let history = row["history"].as_array().unwrap();
@@ -225,8 +265,12 @@ fn the_genetic_algorithm_tells_its_generations() {
 
 #[test]
 fn a_reader_that_leaves_early_is_no_error() {
-    let mut child =
-        beadwork().args(["zones", "--json"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut child = beadwork()
+        .args(["zones", "--json"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -255,7 +299,8 @@ fn the_proofs_have_a_table() {
 
 #[test]
 fn the_tables_have_all_cells() {
-    let table = run(&["eval", "zones", "--method", "anneal", "--seeds", "1", "--presets", "paper,short"]);
+    let table =
+        run(&["eval", "zones", "--method", "anneal", "--seeds", "1", "--presets", "paper,short"]);
     for word in ["Table 5", "Table 3", "30x100", "left_right", "voronoi"] {
         assert!(table.contains(word), "{word} in {table}");
     }
@@ -273,7 +318,10 @@ fn all_methods_stand_side_by_side_and_nothing_is_made_twice() {
         assert!(table.contains(word), "{word} in {table}");
     }
     for name in ["convergence.svg", "heat_map.svg"] {
-        assert!(fs::read_to_string(folder.path().join(name)).unwrap().starts_with("<svg"), "{name}");
+        assert!(
+            fs::read_to_string(folder.path().join(name)).unwrap().starts_with("<svg"),
+            "{name}"
+        );
     }
     let part = folder.path().join("parts/voronoi-30x30-0.json");
     let made = fs::read(&part).unwrap();
@@ -316,11 +364,22 @@ fn all_methods_stand_side_by_side_and_nothing_is_made_twice() {
 
     // Threads change the times and nothing else.
     let alone = tempdir().unwrap();
-    let alone = json(&["eval", "zones", "--smoke", "--threads", "1", "--json", "--out", text(alone.path())]);
+    let alone = json(&[
+        "eval",
+        "zones",
+        "--smoke",
+        "--threads",
+        "1",
+        "--json",
+        "--out",
+        text(alone.path()),
+    ]);
     let found = |document: &Value| -> Vec<Value> {
         let rows = document["rows"].as_array().unwrap().iter();
-        rows.map(|row| serde_json::json!([row["method"], row["preset"], row["crossings"], row["history"]]))
-            .collect()
+        rows.map(|row| {
+            serde_json::json!([row["method"], row["preset"], row["crossings"], row["history"]])
+        })
+        .collect()
     };
     assert_eq!(found(&alone), found(&again));
 }
@@ -329,16 +388,28 @@ fn all_methods_stand_side_by_side_and_nothing_is_made_twice() {
 #[test]
 fn a_stopped_evaluation_goes_on() {
     let folder = tempdir().unwrap();
-    let evaluation =
-        ["eval", "zones", "--method", "genetic", "--smoke", "--seeds", "40", "--out", text(folder.path())];
+    let evaluation = [
+        "eval",
+        "zones",
+        "--method",
+        "genetic",
+        "--smoke",
+        "--seeds",
+        "40",
+        "--out",
+        text(folder.path()),
+    ];
     let mut child =
         beadwork().args(evaluation).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let parts = folder.path().join("parts");
-    let done = || fs::read_dir(&parts).map_or(0, |parts| parts.filter(|part| !is_partial(part)).count());
+    let done =
+        || fs::read_dir(&parts).map_or(0, |parts| parts.filter(|part| !is_partial(part)).count());
     while child.try_wait().unwrap().is_none() && done() < 3 {
         std::thread::sleep(Duration::from_millis(5));
     }
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert!(
+        Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success()
+    );
     let output = child.wait_with_output().unwrap();
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{stderr}");
@@ -361,7 +432,8 @@ fn is_partial(part: &std::io::Result<fs::DirEntry>) -> bool {
 #[test]
 fn crossovers_are_compared() {
     let folder = tempdir().unwrap();
-    let table = run(&["eval", "zones", "--method", "genetic", "--smoke", "--out", text(folder.path())]);
+    let table =
+        run(&["eval", "zones", "--method", "genetic", "--smoke", "--out", text(folder.path())]);
     for word in ["one-point: saves", "two-point: more", "window, mutation: more", "| all | all |"] {
         assert!(table.contains(word), "{word} in {table}");
     }

@@ -10,7 +10,16 @@ use crate::{setup, workspace};
 /// Builds and runs the binary in the caller's folder, where relative paths among the words mean what they say.
 pub(crate) fn run(words: &[OsString]) -> Result<()> {
     let mut cargo = workspace::cargo();
-    cargo.args(["run", "--quiet", "--release", "--locked", "-p", "beadwork-cli", "--bin", "beadwork"]);
+    cargo.args([
+        "run",
+        "--quiet",
+        "--release",
+        "--locked",
+        "-p",
+        "beadwork-cli",
+        "--bin",
+        "beadwork",
+    ]);
     if learns(words) {
         setup::provide_any()?;
         cargo.args(["--features", "learn"]);
@@ -56,7 +65,8 @@ mod tests {
 
     #[test]
     fn only_what_learns_needs_libtorch() {
-        let learns = |line: &str| learns(&line.split_whitespace().map(OsString::from).collect::<Vec<_>>());
+        let learns =
+            |line: &str| learns(&line.split_whitespace().map(OsString::from).collect::<Vec<_>>());
         for line in [
             "train fusion --preset small",
             "train --help",
@@ -67,9 +77,14 @@ mod tests {
         ] {
             assert!(learns(line), "{line}");
         }
-        for line in
-            ["eval zones", "eval", "bench grid", "zones --method anneal", "zones --svg fusion", "plan fusion"]
-        {
+        for line in [
+            "eval zones",
+            "eval",
+            "bench grid",
+            "zones --method anneal",
+            "zones --svg fusion",
+            "plan fusion",
+        ] {
             assert!(!learns(line), "{line}");
         }
     }

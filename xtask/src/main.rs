@@ -111,9 +111,11 @@ fn parse(words: Vec<OsString>) -> Result<Task, String> {
     match words.get(1) {
         None => Ok(own),
         Some(word) if is_help(word) => Ok(Task::Help),
-        Some(word) => {
-            Err(format!("'{}' takes no arguments, but '{}' was given", first.display(), word.display()))
-        }
+        Some(word) => Err(format!(
+            "'{}' takes no arguments, but '{}' was given",
+            first.display(),
+            word.display()
+        )),
     }
 }
 

@@ -24,24 +24,80 @@ type Wheel = (&'static str, &'static str, &'static str);
 /// Python 3.12. The other two are asked for by libtorch even where no graphics card is.
 const WHEELS: [Wheel; 3] = [
     ("torch", VERSION, "796633c4cdf0fe2cdced72d8f88f22e73dbcfce83132763162f6d4bff13b820b"),
-    ("nvidia-cuda-cupti", "13.0.85", "4eb01c08e859bf924d222250d2e8f8b8ff6d3db4721288cf35d14252a4d933c8"),
-    ("nvidia-cuda-runtime", "13.0.96", "7f82250d7782aa23b6cfe765ecc7db554bd3c2870c43f3d1821f1d18aebf0548"),
+    (
+        "nvidia-cuda-cupti",
+        "13.0.85",
+        "4eb01c08e859bf924d222250d2e8f8b8ff6d3db4721288cf35d14252a4d933c8",
+    ),
+    (
+        "nvidia-cuda-runtime",
+        "13.0.96",
+        "7f82250d7782aa23b6cfe765ecc7db554bd3c2870c43f3d1821f1d18aebf0548",
+    ),
 ];
 
 /// What graphics cards need beside them: the libraries that torch's own wheel names as its dependencies.
 const CUDA_WHEELS: [Wheel; 12] = [
-    ("nvidia-cublas", "13.1.1.3", "37936a16db8fe4ac1f065c2139360608a543a09275cb1a1af612e08cfa065436"),
-    ("nvidia-cuda-nvrtc", "13.0.88", "ad9b6d2ead2435f11cbb6868809d2adeeee302e9bb94bcf0539c7a40d80e8575"),
-    ("nvidia-cudnn-cu13", "9.20.0.48", "0c45dd8eeb50b603f07995b1b300c62ffe6a1980482b82b3bcf94a4ca9d49304"),
-    ("nvidia-cufft", "12.0.0.61", "6c44f692dce8fd5ffd3e3df134b6cdb9c2f72d99cf40b62c32dde45eea9ddad3"),
-    ("nvidia-cufile", "1.15.1.6", "08a3ecefae5a01c7f5117351c64f17c7c62efa5fffdbe24fc7d298da19cd0b44"),
-    ("nvidia-curand", "10.4.0.35", "1aee33a5da6e1db083fe2b90082def8915f30f3248d5896bcec36a579d941bfc"),
-    ("nvidia-cusolver", "12.0.4.66", "0a759da5dea5c0ea10fd307de75cdeb59e7ea4fcb8add0924859b944babf1112"),
-    ("nvidia-cusparse", "12.6.3.3", "2b3c89c88d01ee0e477cb7f82ef60a11a4bcd57b6b87c33f789350b59759360b"),
-    ("nvidia-cusparselt-cu13", "0.8.1", "786ce87568c303fadb5afcc7102d454cd3040d75f6f8626f5db460d1871f4dd0"),
-    ("nvidia-nccl-cu13", "2.29.7", "edd81538446786ec3b73972543e53bb43bcaf0bfc8ef76cb679fcc390ffe136d"),
-    ("nvidia-nvjitlink", "13.5.37", "280d7cb9649704145f074b8dbde500de04ce02d0872e066e20a83c17bcaa93eb"),
-    ("nvidia-nvshmem-cu13", "3.4.5", "290f0a2ee94c9f3687a02502f3b9299a9f9fe826e6d0287ee18482e78d495b80"),
+    (
+        "nvidia-cublas",
+        "13.1.1.3",
+        "37936a16db8fe4ac1f065c2139360608a543a09275cb1a1af612e08cfa065436",
+    ),
+    (
+        "nvidia-cuda-nvrtc",
+        "13.0.88",
+        "ad9b6d2ead2435f11cbb6868809d2adeeee302e9bb94bcf0539c7a40d80e8575",
+    ),
+    (
+        "nvidia-cudnn-cu13",
+        "9.20.0.48",
+        "0c45dd8eeb50b603f07995b1b300c62ffe6a1980482b82b3bcf94a4ca9d49304",
+    ),
+    (
+        "nvidia-cufft",
+        "12.0.0.61",
+        "6c44f692dce8fd5ffd3e3df134b6cdb9c2f72d99cf40b62c32dde45eea9ddad3",
+    ),
+    (
+        "nvidia-cufile",
+        "1.15.1.6",
+        "08a3ecefae5a01c7f5117351c64f17c7c62efa5fffdbe24fc7d298da19cd0b44",
+    ),
+    (
+        "nvidia-curand",
+        "10.4.0.35",
+        "1aee33a5da6e1db083fe2b90082def8915f30f3248d5896bcec36a579d941bfc",
+    ),
+    (
+        "nvidia-cusolver",
+        "12.0.4.66",
+        "0a759da5dea5c0ea10fd307de75cdeb59e7ea4fcb8add0924859b944babf1112",
+    ),
+    (
+        "nvidia-cusparse",
+        "12.6.3.3",
+        "2b3c89c88d01ee0e477cb7f82ef60a11a4bcd57b6b87c33f789350b59759360b",
+    ),
+    (
+        "nvidia-cusparselt-cu13",
+        "0.8.1",
+        "786ce87568c303fadb5afcc7102d454cd3040d75f6f8626f5db460d1871f4dd0",
+    ),
+    (
+        "nvidia-nccl-cu13",
+        "2.29.7",
+        "edd81538446786ec3b73972543e53bb43bcaf0bfc8ef76cb679fcc390ffe136d",
+    ),
+    (
+        "nvidia-nvjitlink",
+        "13.5.37",
+        "280d7cb9649704145f074b8dbde500de04ce02d0872e066e20a83c17bcaa93eb",
+    ),
+    (
+        "nvidia-nvshmem-cu13",
+        "3.4.5",
+        "290f0a2ee94c9f3687a02502f3b9299a9f9fe826e6d0287ee18482e78d495b80",
+    ),
 ];
 
 /// What the wheels are built for, the narrowest first.
@@ -151,21 +207,33 @@ pub(crate) fn run(target: Target) -> Result<()> {
 
 /// The project's folder in the user's cache.
 fn cache() -> Result<PathBuf> {
-    let set = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
+    let set =
+        |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let cache = set("XDG_CACHE_HOME").or_else(|| set("HOME").map(|home| home.join(".cache")));
-    Ok(cache.context("neither XDG_CACHE_HOME nor HOME tells where a cache could be")?.join("beadwork"))
+    Ok(cache
+        .context("neither XDG_CACHE_HOME nor HOME tells where a cache could be")?
+        .join("beadwork"))
 }
 
 /// Whether a folder holds the right libtorch.
 fn check(folder: &Path) -> Result<()> {
     for file in NEEDED {
-        ensure!(folder.join(file).is_file(), "'{}' is no libtorch: it has no {file}", folder.display());
+        ensure!(
+            folder.join(file).is_file(),
+            "'{}' is no libtorch: it has no {file}",
+            folder.display()
+        );
     }
     let file = folder.join("build-version");
-    let text = fs::read_to_string(&file).with_context(|| format!("'{}' tells no version", file.display()))?;
+    let text = fs::read_to_string(&file)
+        .with_context(|| format!("'{}' tells no version", file.display()))?;
     // Official packages add what they were built for, as in 2.13.0+cpu.
     let version = text.trim().split('+').next().unwrap_or_default();
-    ensure!(version == VERSION, "'{}' holds libtorch {version}: {VERSION} is needed", folder.display());
+    ensure!(
+        version == VERSION,
+        "'{}' holds libtorch {version}: {VERSION} is needed",
+        folder.display()
+    );
     Ok(())
 }
 
@@ -185,21 +253,29 @@ fn provide(cache: &Path, folder: &Path, target: Target, python: &OsStr) -> Resul
         "pip for python3 is needed to fetch libtorch: install it, or {OWN}"
     );
     let wheels = cache.join("wheels");
-    fs::create_dir_all(&wheels).with_context(|| format!("'{}' could not be made", wheels.display()))?;
-    eprintln!("xtask: fetching libtorch {VERSION} ({}, once) into '{}'", target.size(), cache.display());
+    fs::create_dir_all(&wheels)
+        .with_context(|| format!("'{}' could not be made", wheels.display()))?;
+    eprintln!(
+        "xtask: fetching libtorch {VERSION} ({}, once) into '{}'",
+        target.size(),
+        cache.display()
+    );
     fetch(&wheels, target, python)?;
     eprintln!("xtask: unpacking");
-    let part = cache.join(format!("libtorch-{VERSION}-{}.{}.part", target.name(), std::process::id()));
+    let part =
+        cache.join(format!("libtorch-{VERSION}-{}.{}.part", target.name(), std::process::id()));
     let unpacked = unpack(&wheels, &part, target, python).and_then(|()| {
         fs::write(part.join("build-version"), format!("{VERSION}\n"))?;
-        fs::rename(&part, folder).with_context(|| format!("'{}' could not be made", folder.display()))
+        fs::rename(&part, folder)
+            .with_context(|| format!("'{}' could not be made", folder.display()))
     });
     if unpacked.is_err() {
         // What is left of it is of no use; the error that led here is the one to tell.
         let _ = fs::remove_dir_all(&part);
         return unpacked;
     }
-    fs::remove_dir_all(&wheels).with_context(|| format!("'{}' could not be removed", wheels.display()))
+    fs::remove_dir_all(&wheels)
+        .with_context(|| format!("'{}' could not be removed", wheels.display()))
 }
 
 /// Fetches the wheels one by one, so that each that is whole stays, whatever becomes of the next. Pip knows those that are
@@ -210,7 +286,16 @@ fn fetch(wheels: &Path, target: Target, python: &OsStr) -> Result<()> {
         fs::write(&wanted, format!("{name}=={version} --hash=sha256:{sha256}\n"))?;
         let mut pip = Command::new(python);
         pip.args(["-m", "pip", "download", "--no-deps", "--require-hashes", "--only-binary=:all:"]);
-        pip.args(["--python-version", "3.12", "--implementation", "cp", "--abi", "cp312", "--abi", "none"]);
+        pip.args([
+            "--python-version",
+            "3.12",
+            "--implementation",
+            "cp",
+            "--abi",
+            "cp312",
+            "--abi",
+            "none",
+        ]);
         pip.args(PLATFORMS.iter().flat_map(|platform| ["--platform", platform]));
         pip.arg("--dest").arg(wheels).arg("-r").arg(&wanted);
         // Later versions take up a connection that broke; earlier ones would refuse the option.
@@ -226,8 +311,10 @@ fn fetch(wheels: &Path, target: Target, python: &OsStr) -> Result<()> {
 
 /// The wheels of a folder that are wanted: others may have been left there by a fetch of another version.
 fn wheels_of_target(wheels: &Path, target: Target) -> Result<Vec<PathBuf>> {
-    let wanted: Vec<_> =
-        target.wheels().map(|(name, version, _)| format!("{}-{version}-", name.replace('-', "_"))).collect();
+    let wanted: Vec<_> = target
+        .wheels()
+        .map(|(name, version, _)| format!("{}-{version}-", name.replace('-', "_")))
+        .collect();
     let mut files = Vec::new();
     for entry in fs::read_dir(wheels)? {
         let entry = entry?;
@@ -253,10 +340,19 @@ fn unpack(wheels: &Path, part: &Path, target: Target, python: &OsStr) -> Result<
 fn forget_builds() -> Result<()> {
     for profile in ["dev", "release"] {
         let mut clean = workspace::cargo();
-        clean.current_dir(workspace::root()).args(["clean", "--quiet", "--locked", "--profile", profile]);
+        clean.current_dir(workspace::root()).args([
+            "clean",
+            "--quiet",
+            "--locked",
+            "--profile",
+            profile,
+        ]);
         clean.args(["-p", "torch-sys", "-p", "beadwork-learn", "-p", "beadwork-cli"]);
         let status = clean.status().context("cargo could not be started")?;
-        ensure!(status.success(), "builds against another libtorch could not be removed: run 'cargo clean'");
+        ensure!(
+            status.success(),
+            "builds against another libtorch could not be removed: run 'cargo clean'"
+        );
     }
     Ok(())
 }
@@ -290,7 +386,8 @@ mod tests {
 
     impl Folder {
         fn new(name: &str) -> Self {
-            let path = std::env::temp_dir().join(format!("xtask-setup-{}-{name}", std::process::id()));
+            let path =
+                std::env::temp_dir().join(format!("xtask-setup-{}-{name}", std::process::id()));
             fs::create_dir_all(&path).unwrap();
             Self(path)
         }
@@ -352,7 +449,8 @@ mod tests {
     fn without_python_or_pip_nothing_is_left_behind() {
         let folder = Folder::new("python");
         let cache = folder.0.join("cache");
-        let error = provide(&cache, &cache.join("x"), Target::Cpu, OsStr::new("no-such-python")).unwrap_err();
+        let error = provide(&cache, &cache.join("x"), Target::Cpu, OsStr::new("no-such-python"))
+            .unwrap_err();
         assert!(format!("{error:#}").contains("python3 is needed"), "{error:#}");
         // Like a Python without modules, a shell runs what `-c` says, and finds no pip.
         let error = provide(&cache, &cache.join("x"), Target::Cpu, OsStr::new("sh")).unwrap_err();
@@ -374,7 +472,9 @@ mod tests {
             "nvidia_cuda_cupti-13.0.85-py3-none-manylinux_2_25_x86_64.whl",
             "torch-2.13.0-cp312-cp312-manylinux_2_28_x86_64.whl",
         ];
-        for name in names.iter().chain(&["torch-2.12.1-cp312-cp312-manylinux_2_28_x86_64.whl", "wanted.txt"])
+        for name in names
+            .iter()
+            .chain(&["torch-2.12.1-cp312-cp312-manylinux_2_28_x86_64.whl", "wanted.txt"])
         {
             fs::write(folder.0.join(name), "").unwrap();
         }
@@ -388,7 +488,8 @@ mod tests {
         let folder = Folder::new("part");
         // A program that claims to have fetched and unpacked, and did neither.
         assert!(provide(&folder.0, &folder.0.join("x"), Target::Cpu, OsStr::new("true")).is_err());
-        let left: Vec<_> = fs::read_dir(&folder.0).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        let left: Vec<_> =
+            fs::read_dir(&folder.0).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         assert_eq!(left, ["wheels"]);
     }
 

@@ -36,7 +36,8 @@ pub(crate) fn run() -> Result<()> {
 
 /// Words of cargo for what needs libtorch: it is not among the workspace's default members, for it takes minutes to build.
 fn learning<'a>(first: &[&'a str], last: &[&'a str]) -> Vec<&'a str> {
-    let packages = ["-p", "beadwork-learn", "-p", "beadwork-cli", "--features", "beadwork-cli/learn"];
+    let packages =
+        ["-p", "beadwork-learn", "-p", "beadwork-cli", "--features", "beadwork-cli/learn"];
     [first, &packages, last].concat()
 }
 
@@ -53,7 +54,8 @@ fn step<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
 fn cargo_step(words: &[&str], variable: Option<(&str, &str)>) -> Result<()> {
     let name = format!("cargo {}", words.join(" "));
     step(&name, || {
-        let status = cargo_at_root(words).envs(variable).status().context("cargo could not be started")?;
+        let status =
+            cargo_at_root(words).envs(variable).status().context("cargo could not be started")?;
         ensure!(status.success(), "'{name}' failed: {status}");
         Ok(())
     })

@@ -54,8 +54,10 @@ pub(crate) fn run() -> Result<()> {
             continue;
         }
         if tracked.contains(path) && metadata.len() > MAX_BYTES {
-            let what =
-                format!("{} bytes in git, more than {MAX_BYTES}: generate or fetch it", metadata.len());
+            let what = format!(
+                "{} bytes in git, more than {MAX_BYTES}: generate or fetch it",
+                metadata.len()
+            );
             problems.push(Problem { path: path.clone(), line: 1, what });
         }
         if is_checked(path) {
@@ -224,7 +226,11 @@ workspace = true
     fn blanks_and_tabs_are_found_with_their_lines() {
         assert_eq!(
             report("a.md", "one \n\ntwo\t\n\tthree\n"),
-            ["a.md:1: blank at the end of the line", "a.md:3: blank at the end of the line", "a.md:4: tab",]
+            [
+                "a.md:1: blank at the end of the line",
+                "a.md:3: blank at the end of the line",
+                "a.md:4: tab",
+            ]
         );
         assert_eq!(report("a.toml", "x = 1 \n"), ["a.toml:1: blank at the end of the line"]);
         assert!(report("a.md", "one\r\ntwo\r\n").is_empty());
@@ -246,7 +252,8 @@ workspace = true
         for name in LEFTOVERS {
             let text = format!("//! Docs.\nfn f() {{\n    std::{name}!()\n}}\n");
             assert_eq!(report("a.rs", &text), [format!("a.rs:3: {name}! is left over")]);
-            let longer = format!("//! Docs.\nfn f() {{\n    my_{name}!();\n    let {name} = 1;\n}}\n");
+            let longer =
+                format!("//! Docs.\nfn f() {{\n    my_{name}!();\n    let {name} = 1;\n}}\n");
             assert!(report("a.rs", &longer).is_empty());
         }
     }
@@ -259,8 +266,11 @@ workspace = true
     #[test]
     fn each_missing_inheritance_is_found() {
         for key in INHERITED {
-            let text = GOOD.replace(&format!("\n{key}.workspace = true"), &format!("\n{key} = \"1\""));
-            let what = format!("x/Cargo.toml:1: {key} is not the workspace's: write {key}.workspace = true");
+            let text =
+                GOOD.replace(&format!("\n{key}.workspace = true"), &format!("\n{key} = \"1\""));
+            let what = format!(
+                "x/Cargo.toml:1: {key} is not the workspace's: write {key}.workspace = true"
+            );
             assert_eq!(report("x/Cargo.toml", &text), [what]);
         }
         let text = GOOD.replace("[lints]\nworkspace = true\n", "");
@@ -270,15 +280,19 @@ workspace = true
 
     #[test]
     fn a_dependency_does_not_count_as_inherited() {
-        let text = GOOD.replace("license.workspace = true\n", "\n[dependencies]\nlicense.workspace = true\n");
+        let text = GOOD
+            .replace("license.workspace = true\n", "\n[dependencies]\nlicense.workspace = true\n");
         assert_eq!(report("x/Cargo.toml", &text).len(), 1);
     }
 
     #[test]
     fn the_root_and_other_tables_are_left_alone() {
         assert!(
-            report("Cargo.toml", "[workspace]\nmembers = []\n\n[workspace.package]\nversion = \"1\"\n")
-                .is_empty()
+            report(
+                "Cargo.toml",
+                "[workspace]\nmembers = []\n\n[workspace.package]\nversion = \"1\"\n"
+            )
+            .is_empty()
         );
         assert!(report("deny.toml", "[licenses]\nallow = []\n").is_empty());
     }

@@ -86,7 +86,8 @@ impl Chart<'_> {
         let values = |axis: Axis<'_>, value: fn(&(f64, f64)) -> f64| -> (f64, f64) {
             let points = self.series.iter().flat_map(|series| series.points.iter().map(value));
             let all = points.chain(axis.shown.iter().copied()).map(|value| axis.place(value));
-            let (low, high) = all.fold((f64::MAX, f64::MIN), |(low, high), at| (low.min(at), high.max(at)));
+            let (low, high) =
+                all.fold((f64::MAX, f64::MIN), |(low, high), at| (low.min(at), high.max(at)));
             match (low < high, axis.logarithmic) {
                 (true, true) => (low.floor(), high.ceil()),
                 (true, false) => (low, high),
@@ -165,7 +166,8 @@ fn legend(area: &Area<'_>, charts: &[Chart<'_>]) -> anyhow::Result<()> {
     for series in series.filter(|series| seen.insert(&series.name)) {
         let line = vec![(left, 12), (left + 26, 12)];
         area.draw(&PathElement::new(line, series.style())).map_err(told)?;
-        let style = ("sans-serif", 12).into_text_style(area).pos(Pos::new(HPos::Left, VPos::Center));
+        let style =
+            ("sans-serif", 12).into_text_style(area).pos(Pos::new(HPos::Left, VPos::Center));
         area.draw(&Text::new(series.name.clone(), (left + 32, 12), style)).map_err(told)?;
         left += 60 + 7 * series.name.chars().count() as i32;
     }
@@ -198,14 +200,19 @@ pub(crate) fn maps(maps: &[Map], columns: usize, most: f64) -> anyhow::Result<St
             let text = |size: i32, across: HPos| {
                 ("sans-serif", size).into_text_style(&area).pos(Pos::new(across, VPos::Center))
             };
-            let title = ("sans-serif", 14).into_font().style(FontStyle::Bold).into_text_style(&area);
+            let title =
+                ("sans-serif", 14).into_font().style(FontStyle::Bold).into_text_style(&area);
             area.draw(&Text::new(map.title.clone(), (LEFT, 6), title)).map_err(told)?;
-            let places = |count: usize, from: i32, step: i32| (0..count as i32).map(move |i| from + i * step);
+            let places = |count: usize, from: i32, step: i32| {
+                (0..count as i32).map(move |i| from + i * step)
+            };
             for (name, x) in map.columns.iter().zip(places(map.columns.len(), LEFT, CELL.0)) {
                 let at = (x + CELL.0 / 2, TOP - 14);
                 area.draw(&Text::new(name.clone(), at, text(12, HPos::Center))).map_err(told)?;
             }
-            for (row, (name, y)) in map.rows.iter().zip(places(map.rows.len(), TOP, CELL.1)).enumerate() {
+            for (row, (name, y)) in
+                map.rows.iter().zip(places(map.rows.len(), TOP, CELL.1)).enumerate()
+            {
                 let at = (LEFT - 8, y + CELL.1 / 2);
                 area.draw(&Text::new(name.clone(), at, text(12, HPos::Right))).map_err(told)?;
                 let values = &map.values[row * map.columns.len()..][..map.columns.len()];
@@ -232,12 +239,16 @@ fn shade(share: f64) -> RGBColor {
 
     let at = share * (STOPS.len() - 1) as f64;
     let stop = (at as usize).min(STOPS.len() - 2);
-    let between = |i: usize| STOPS[stop][i] + (STOPS[stop + 1][i] - STOPS[stop][i]) * (at - stop as f64);
+    let between =
+        |i: usize| STOPS[stop][i] + (STOPS[stop + 1][i] - STOPS[stop][i]) * (at - stop as f64);
     let [r, g, b] = [0, 1, 2].map(|i| between(i) as u8);
     RGBColor(r, g, b)
 }
 
-fn drawn(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> anyhow::Result<()>) -> anyhow::Result<String> {
+fn drawn(
+    size: (u32, u32),
+    draw: impl FnOnce(&Area<'_>) -> anyhow::Result<()>,
+) -> anyhow::Result<String> {
     let mut svg = String::new();
     {
         let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();

@@ -28,10 +28,12 @@ impl FromStr for Place {
             "right" => Side::Right,
             "bottom" => Side::Bottom,
             _ => {
-                let place = text.split_once(',').and_then(|(x, y)| Some((x.parse().ok()?, y.parse().ok()?)));
-                return place
-                    .map(|(x, y)| Self::Cell { x, y })
-                    .ok_or_else(|| "give a cell as X,Y, or left, top, right, bottom or any".to_owned());
+                let place = text
+                    .split_once(',')
+                    .and_then(|(x, y)| Some((x.parse().ok()?, y.parse().ok()?)));
+                return place.map(|(x, y)| Self::Cell { x, y }).ok_or_else(|| {
+                    "give a cell as X,Y, or left, top, right, bottom or any".to_owned()
+                });
             }
         };
         Ok(Self::Side(side))
@@ -45,7 +47,10 @@ impl Place {
             Self::Any => Terminal::Any,
             Self::Side(side) => Terminal::Side(side),
             Self::Cell { x, y } => {
-                if x >= region.width() || y >= region.height() || !region.contains(region.cell(x, y)) {
+                if x >= region.width()
+                    || y >= region.height()
+                    || !region.contains(region.cell(x, y))
+                {
                     bail!("the cell {x},{y} lies outside the region");
                 }
                 Terminal::Cell(region.cell(x, y))
@@ -61,11 +66,14 @@ pub(crate) fn read_costs(path: &PathBuf) -> anyhow::Result<ZoneCosts> {
     let rows: Vec<&str> = text.lines().filter(|line| !line.trim().is_empty()).collect();
     let mut costs = Vec::new();
     for (number, row) in rows.iter().enumerate() {
-        let words = row.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty());
+        let words =
+            row.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty());
         for word in words {
             let cost = word.parse::<u32>();
-            costs
-                .push(cost.with_context(|| format!("'{word}' in row {}", number + 1)).with_context(in_file)?);
+            costs.push(
+                cost.with_context(|| format!("'{word}' in row {}", number + 1))
+                    .with_context(in_file)?,
+            );
         }
         let expected = (number + 1) * rows.len();
         if costs.len() != expected {

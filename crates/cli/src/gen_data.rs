@@ -64,7 +64,9 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let (name, mut config) = args.source.load()?;
     if let Some(pictures) = &args.pictures {
         if config.pictures.is_none() {
-            output::wrong_use("--pictures needs a configuration of pictures, such as --preset pictures");
+            output::wrong_use(
+                "--pictures needs a configuration of pictures, such as --preset pictures",
+            );
         }
         config.pictures = Some(pictures.to_string_lossy().into_owned());
     }
@@ -72,7 +74,9 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     config.count = args.count.unwrap_or(config.count);
     let folder = args.out.clone().unwrap_or_else(|| Path::new("datasets").join(name));
     let pictures = match &config.pictures {
-        Some(configured) => read_pictures(args.pictures.as_deref().unwrap_or(Path::new(configured)))?,
+        Some(configured) => {
+            read_pictures(args.pictures.as_deref().unwrap_or(Path::new(configured)))?
+        }
         None => Vec::new(),
     };
     let factory = Factory::new(config, pictures)?;
@@ -103,7 +107,9 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         );
     }
     let (moves, bytes, raw_bytes) = generated.manifest.as_ref().map_or((0, 0, 0), |manifest| {
-        let sum = |of: fn(&beadwork_dataset::ShardEntry) -> u64| manifest.shards.iter().map(of).sum::<u64>();
+        let sum = |of: fn(&beadwork_dataset::ShardEntry) -> u64| {
+            manifest.shards.iter().map(of).sum::<u64>()
+        };
         (manifest.moves, sum(|shard| shard.bytes), sum(|shard| shard.raw_bytes))
     });
     if args.json {
@@ -139,22 +145,27 @@ impl ConfigSource {
             return Ok((name.clone(), config));
         }
         let path = self.config.as_ref().expect("clap asks for one of the two");
-        let text = fs::read_to_string(path).with_context(|| format!("cannot read '{}'", path.display()))?;
+        let text = fs::read_to_string(path)
+            .with_context(|| format!("cannot read '{}'", path.display()))?;
         let config = Config::from_toml(&text).with_context(|| format!("'{}'", path.display()))?;
-        let name = path.file_stem().map_or("dataset".into(), |name| name.to_string_lossy().into_owned());
+        let name =
+            path.file_stem().map_or("dataset".into(), |name| name.to_string_lossy().into_owned());
         Ok((name, config))
     }
 }
 
 /// The PNG files of a folder by name, without extension.
 fn read_pictures(folder: &Path) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
-    let entries = fs::read_dir(folder).with_context(|| format!("cannot list '{}'", folder.display()))?;
+    let entries =
+        fs::read_dir(folder).with_context(|| format!("cannot list '{}'", folder.display()))?;
     let mut pictures = Vec::new();
     for entry in entries {
         let path = entry.with_context(|| format!("cannot list '{}'", folder.display()))?.path();
-        let is_png = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+        let is_png =
+            path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
         if let (true, Some(name)) = (is_png, path.file_stem()) {
-            let bytes = fs::read(&path).with_context(|| format!("cannot read '{}'", path.display()))?;
+            let bytes =
+                fs::read(&path).with_context(|| format!("cannot read '{}'", path.display()))?;
             pictures.push((name.to_string_lossy().into_owned(), bytes));
         }
     }

@@ -23,10 +23,14 @@ pub(crate) fn chart(row: &Row, genetic: &GeneticRow) -> anyhow::Result<String> {
     if let Some(bound) = row.bound {
         series.push(line("bound", GREY, Stroke::Thin, &|_| bound as f64));
     }
-    let diversity = line("diversity", GREEN, Stroke::Plain, &|place| genetic.history[place].diversity);
+    let diversity =
+        line("diversity", GREEN, Stroke::Plain, &|place| genetic.history[place].diversity);
     let preset = row.preset.as_deref().unwrap_or_default();
     let crossings = Chart {
-        title: format!("{} {}x{}, {preset}: {} before", row.layout, row.width, row.height, row.initial),
+        title: format!(
+            "{} {}x{}, {preset}: {} before",
+            row.layout, row.width, row.height, row.initial
+        ),
         x: axis("generation"),
         y: axis("crossings"),
         series,

@@ -54,7 +54,8 @@ pub(crate) fn cuboid(size: [u32; 3]) -> Voxels {
 
 fn voxels([width, height, depth]: [u32; 3], inside: impl Fn([u32; 3]) -> bool) -> Voxels {
     let frame = Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width, height };
-    let places = (0..depth).flat_map(|z| (0..height).flat_map(move |y| (0..width).map(move |x| [x, y, z])));
+    let places =
+        (0..depth).flat_map(|z| (0..height).flat_map(move |y| (0..width).map(move |x| [x, y, z])));
     let materials = places.map(|at| if inside(at) { 0 } else { Voxels::EMPTY }).collect();
     Voxels::new(frame, depth as usize, materials)
 }

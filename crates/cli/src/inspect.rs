@@ -51,8 +51,8 @@ struct Shard {
 }
 
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
-    let metadata =
-        fs::metadata(&args.path).with_context(|| format!("cannot read '{}'", args.path.display()))?;
+    let metadata = fs::metadata(&args.path)
+        .with_context(|| format!("cannot read '{}'", args.path.display()))?;
     let dataset = if metadata.is_dir() { Some(Dataset::open(&args.path)?) } else { None };
     let shards = match &dataset {
         Some(dataset) => listed_shards(dataset, &args.path),
@@ -96,7 +96,8 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         writeln!(text, "config {}", manifest.config)?;
         write_strata(&mut text, &manifest.strata)?;
     }
-    let times: Option<Vec<Vec<f64>>> = shards.iter().map(|shard| search_times(&shard.path)).collect();
+    let times: Option<Vec<Vec<f64>>> =
+        shards.iter().map(|shard| search_times(&shard.path)).collect();
     if let Some(times) = times.map(|times| times.concat()).filter(|times| !times.is_empty()) {
         let sum: f64 = times.iter().sum();
         let (mean, most) = (sum / times.len() as f64, times.iter().copied().fold(0.0, f64::max));
@@ -142,7 +143,8 @@ fn read_shard(path: &Path) -> anyhow::Result<Shard> {
 
 fn open(path: &Path) -> anyhow::Result<ShardReader<BufReader<File>>> {
     let file = File::open(path).with_context(|| format!("cannot read '{}'", path.display()))?;
-    ShardReader::open(BufReader::new(file)).with_context(|| format!("cannot read '{}'", path.display()))
+    ShardReader::open(BufReader::new(file))
+        .with_context(|| format!("cannot read '{}'", path.display()))
 }
 
 fn first_records(shards: &[Shard], count: usize) -> anyhow::Result<Vec<Trajectory>> {
@@ -163,11 +165,15 @@ fn verify(shards: &[Shard], dataset: Option<&Dataset>, threads: usize) -> anyhow
     let pool = rayon::ThreadPoolBuilder::new().num_threads(machine::threads(threads)).build()?;
     let cancel = cancel::token()?;
     let bar = progress::bar(shards.iter().map(|shard| shard.records).sum(), "verify");
-    let blocks: Vec<(&Shard, u32)> =
-        shards.iter().flat_map(|shard| (0..shard.blocks).map(move |block| (shard, block))).collect();
+    let blocks: Vec<(&Shard, u32)> = shards
+        .iter()
+        .flat_map(|shard| (0..shard.blocks).map(move |block| (shard, block)))
+        .collect();
     let verified = pool.install(|| {
         if let Some(dataset) = dataset {
-            (0..shards.len()).into_par_iter().try_for_each(|shard| dataset.verify_shard(shard).map(drop))?;
+            (0..shards.len())
+                .into_par_iter()
+                .try_for_each(|shard| dataset.verify_shard(shard).map(drop))?;
         }
         let moves = blocks.par_iter().map(|&(shard, block)| {
             if cancel.load(Ordering::Relaxed) {
@@ -202,7 +208,9 @@ fn verify_block(shard: &Shard, block: u32, bar: &ProgressBar) -> anyhow::Result<
                 trajectory.index
             );
         }
-        trajectory.replay().with_context(|| format!("'{}', trajectory {number}", shard.path.display()))?;
+        trajectory
+            .replay()
+            .with_context(|| format!("'{}', trajectory {number}", shard.path.display()))?;
         moves += trajectory.moves.len() as u64;
         bar.inc(1);
     }

@@ -45,8 +45,11 @@ impl InstanceArgs {
         if let Some(path) = &self.image {
             let in_file = || format!("cannot read '{}'", path.display());
             let bytes = fs::read(path).with_context(in_file)?;
-            let Picture { region, zones, colours } = Picture::from_png(&bytes).with_context(in_file)?;
-            let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+            let Picture { region, zones, colours } =
+                Picture::from_png(&bytes).with_context(in_file)?;
+            let name = path
+                .file_stem()
+                .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
             return Ok(Instance { name, region, zones, colours: Some(colours) });
         }
         let usual = LayoutSpec::new(self.layout);
@@ -57,7 +60,9 @@ impl InstanceArgs {
         };
         let Size { width, height } = self.size;
         let region = match self.shape {
-            Some(shape) => shape.region(width, height, seed).with_context(|| format!("no {shape} fits"))?,
+            Some(shape) => {
+                shape.region(width, height, seed).with_context(|| format!("no {shape} fits"))?
+            }
             None => Region::rectangle(width, height)?,
         };
         let zones = spec.zones(&region, seed)?;

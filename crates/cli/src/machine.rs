@@ -24,7 +24,13 @@ pub(crate) fn line() -> String {
 /// Facts of a machine, perhaps noted earlier, on one line.
 pub(crate) fn told(facts: &Value) -> String {
     let text = |key: &str| facts[key].as_str().unwrap_or("unknown").to_owned();
-    format!("{}, {} cores, {}, commit {}", text("processor"), facts["cores"], text("system"), text("commit"))
+    format!(
+        "{}, {} cores, {}, commit {}",
+        text("processor"),
+        facts["cores"],
+        text("system"),
+        text("commit")
+    )
 }
 
 /// The number of threads asked for, where 0 stands for one a core.
@@ -75,7 +81,7 @@ fn commit() -> Option<String> {
         Some(String::from_utf8(output.stdout).ok()?.trim().to_owned())
     };
     let commit = run(&["rev-parse", "--short=12", "HEAD"])?;
-    let changed =
-        run(&["status", "--porcelain", "--untracked-files=no"]).is_some_and(|list| !list.is_empty());
+    let changed = run(&["status", "--porcelain", "--untracked-files=no"])
+        .is_some_and(|list| !list.is_empty());
     Some(if changed { format!("{commit} with changes") } else { commit })
 }

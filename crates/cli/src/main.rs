@@ -4,7 +4,10 @@
 //! progress and errors to stderr; a reader that closes the pipe early has seen enough.
 
 #![allow(clippy::print_stderr, reason = "a command line talks to its terminal")]
-#![allow(clippy::doc_markdown, reason = "the comments on flags are their help, where backticks are noise")]
+#![allow(
+    clippy::doc_markdown,
+    reason = "the comments on flags are their help, where backticks are noise"
+)]
 
 mod accuracy;
 mod bench;

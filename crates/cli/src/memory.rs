@@ -3,8 +3,7 @@
 /// Blocks up to 32 MiB, the most that all versions allow, come from the heap; what is free at its end stays there; and its pages
 /// are large ones where the system has them.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
-const KEEP: &str =
-    "glibc.malloc.mmap_threshold=33554432:glibc.malloc.trim_threshold=17179869184:glibc.malloc.hugetlb=1";
+const KEEP: &str = "glibc.malloc.mmap_threshold=33554432:glibc.malloc.trim_threshold=17179869184:glibc.malloc.hugetlb=1";
 
 /// Begins the process anew with an allocator that keeps what is freed, unless the caller has settings of their own.
 ///

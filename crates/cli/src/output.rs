@@ -22,7 +22,8 @@ pub(crate) fn json(value: &serde_json::Value) -> anyhow::Result<()> {
 /// Writes a file, whole or not at all; a terminal or a pipe is written to, not replaced.
 pub(crate) fn file(path: &Path, content: impl AsRef<[u8]>) -> anyhow::Result<()> {
     if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
-        return fs::write(path, content).with_context(|| format!("cannot write '{}'", path.display()));
+        return fs::write(path, content)
+            .with_context(|| format!("cannot write '{}'", path.display()));
     }
     Ok(write_whole(path, |out| out.write_all(content.as_ref()))?)
 }

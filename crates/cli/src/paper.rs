@@ -6,7 +6,8 @@ use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
 use beadwork_search::Preset;
 
 /// The presets whose mean comes closest to Table 5: all of the paper's but the shortest.
-pub(crate) const AVERAGED: [Preset; 4] = [Preset::Medium, Preset::Paper, Preset::Long, Preset::ExtraLong];
+pub(crate) const AVERAGED: [Preset; 4] =
+    [Preset::Medium, Preset::Paper, Preset::Long, Preset::ExtraLong];
 
 /// The sizes of the paper's tables. Its 30x100 has 100 rows of 30 cells.
 pub(crate) const SIZES: [Size; 6] =
@@ -91,7 +92,12 @@ impl Cell {
         };
         let found: Vec<u64> = (0..TRIED).filter(matches).take(most as usize).collect();
         if found.is_empty() {
-            bail!("no {} of {} among {TRIED} has about {} crossings", self.layout, self.size, self.zigzag);
+            bail!(
+                "no {} of {} among {TRIED} has about {} crossings",
+                self.layout,
+                self.size,
+                self.zigzag
+            );
         }
         Ok(found)
     }

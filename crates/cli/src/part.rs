@@ -98,7 +98,8 @@ impl<const N: usize> FromStr for Numbers<N> {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+        let numbers: Option<Vec<f64>> =
+            text.split(',').map(|number| number.trim().parse().ok()).collect();
         let numbers = numbers.and_then(|numbers| numbers.try_into().ok());
         numbers.map(Self).ok_or_else(|| format!("give {N} numbers with commas between"))
     }
@@ -149,8 +150,9 @@ impl PartArgs {
                         _ => format!("{} {}", name_of(path), number + 1),
                     };
                 }
-                let done =
-                    body.repair().with_context(|| format!("'{}', body {}", path.display(), body.name))?;
+                let done = body
+                    .repair()
+                    .with_context(|| format!("'{}', body {}", path.display(), body.name))?;
                 if !done.was_sound() {
                     repaired.push((body.name.clone(), done));
                 }

@@ -204,7 +204,8 @@ impl Search<'_> {
             Some(bounds) if bounds.pieces == pieces => bounds.crossings(),
             _ => bound::components(region, zones, pieces),
         };
-        let (mut lower, mut piece_bound) = (u64::from(lower), bounds.map_or(1, |bounds| bounds.pieces));
+        let (mut lower, mut piece_bound) =
+            (u64::from(lower), bounds.map_or(1, |bounds| bounds.pieces));
         let (mut exact, mut genetic, mut fusion) = (None, None, None);
         let mut seconds_before = 0.0;
         let begin = Instant::now();
@@ -254,8 +255,11 @@ impl Search<'_> {
                 (outcome.path, outcome.moves.len() as u64)
             }
             Choice::Exact(settings) => {
-                let plan =
-                    exact::solve(region, zones, &exact::Settings { seed, cancel: Some(cancel), ..settings })?;
+                let plan = exact::solve(
+                    region,
+                    zones,
+                    &exact::Settings { seed, cancel: Some(cancel), ..settings },
+                )?;
                 (lower, piece_bound) = (plan.bound, plan.piece_bound);
                 let optimal = plan.is_optimal();
                 let (cost, attempts) = (plan.cost, plan.attempts);

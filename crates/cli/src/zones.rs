@@ -115,8 +115,9 @@ impl Args {
             ("--target", self.target.is_some()),
             ("--budget", self.budget.is_some()),
         ];
-        let given =
-            |flags: &[(&'static str, bool)]| flags.iter().find(|(_, given)| *given).map(|(flag, _)| *flag);
+        let given = |flags: &[(&'static str, bool)]| {
+            flags.iter().find(|(_, given)| *given).map(|(flag, _)| *flag)
+        };
         if let Some(flag) = given(&exact).filter(|_| method != MethodName::Exact) {
             wrong_use(&format!("{flag} is for --method exact"));
         }
@@ -219,7 +220,11 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
             draw_stages(&instance, &drawn.into_inner().expect("no drawing panics"), &row, &best),
         )?;
     }
-    if args.json { output::json(&json!(row)) } else { output::text(&describe(&row, costs.as_ref())) }
+    if args.json {
+        output::json(&json!(row))
+    } else {
+        output::text(&describe(&row, costs.as_ref()))
+    }
 }
 
 /// One line for people.
@@ -233,7 +238,9 @@ fn describe(row: &Row, costs: Option<&ZoneCosts>) -> String {
     let bound = row.bound.unwrap_or_default();
     let quality = match &row.exact {
         _ if row.is_proven() && costs.is_none() => ", proven to be the fewest".to_owned(),
-        Some(exact) if exact.optimal => format!(" at a cost of {}, proven to be the least", exact.cost),
+        Some(exact) if exact.optimal => {
+            format!(" at a cost of {}, proven to be the least", exact.cost)
+        }
         Some(exact) if costs.is_some() => format!(" at a cost of {}, at least {bound}", exact.cost),
         _ => format!(", at least {bound}"),
     };
@@ -261,7 +268,8 @@ fn draw_stages(
     best: &Path,
 ) -> String {
     let Instance { region, zones, colours, .. } = instance;
-    let crossings = |links: &[[Cell; 2]]| links.iter().filter(|[a, b]| zones.id(*a) != zones.id(*b)).count();
+    let crossings =
+        |links: &[[Cell; 2]]| links.iter().filter(|[a, b]| zones.id(*a) != zones.id(*b)).count();
     let title = |stage: Stage, links: &[[Cell; 2]]| {
         let what = match stage {
             Stage::Ladders => "1. ladders inside the zones",
@@ -276,7 +284,11 @@ fn draw_stages(
     let stages: BTreeMap<Stage, Vec<[Cell; 2]>> =
         stages.iter().map(|(&stage, links)| (stage, links.iter().copied().collect())).collect();
     let titles: Vec<String> = stages.iter().map(|(&stage, links)| title(stage, links)).collect();
-    let last = format!("the path: {} crossings, at least {}", row.crossings, row.bound.unwrap_or_default());
+    let last = format!(
+        "the path: {} crossings, at least {}",
+        row.crossings,
+        row.bound.unwrap_or_default()
+    );
     let panel = |title, path, links| Panel { title, region, zones, path, links };
     let mut panels: Vec<Panel<'_>> =
         stages.values().zip(&titles).map(|(links, title)| panel(title, None, links)).collect();
@@ -297,7 +309,13 @@ fn draw(instance: &Instance, row: &Row, start: &Path, best: &Path) -> String {
         ),
     ];
     let paths = [start, best];
-    let panels = [0, 1].map(|i| Panel { title: &titles[i], region, zones, path: Some(paths[i]), links: &[] });
+    let panels = [0, 1].map(|i| Panel {
+        title: &titles[i],
+        region,
+        zones,
+        path: Some(paths[i]),
+        links: &[],
+    });
     let shown = if row.method == MethodName::Zigzag.name() { &panels[..1] } else { &panels[..] };
     svg(shown, colours.as_deref())
 }

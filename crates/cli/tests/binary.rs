@@ -7,7 +7,8 @@ use std::process::Command;
 
 #[test]
 fn it_tells_its_version() {
-    let output = Command::new(env!("CARGO_BIN_EXE_beadwork")).arg("--version").output().expect("it starts");
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_beadwork")).arg("--version").output().expect("it starts");
     assert!(output.status.success());
     assert_eq!(output.stdout, concat!("beadwork ", env!("CARGO_PKG_VERSION"), "\n").as_bytes());
 }

@@ -46,8 +46,10 @@ fn a_network_is_trained_and_walks() {
     let (data, out) = (folder.path().join("data"), folder.path().join("run"));
     let done = json(&train(&data, &out));
     assert_eq!((&done["end"], &done["steps"]), (&"done".into(), &20.into()), "{done}");
-    let mut files: Vec<_> =
-        fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    let mut files: Vec<_> = fs::read_dir(&out)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
     files.retain(|name| !name.starts_with("events.out.tfevents."));
     files.sort();
     assert_eq!(
@@ -64,7 +66,11 @@ fn a_network_is_trained_and_walks() {
     let error = fail(&train(&data, &out));
     assert!(error.contains("--resume"), "{error}");
     let again = json(&[&train(&data, &out)[..], &["--resume"]].concat());
-    assert_eq!((&again["end"], &again["examples"]), (&"done".into(), &0.into()), "nothing is left to do");
+    assert_eq!(
+        (&again["end"], &again["examples"]),
+        (&"done".into(), &0.into()),
+        "nothing is left to do"
+    );
 
     let model = out.join("best.safetensors");
     fs::remove_file(out.join("last.checkpoint")).unwrap();
@@ -81,17 +87,25 @@ fn a_network_is_trained_and_walks() {
     assert_eq!(walked["method"], "fusion");
     assert!(walked["crossings"].as_u64() <= walked["initial"].as_u64(), "{walked}");
     assert!(walked["moves"].as_u64() <= walked["made"].as_u64(), "{walked}");
-    assert_eq!(walked["reached"], walked["crossings"] == walked["target"], "the target is a lower bound");
+    assert_eq!(
+        walked["reached"],
+        walked["crossings"] == walked["target"],
+        "the target is a lower bound"
+    );
     assert!(fs::read_to_string(&svg).unwrap().starts_with("<svg"));
     let error = fail(&[&words[..], &["--size", "200x10"]].concat());
     assert!(error.contains("128 x 128") && error.contains("200 x 10"), "{error}");
 
     let model = text(&out);
-    let table = ["eval", "fusion", "--model", model, "--sizes", "30x30", "--seeds", "1", "--runs", "2"];
+    let table =
+        ["eval", "fusion", "--model", model, "--sizes", "30x30", "--seeds", "1", "--runs", "2"];
     let told = json(&[&table[..], &["--budget", "40", "--data", text(&data)]].concat());
     assert_eq!(told["rows"].as_array().unwrap().len(), 2, "a seed of two layouts: {told}");
     // Of each layout four trajectories are kept for the end; of each 20 moves count, or fewer if it is shorter.
-    assert!((4..=80).contains(&told["held_out"]["islands"]["examples"].as_u64().unwrap()), "{told}");
+    assert!(
+        (4..=80).contains(&told["held_out"]["islands"]["examples"].as_u64().unwrap()),
+        "{told}"
+    );
     let error = fail(&["eval", "fusion", "--model", model, "--sizes", "30x30,200x10"]);
     assert!(error.contains("128 x 128") && error.contains("200 x 10"), "{error}");
 
@@ -120,7 +134,8 @@ fn a_training_that_was_killed_goes_on_with_the_same_losses() {
     // Lines are its head and 20 steps; evaluations, with checkpoints, come after 10 of them and after the last.
     for (resume, lines) in [(&[][..], 0), (&["--resume"], 4), (&["--resume"], 12)] {
         let mut training = beadwork().args(train(&data, &killed)).args(resume).spawn().unwrap();
-        let told = || fs::read_to_string(killed.join("steps.csv")).map_or(0, |text| text.lines().count());
+        let told =
+            || fs::read_to_string(killed.join("steps.csv")).map_or(0, |text| text.lines().count());
         let begun = || killed.join("last.checkpoint").exists();
         while training.try_wait().unwrap().is_none() && !(begun() && told() >= lines) {
             sleep(Duration::from_millis(1));
@@ -138,7 +153,8 @@ fn a_training_that_was_killed_goes_on_with_the_same_losses() {
 fn what_is_no_model_or_no_training_is_told() {
     let folder = tempdir().unwrap();
     let nowhere = folder.path().join("nowhere");
-    let error = fail(&["zones", "--size", "10x10", "--method", "fusion", "--model", text(&nowhere)]);
+    let error =
+        fail(&["zones", "--size", "10x10", "--method", "fusion", "--model", text(&nowhere)]);
     assert!(error.contains("nowhere"), "{error}");
     let error = fail(&train(&nowhere, &folder.path().join("run")));
     assert!(error.contains("nowhere"), "{error}");

@@ -96,7 +96,8 @@ impl FromStr for Size {
     type Err = SizeError;
 
     fn from_str(text: &str) -> Result<Self, SizeError> {
-        let side = |text: &str| text.parse().ok().filter(|side| (1..=Region::MAX_SIDE).contains(side));
+        let side =
+            |text: &str| text.parse().ok().filter(|side| (1..=Region::MAX_SIDE).contains(side));
         let size = text
             .split_once('x')
             .and_then(|(width, height)| Some(Self { width: side(width)?, height: side(height)? }));
@@ -136,7 +137,11 @@ pub enum StartChoice {
 impl StartChoice {
     /// The start that it comes to on a region, and its path. `cover` gives the region's cover where that is needed, for it
     /// is worth keeping.
-    pub fn path(self, region: &Region, cover: impl FnOnce() -> Path) -> Result<(Start, Path), StartError> {
+    pub fn path(
+        self,
+        region: &Region,
+        cover: impl FnOnce() -> Path,
+    ) -> Result<(Start, Path), StartError> {
         match self {
             Self::Given(Start::Cover) => Ok((Start::Cover, cover())),
             Self::Given(start) => Ok((start, start.path(region)?)),
@@ -284,8 +289,7 @@ fn default_starts() -> Vec<Named<StartChoice>> {
 mod tests {
     use super::*;
 
-    const SMALL: &str =
-        "count = 3\nlayouts = [{ name = 'voronoi', zones = 8 }]\nsizes = ['30x100']\npresets = ['short']\n";
+    const SMALL: &str = "count = 3\nlayouts = [{ name = 'voronoi', zones = 8 }]\nsizes = ['30x100']\npresets = ['short']\n";
 
     #[test]
     fn presets_are_sound() {
@@ -302,7 +306,10 @@ mod tests {
         assert_eq!((config.seed, config.per_shard, config.source.0), (0, 256, Source::Anneal));
         assert_eq!(config.starts, [Named(StartChoice::Auto)]);
         assert_eq!(config.sizes, [Size { width: 30, height: 100 }]);
-        assert_eq!(config.layouts[0].spec(), LayoutSpec { layout: Layout::Voronoi, zones: 8, side: 1 });
+        assert_eq!(
+            config.layouts[0].spec(),
+            LayoutSpec { layout: Layout::Voronoi, zones: 8, side: 1 }
+        );
     }
 
     #[test]
@@ -314,24 +321,38 @@ mod tests {
 
     #[test]
     fn mistakes_are_named() {
-        let error =
-            |change: &dyn Fn(&str) -> String| Config::from_toml(&change(SMALL)).unwrap_err().to_string();
+        let error = |change: &dyn Fn(&str) -> String| {
+            Config::from_toml(&change(SMALL)).unwrap_err().to_string()
+        };
         assert!(error(&|text| format!("colour = 1\n{text}")).contains("unknown field `colour`"));
         assert!(error(&|text| text.replace("zones", "zone")).contains("unknown field `zone`"));
-        assert!(error(&|text| text.replace("'voronoi'", "'vornoi'")).contains("'vornoi' is no layout"));
-        assert!(error(&|text| text.replace("'short'", "'shor'")).contains("'shor' is no annealing preset"));
+        assert!(
+            error(&|text| text.replace("'voronoi'", "'vornoi'")).contains("'vornoi' is no layout")
+        );
+        assert!(
+            error(&|text| text.replace("'short'", "'shor'"))
+                .contains("'shor' is no annealing preset")
+        );
         assert!(error(&|text| text.replace("30x100", "30x")).contains("'30x' is no size"));
         assert!(error(&|text| text.replace("30x100", "0x9")).contains("'0x9' is no size"));
         assert!(error(&|text| format!("starts = ['up']\n{text}")).contains("'up' is no start"));
-        assert_eq!(error(&|text| text.replace("count = 3", "count = 0")), "'count' must be at least 1");
-        assert_eq!(error(&|text| format!("per_shard = 0\n{text}")), "'per_shard' must be at least 1");
+        assert_eq!(
+            error(&|text| text.replace("count = 3", "count = 0")),
+            "'count' must be at least 1"
+        );
+        assert_eq!(
+            error(&|text| format!("per_shard = 0\n{text}")),
+            "'per_shard' must be at least 1"
+        );
         assert_eq!(error(&|text| text.replace("'short'", "")), "'presets' is empty");
         assert!(error(&|text| text.replace("'short'", "'shor'")).starts_with("line 4: "));
         assert!(error(&|text| text.replace("= 3", "= 99000000000")).contains("raise 'per_shard'"));
         assert!(
-            error(&|text| format!("source = 'zigzag'\n{text}")).contains("choose anneal, genetic or chains")
+            error(&|text| format!("source = 'zigzag'\n{text}"))
+                .contains("choose anneal, genetic or chains")
         );
-        let foreign = error(&|text| format!("source = 'genetic'\n{}", text.replace("'short'", "'long'")));
+        let foreign =
+            error(&|text| format!("source = 'genetic'\n{}", text.replace("'short'", "'long'")));
         assert!(foreign.contains("'long' is no preset of the genetic algorithm"), "{foreign}");
         assert_eq!(
             error(&|text| format!("pictures = 'x'\n{text}")),

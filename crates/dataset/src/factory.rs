@@ -117,17 +117,18 @@ impl Factory {
                 return Err(FactoryError::NoPictures);
             }
             // The pictures count, not the folder they came from: two machines may keep them in two places.
-            let listed = pictures
-                .iter()
-                .map(|(name, bytes)| json!({ "name": name, "sha256": hex(&Sha256::digest(bytes)) }));
+            let listed = pictures.iter().map(
+                |(name, bytes)| json!({ "name": name, "sha256": hex(&Sha256::digest(bytes)) }),
+            );
             echo["pictures"] = listed.collect();
             let read = |(name, bytes): &(String, Vec<u8>)| {
                 picture(name, bytes).map(|it| Drawn::Picture(Arc::new(it)))
             };
             pictures.iter().map(read).collect::<Result<_, _>>()?
         } else {
-            let sizes =
-                |layout: LayoutSpec| config.sizes.iter().map(move |&size| Drawn::Layout(layout, size));
+            let sizes = |layout: LayoutSpec| {
+                config.sizes.iter().map(move |&size| Drawn::Layout(layout, size))
+            };
             config.layouts.iter().flat_map(|layout| sizes(layout.spec())).collect()
         };
 
@@ -136,7 +137,12 @@ impl Factory {
         for source in sources {
             for &search in &searches {
                 for start in &config.starts {
-                    strata.push(Stratum::new(source.clone(), search, start.0, config.starts.len() > 1));
+                    strata.push(Stratum::new(
+                        source.clone(),
+                        search,
+                        start.0,
+                        config.starts.len() > 1,
+                    ));
                 }
             }
         }
@@ -187,7 +193,11 @@ impl Factory {
     /// Runs the search of one number; `None` if it was cancelled.
     ///
     /// Costs what the search does: 1 to 20 ms with the paper's annealers and sizes, seconds with the genetic algorithm.
-    pub fn trajectory(&self, index: u64, cancel: &AtomicBool) -> Result<Option<Trajectory>, FactoryError> {
+    pub fn trajectory(
+        &self,
+        index: u64,
+        cancel: &AtomicBool,
+    ) -> Result<Option<Trajectory>, FactoryError> {
         let stratum = self.stratum_of(index);
         let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
         rng.set_stream(index);
@@ -196,9 +206,10 @@ impl Factory {
         let (instance, region, zones) = loop {
             match stratum.draw(instance_seed) {
                 // A crowded layout finds room for its islands with some seeds only.
-                Err(FactoryError::Draw { cause: DrawError::Layout(LayoutError::NoRoom { .. }), .. })
-                    if redraws < MAX_REDRAWS =>
-                {
+                Err(FactoryError::Draw {
+                    cause: DrawError::Layout(LayoutError::NoRoom { .. }),
+                    ..
+                }) if redraws < MAX_REDRAWS => {
                     redraws += 1;
                     instance_seed = rng.next_u64();
                 }
@@ -235,7 +246,9 @@ impl Stratum {
             Drawn::Layout(spec, size) if *spec == LayoutSpec::new(spec.layout) => {
                 format!("{}/{size}", spec.layout)
             }
-            Drawn::Layout(spec, size) => format!("{}-{}-{}/{size}", spec.layout, spec.zones, spec.side),
+            Drawn::Layout(spec, size) => {
+                format!("{}-{}-{}/{size}", spec.layout, spec.zones, spec.side)
+            }
             Drawn::Picture(picture) => picture.name.clone(),
         };
         let start_name = if name_the_start { format!("/{start}") } else { String::new() };
@@ -248,8 +261,8 @@ impl Stratum {
                 let seed = if layout.is_random() { seed } else { 0 };
                 let instance = Instance::Layout { layout, side, zones, seed };
                 let drawn = instance.draw(size.width, size.height);
-                let (region, zones) =
-                    drawn.map_err(|cause| FactoryError::Draw { stratum: self.name.clone(), cause })?;
+                let (region, zones) = drawn
+                    .map_err(|cause| FactoryError::Draw { stratum: self.name.clone(), cause })?;
                 Ok((instance, region, zones))
             }
             Drawn::Picture(picture) => {
@@ -277,17 +290,23 @@ impl Stratum {
                 (outcome.stop, outcome.initial, outcome.cost, outcome.moves)
             }
             Search::Genetic(preset) => {
-                let settings = genetic::Settings { bound, cancel, ..genetic::Settings::preset(preset, seed) };
+                let settings =
+                    genetic::Settings { bound, cancel, ..genetic::Settings::preset(preset, seed) };
                 let outcome = genetic::solve(&path, crossings, &settings);
                 (outcome.stop, outcome.initial, outcome.cost, outcome.moves)
             }
             Search::Chains(preset) => {
-                let settings = chains::Settings { bound, cancel, ..chains::Settings::preset(preset, seed) };
+                let settings =
+                    chains::Settings { bound, cancel, ..chains::Settings::preset(preset, seed) };
                 let outcome = chains::solve(&path, crossings, &settings);
                 (outcome.stop, outcome.initial, outcome.cost, outcome.moves)
             }
         };
-        (stop != Stop::Cancelled).then_some(Found { initial: initial as u32, best: best as u32, moves })
+        (stop != Stop::Cancelled).then_some(Found {
+            initial: initial as u32,
+            best: best as u32,
+            moves,
+        })
     }
 
     fn start(&self, region: &Region) -> Result<(Start, Path), FactoryError> {
@@ -301,8 +320,8 @@ impl Stratum {
 }
 
 fn picture(name: &str, bytes: &[u8]) -> Result<PictureSource, FactoryError> {
-    let Picture { region, zones, .. } =
-        Picture::from_png(bytes).map_err(|source| FactoryError::Picture { name: name.to_owned(), source })?;
+    let Picture { region, zones, .. } = Picture::from_png(bytes)
+        .map_err(|source| FactoryError::Picture { name: name.to_owned(), source })?;
     let cover = beadwork_grid::cover(&region);
     Ok(PictureSource { name: name.to_owned(), region, zones, cover })
 }
@@ -377,12 +396,19 @@ mod tests {
     #[test]
     fn impossible_combinations_are_found_at_once() {
         let config = |toml: &str| Config::from_toml(toml).unwrap();
-        let islands =
-            config("count = 1\nlayouts = [{ name = 'islands' }]\nsizes = ['9x9']\npresets = ['paper']");
+        let islands = config(
+            "count = 1\nlayouts = [{ name = 'islands' }]\nsizes = ['9x9']\npresets = ['paper']",
+        );
         let error = Factory::new(islands, Vec::new()).unwrap_err().to_string();
-        assert!(error.starts_with("islands/9x9/paper: found no room for 3 islands of 8 x 8"), "{error}");
+        assert!(
+            error.starts_with("islands/9x9/paper: found no room for 3 islands of 8 x 8"),
+            "{error}"
+        );
         let pictures = config("count = 1\npictures = 'x'\npresets = ['paper']");
-        assert!(matches!(Factory::new(pictures.clone(), Vec::new()), Err(FactoryError::NoPictures)));
+        assert!(matches!(
+            Factory::new(pictures.clone(), Vec::new()),
+            Err(FactoryError::NoPictures)
+        ));
         let error = Factory::new(pictures, vec![("a".to_owned(), b"text".to_vec())]).unwrap_err();
         assert_eq!(error.to_string(), "picture 'a.png'");
         let twice = config(
@@ -396,13 +422,17 @@ mod tests {
     fn the_fingerprint_tells_configurations_apart() {
         let text = "count = 3\nlayouts = [{ name = 'left_right' }]\nsizes = ['5x5']\npresets = ['short']\n";
         assert_eq!(factory(text).fingerprint(), factory(text).fingerprint());
-        assert_ne!(factory(text).fingerprint(), factory(&format!("seed = 1\n{text}")).fingerprint());
+        assert_ne!(
+            factory(text).fingerprint(),
+            factory(&format!("seed = 1\n{text}")).fingerprint()
+        );
     }
 
     #[test]
     fn a_cancelled_search_leaves_nothing() {
-        let factory =
-            factory("count = 3\nlayouts = [{ name = 'voronoi' }]\nsizes = ['30x30']\npresets = ['paper']");
+        let factory = factory(
+            "count = 3\nlayouts = [{ name = 'voronoi' }]\nsizes = ['30x30']\npresets = ['paper']",
+        );
         assert_eq!(factory.trajectory(0, &AtomicBool::new(true)).unwrap(), None);
     }
 }

@@ -45,7 +45,10 @@ pub fn write_whole<T>(
 }
 
 /// [`write_whole`] for those who can only write to a path: `write` makes the temporary file at the one it is given.
-pub fn write_whole_at<T>(path: &Path, write: impl FnOnce(&Path) -> io::Result<T>) -> Result<T, FileError> {
+pub fn write_whole_at<T>(
+    path: &Path,
+    write: impl FnOnce(&Path) -> io::Result<T>,
+) -> Result<T, FileError> {
     try_write(path, write).map_err(|cause| FileError::new("write", path, cause))
 }
 
@@ -156,7 +159,10 @@ mod tests {
 
         let missing = folder.path().join("none").join("b.txt");
         let error = write_whole(&missing, |_| Ok(())).unwrap_err();
-        assert_eq!((error.path.as_path(), error.cause.kind()), (&*missing, io::ErrorKind::NotFound));
+        assert_eq!(
+            (error.path.as_path(), error.cause.kind()),
+            (&*missing, io::ErrorKind::NotFound)
+        );
         assert_eq!(
             write_whole(Path::new("/"), |_| Ok(())).unwrap_err().to_string(),
             "cannot write '/': the path names no file"
@@ -170,7 +176,8 @@ mod tests {
         fs::create_dir(&taken).unwrap();
         assert_eq!(write_whole(&taken, |_| Ok(())).unwrap_err().path, taken);
         let path = folder.path().join("a.txt");
-        let panicked = std::panic::catch_unwind(|| write_whole::<()>(&path, |_| panic!("on purpose")));
+        let panicked =
+            std::panic::catch_unwind(|| write_whole::<()>(&path, |_| panic!("on purpose")));
         assert!(panicked.is_err());
         assert_eq!(names(folder.path()), ["taken"]);
     }

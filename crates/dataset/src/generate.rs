@@ -264,7 +264,9 @@ fn times_file(shard: &Path) -> PathBuf {
 /// Refuses a folder whose finished dataset is another one.
 fn check_manifest(factory: &Factory, folder: &Path) -> Result<(), GenerateError> {
     match Manifest::load(folder) {
-        Ok(manifest) if manifest.config == *factory.echo() && manifest.crate_version == VERSION => Ok(()),
+        Ok(manifest) if manifest.config == *factory.echo() && manifest.crate_version == VERSION => {
+            Ok(())
+        }
         Ok(_) => Err(GenerateError::OtherDataset { path: folder.join(Manifest::FILE) }),
         Err(ManifestError::Missing { .. }) => Ok(()),
         Err(error) => Err(error.into()),
@@ -287,7 +289,8 @@ impl<'a> Shards<'a> {
     }
 
     fn records(&self, number: u32) -> Range<u64> {
-        let (count, per_shard) = (self.factory.config().count, u64::from(self.factory.config().per_shard));
+        let (count, per_shard) =
+            (self.factory.config().count, u64::from(self.factory.config().per_shard));
         let first = u64::from(number) * per_shard;
         first..count.min(first + per_shard)
     }
@@ -331,7 +334,9 @@ impl<'a> Shards<'a> {
             Ok((*reader.header(), Shard { summary: reader.verify()?, moves }))
         };
         match read(file) {
-            Ok((header, _)) if header != self.header(number) => Err(GenerateError::OtherDataset { path }),
+            Ok((header, _)) if header != self.header(number) => {
+                Err(GenerateError::OtherDataset { path })
+            }
             Ok((_, shard)) => Ok(Some(shard)),
             Err(cause) => Err(GenerateError::Shard { path, cause }),
         }
@@ -347,8 +352,11 @@ impl<'a> Shards<'a> {
         let indices: Vec<u64> = self.records(number).collect();
         let searched = indices.into_par_iter().with_max_len(1).map(|index| {
             let begin = Instant::now();
-            let trajectory =
-                if cancel.load(Ordering::Relaxed) { None } else { self.factory.trajectory(index, cancel)? };
+            let trajectory = if cancel.load(Ordering::Relaxed) {
+                None
+            } else {
+                self.factory.trajectory(index, cancel)?
+            };
             if trajectory.is_some() {
                 report();
             }
@@ -356,12 +364,16 @@ impl<'a> Shards<'a> {
         });
         let searched: Result<Option<Vec<_>>, FactoryError> = searched.collect();
         let Some(searched) = searched? else { return Ok(None) };
-        let (trajectories, milliseconds): (Vec<Trajectory>, Vec<f64>) = searched.into_iter().unzip();
+        let (trajectories, milliseconds): (Vec<Trajectory>, Vec<f64>) =
+            searched.into_iter().unzip();
         let moves = trajectories.iter().map(|trajectory| trajectory.moves.len() as u64).sum();
         let chunks = chunks(&trajectories, Trajectory::size_hint);
-        let blocks = chunks.into_par_iter().map(|chunk| Block::pack(chunk, LEVEL)).collect::<Result<_, _>>();
-        let blocks = blocks
-            .map_err(|cause| GenerateError::Pack { path: self.folder.join(Self::file(number)), cause })?;
+        let blocks =
+            chunks.into_par_iter().map(|chunk| Block::pack(chunk, LEVEL)).collect::<Result<_, _>>();
+        let blocks = blocks.map_err(|cause| GenerateError::Pack {
+            path: self.folder.join(Self::file(number)),
+            cause,
+        })?;
         Ok(Some(Made { number, blocks, moves, milliseconds }))
     }
 

@@ -45,10 +45,13 @@ pub use config::{Config, ConfigError, LayoutConfig, Named, Size, SizeError, Star
 pub use factory::{Factory, FactoryError};
 pub use file::{FileError, write_whole, write_whole_at};
 pub use generate::{
-    GenerateError, GenerateProgress, GenerateSettings, Generated, Slice, SliceError, generate, search_times,
+    GenerateError, GenerateProgress, GenerateSettings, Generated, Slice, SliceError, generate,
+    search_times,
 };
 pub use manifest::{Manifest, ManifestError, ShardEntry};
-pub use shard::{Block, PackError, Record, ShardError, ShardHeader, ShardReader, ShardSummary, ShardWriter};
+pub use shard::{
+    Block, PackError, Record, ShardError, ShardHeader, ShardReader, ShardSummary, ShardWriter,
+};
 pub use source::{ForeignPreset, PresetName, Search, Source, UnknownPresetName, UnknownSource};
 pub use stream::{Dataset, DatasetError, Shuffled};
 pub use trajectory::{DrawError, Instance, Moves, ReplayError, Step, Trajectory};

@@ -170,7 +170,10 @@ impl Manifest {
                 return Some(format!("'{}' is not the name of a file in its folder", shard.file));
             }
             if shard.first != next {
-                return Some(format!("'{}' begins at record {}, not {next}", shard.file, shard.first));
+                return Some(format!(
+                    "'{}' begins at record {}, not {next}",
+                    shard.file, shard.first
+                ));
             }
             let Some(end) = shard.first.checked_add(shard.records) else {
                 return Some(format!("'{}' has too many records", shard.file));
@@ -303,7 +306,11 @@ mod tests {
             ("/strata/islands", json!(8), "it counts 12 records, its strata 13"),
             ("/shards/1/first", json!(11), "'shard-00001.bws' begins at record 11, not 10"),
             ("/shards/1/records", json!(u64::MAX), "'shard-00001.bws' has too many records"),
-            ("/shards/0/file", json!("../a.bws"), "'../a.bws' is not the name of a file in its folder"),
+            (
+                "/shards/0/file",
+                json!("../a.bws"),
+                "'../a.bws' is not the name of a file in its folder",
+            ),
             ("/shards/0/file", json!(""), "'' is not the name of a file in its folder"),
         ];
         for (pointer, value, what) in cases {

@@ -89,8 +89,14 @@ impl FromStr for PresetName {
     type Err = UnknownPresetName;
 
     fn from_str(name: &str) -> Result<Self, UnknownPresetName> {
-        match (name.parse::<Preset>(), name.parse::<genetic::Preset>(), name.parse::<chains::Preset>()) {
-            (Err(anneal), Err(genetic), Err(chains)) => Err(UnknownPresetName(anneal, genetic, chains)),
+        match (
+            name.parse::<Preset>(),
+            name.parse::<genetic::Preset>(),
+            name.parse::<chains::Preset>(),
+        ) {
+            (Err(anneal), Err(genetic), Err(chains)) => {
+                Err(UnknownPresetName(anneal, genetic, chains))
+            }
             _ => Ok(Self(name.to_owned())),
         }
     }
@@ -151,12 +157,24 @@ mod tests {
         assert!(error.contains("'long' is no preset of the genetic algorithm"), "{error}");
         let name = |name: &str| name.parse::<PresetName>().unwrap();
         assert_eq!(Source::Anneal.search(&name("paper")), Ok(Search::Anneal(Preset::Paper)));
-        assert_eq!(Source::Genetic.search(&name("window")), Ok(Search::Genetic(genetic::Preset::Window)));
-        assert_eq!(Source::Chains.search(&name("noisy")), Ok(Search::Chains(chains::Preset::Noisy)));
+        assert_eq!(
+            Source::Genetic.search(&name("window")),
+            Ok(Search::Genetic(genetic::Preset::Window))
+        );
+        assert_eq!(
+            Source::Chains.search(&name("noisy")),
+            Ok(Search::Chains(chains::Preset::Noisy))
+        );
         let error = Source::Genetic.search(&name("long")).unwrap_err();
-        assert!(error.to_string().contains("'long' is no preset of the genetic algorithm"), "{error}");
+        assert!(
+            error.to_string().contains("'long' is no preset of the genetic algorithm"),
+            "{error}"
+        );
         let error = "none".parse::<PresetName>().unwrap_err().to_string();
-        assert!(["annealing", "genetic", "chains"].iter().all(|source| error.contains(source)), "{error}");
+        assert!(
+            ["annealing", "genetic", "chains"].iter().all(|source| error.contains(source)),
+            "{error}"
+        );
         assert!("exact".parse::<Source>().is_err());
     }
 }

@@ -71,7 +71,8 @@ impl Dataset {
         let dataset = Self { manifest: Manifest::load(folder)?, folder: folder.to_owned() };
         for entry in &dataset.manifest.shards {
             let path = dataset.path(entry);
-            let got = fs::metadata(&path).map_err(|cause| FileError::new("read", &path, cause))?.len();
+            let got =
+                fs::metadata(&path).map_err(|cause| FileError::new("read", &path, cause))?.len();
             if got != entry.bytes {
                 return Err(DatasetError::Length { path, expected: entry.bytes, got });
             }
@@ -132,7 +133,8 @@ impl Dataset {
 
     fn blocks(&self) -> impl Iterator<Item = BlockId> {
         let shards = self.manifest.shards.iter().enumerate();
-        shards.flat_map(|(shard, entry)| (0..entry.blocks).map(move |block| BlockId { shard, block }))
+        shards
+            .flat_map(|(shard, entry)| (0..entry.blocks).map(move |block| BlockId { shard, block }))
     }
 
     fn path(&self, entry: &ShardEntry) -> PathBuf {
@@ -143,8 +145,8 @@ impl Dataset {
         let entry = &self.manifest.shards[shard];
         let path = self.path(entry);
         let file = File::open(&path).map_err(|cause| FileError::new("read", &path, cause))?;
-        let reader =
-            ShardReader::open(file).map_err(|cause| DatasetError::Shard { path: path.clone(), cause })?;
+        let reader = ShardReader::open(file)
+            .map_err(|cause| DatasetError::Shard { path: path.clone(), cause })?;
         let found = (reader.header().first_record, reader.record_count(), reader.block_count());
         if found != (entry.first, entry.records, entry.blocks) {
             return Err(DatasetError::OtherShard { path });
@@ -152,16 +154,21 @@ impl Dataset {
         Ok(reader)
     }
 
-    fn read_block<T: Record>(&self, id: BlockId, last: &mut LastShard) -> Result<Vec<T>, DatasetError> {
+    fn read_block<T: Record>(
+        &self,
+        id: BlockId,
+        last: &mut LastShard,
+    ) -> Result<Vec<T>, DatasetError> {
         if last.as_ref().is_none_or(|&(shard, _)| shard != id.shard) {
             // Closed before the next one opens, for both would hold a block's memory.
             *last = None;
             *last = Some((id.shard, self.open_shard(id.shard)?));
         }
         let (_, reader) = last.as_mut().expect("just opened");
-        reader
-            .read_block(id.block)
-            .map_err(|cause| DatasetError::Shard { path: self.path(&self.manifest.shards[id.shard]), cause })
+        reader.read_block(id.block).map_err(|cause| DatasetError::Shard {
+            path: self.path(&self.manifest.shards[id.shard]),
+            cause,
+        })
     }
 }
 

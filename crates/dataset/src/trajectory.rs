@@ -1,6 +1,8 @@
 //! The record of one search, from its start to the best path it found.
 
-use beadwork_grid::{Crossings, Layout, LayoutSpec, Path, Placed, Region, Start, Switch, Variant, Zones};
+use beadwork_grid::{
+    Crossings, Layout, LayoutSpec, Path, Placed, Region, Start, Switch, Variant, Zones,
+};
 use beadwork_search::Move;
 use serde::{Deserialize, Serialize};
 
@@ -154,7 +156,8 @@ impl Moves {
     /// If moves of both sorts come mixed: a search uses one sort.
     pub fn record(moves: &[Move], crossings: &Crossings, width: u32) -> Self {
         let change = moves.iter().map(|step| {
-            let sum: i32 = step.switches(width).iter().map(|&switch| crossings.change(switch)).sum();
+            let sum: i32 =
+                step.switches(width).iter().map(|&switch| crossings.change(switch)).sum();
             sum as i8
         });
         let change = change.collect();
@@ -331,8 +334,9 @@ pub enum ReplayError {
 
 /// Crossings counted along the path, without the tables that the search used.
 fn walked_crossings(path: &Path, zones: &Zones) -> u32 {
-    let crossings =
-        |piece: &[u32]| piece.windows(2).filter(|step| zones.id(step[0]) != zones.id(step[1])).count();
+    let crossings = |piece: &[u32]| {
+        piece.windows(2).filter(|step| zones.id(step[0]) != zones.id(step[1])).count()
+    };
     path.iter_pieces().map(crossings).sum::<usize>() as u32
 }
 

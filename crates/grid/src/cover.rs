@@ -59,7 +59,9 @@ impl<'a> Strands<'a> {
                 strands.towards_root[other_root as usize] = root;
             }
         }
-        for cell in region.cells().filter(|&cell| strands.matching.deficit(cell) > 0).collect::<Vec<_>>() {
+        for cell in
+            region.cells().filter(|&cell| strands.matching.deficit(cell) > 0).collect::<Vec<_>>()
+        {
             let root = strands.root(cell);
             strands.is_cycle[root as usize] = false;
         }
@@ -128,7 +130,8 @@ impl<'a> Strands<'a> {
             return false;
         }
         let beside = self.region.neighbours(end).find(|&other| self.can_unite(end, other));
-        let Some((cell, opened)) = beside.and_then(|cell| Some((cell, self.matching.linked(cell).next()?)))
+        let Some((cell, opened)) =
+            beside.and_then(|cell| Some((cell, self.matching.linked(cell).next()?)))
         else {
             return false;
         };
@@ -188,7 +191,8 @@ impl Ends {
             let piece = rng.random_range(0..self.pieces.len());
             if rng.random() {
                 self.pieces[piece].reverse();
-                work_left = work_left.saturating_sub(self.settle(piece, 0..self.pieces[piece].len()));
+                work_left =
+                    work_left.saturating_sub(self.settle(piece, 0..self.pieces[piece].len()));
             }
             let end = *self.pieces[piece].last().expect("a piece has cells");
             neighbours.clear();

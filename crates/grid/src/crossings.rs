@@ -18,8 +18,9 @@ impl Crossings {
     /// Notes where zones meet. Linear in the plane's cells.
     pub fn new(region: &Region, zones: &Zones) -> Self {
         let width = region.width();
-        let crosses =
-            |a: Cell, b: Cell| region.contains(a) && region.contains(b) && zones.id(a) != zones.id(b);
+        let crosses = |a: Cell, b: Cell| {
+            region.contains(a) && region.contains(b) && zones.id(a) != zones.id(b)
+        };
         let across = (0..region.plane_len() as Cell).map(|cell| {
             let (x, y) = region.xy(cell);
             let right = x + 1 < width && crosses(cell, cell + 1);
@@ -27,7 +28,9 @@ impl Crossings {
             (u8::from(right) * link::RIGHT) | (u8::from(below) * link::BELOW)
         });
         let across: Vec<u8> = across.collect();
-        let bit = |cell: Cell, bit: u8| across.get(cell as usize).map_or(0, |bits| i8::from(bits & bit != 0));
+        let bit = |cell: Cell, bit: u8| {
+            across.get(cell as usize).map_or(0, |bits| i8::from(bits & bit != 0))
+        };
         let gain = (0..region.plane_len() as Cell).map(|corner| {
             let vertical = bit(corner, link::BELOW) + bit(corner + 1, link::BELOW);
             let horizontal = bit(corner, link::RIGHT) + bit(corner + width, link::RIGHT);
@@ -38,7 +41,11 @@ impl Crossings {
 
     /// Crossings of a path. Linear in the plane's cells.
     pub fn count(&self, path: &Path) -> u32 {
-        path.links.iter().zip(&self.across).map(|(links, across)| (links & across).count_ones()).sum()
+        path.links
+            .iter()
+            .zip(&self.across)
+            .map(|(links, across)| (links & across).count_ones())
+            .sum()
     }
 
     /// By how much a switch changes the crossings: -2..=2. What several do together is the sum, also where they share a
@@ -76,8 +83,11 @@ mod tests {
             spec.side = 3;
             let zones = spec.zones(&region, 5).unwrap();
             let path = Start::RowZigzag.path(&region).unwrap();
-            let walked =
-                path.order().windows(2).filter(|step| zones.id(step[0]) != zones.id(step[1])).count();
+            let walked = path
+                .order()
+                .windows(2)
+                .filter(|step| zones.id(step[0]) != zones.id(step[1]))
+                .count();
             assert_eq!(Crossings::new(&region, &zones).count(&path) as usize, walked, "{layout}");
         }
     }

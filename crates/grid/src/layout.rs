@@ -81,13 +81,21 @@ pub enum LayoutError {
 
 /// A name that is no [`Layout`].
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("'{0}' is no layout: choose left_right, stripes, islands, voronoi, checkerboard or top_bottom")]
+#[error(
+    "'{0}' is no layout: choose left_right, stripes, islands, voronoi, checkerboard or top_bottom"
+)]
 pub struct UnknownLayout(pub String);
 
 impl Layout {
     /// All families, those of the paper first.
-    pub const ALL: [Self; 6] =
-        [Self::LeftRight, Self::Stripes, Self::Islands, Self::Voronoi, Self::Checkerboard, Self::TopBottom];
+    pub const ALL: [Self; 6] = [
+        Self::LeftRight,
+        Self::Stripes,
+        Self::Islands,
+        Self::Voronoi,
+        Self::Checkerboard,
+        Self::TopBottom,
+    ];
 
     /// The four families of the paper, in the order of its tables.
     pub const PAPER: [Self; 4] = [Self::LeftRight, Self::Stripes, Self::Islands, Self::Voronoi];
@@ -163,7 +171,8 @@ impl LayoutSpec {
             Layout::Islands => islands(region, zones - 1, side, &mut rng)?,
             Layout::Voronoi => voronoi(region, zones, &mut rng)?,
         };
-        Ok(Zones::new(region, ids).expect("a layout has a zone below 255 for each cell of the plane"))
+        Ok(Zones::new(region, ids)
+            .expect("a layout has a zone below 255 for each cell of the plane"))
     }
 }
 
@@ -172,7 +181,12 @@ fn draw(region: &Region, zone: impl Fn(u32, u32) -> u8) -> Vec<u8> {
     (0..region.height()).flat_map(|y| (0..region.width()).map(move |x| zone(x, y))).collect()
 }
 
-fn islands(region: &Region, count: u8, side: u16, rng: &mut ChaCha8Rng) -> Result<Vec<u8>, LayoutError> {
+fn islands(
+    region: &Region,
+    count: u8,
+    side: u16,
+    rng: &mut ChaCha8Rng,
+) -> Result<Vec<u8>, LayoutError> {
     // A crowded plane can leave no room for the last island, so the whole set is drawn anew after so many failures.
     const DRAWS_PER_ISLAND: u32 = 200;
     const SETS: u32 = 100;
@@ -182,12 +196,14 @@ fn islands(region: &Region, count: u8, side: u16, rng: &mut ChaCha8Rng) -> Resul
     if block > width || block > height {
         return if count == 0 { Ok(draw(region, |_, _| 0)) } else { Err(no_room) };
     }
-    let apart = |a: (u32, u32), b: (u32, u32)| a.0.abs_diff(b.0) > block || a.1.abs_diff(b.1) > block;
+    let apart =
+        |a: (u32, u32), b: (u32, u32)| a.0.abs_diff(b.0) > block || a.1.abs_diff(b.1) > block;
     'sets: for _ in 0..SETS {
         let mut placed: Vec<(u32, u32)> = Vec::new();
         for _ in 0..count {
             let place = (0..DRAWS_PER_ISLAND).find_map(|_| {
-                let place = (rng.random_range(0..=width - block), rng.random_range(0..=height - block));
+                let place =
+                    (rng.random_range(0..=width - block), rng.random_range(0..=height - block));
                 placed.iter().all(|&other| apart(place, other)).then_some(place)
             });
             let Some(place) = place else { continue 'sets };
@@ -215,7 +231,8 @@ fn voronoi(region: &Region, zones: u8, rng: &mut ChaCha8Rng) -> Result<Vec<u8>, 
             seeds.push(seed);
         }
     }
-    let squared = |x: u32, y: u32, seed: (u32, u32)| x.abs_diff(seed.0).pow(2) + y.abs_diff(seed.1).pow(2);
+    let squared =
+        |x: u32, y: u32, seed: (u32, u32)| x.abs_diff(seed.0).pow(2) + y.abs_diff(seed.1).pow(2);
     Ok(draw(region, |x, y| {
         let nearest = seeds.iter().enumerate().min_by_key(|&(_, &seed)| squared(x, y, seed));
         nearest.map_or(0, |(zone, _)| zone as u8)
@@ -248,7 +265,11 @@ mod tests {
         for seed in 0..100 {
             let zones = LayoutSpec::new(Layout::Islands).zones(&region, seed).unwrap();
             for island in 1..4 {
-                assert_eq!(zones.ids().iter().filter(|&&id| id == island).count(), 64, "seed {seed}");
+                assert_eq!(
+                    zones.ids().iter().filter(|&&id| id == island).count(),
+                    64,
+                    "seed {seed}"
+                );
             }
             for cell in region.cells() {
                 let touches = region.neighbours(cell).any(|other| {
@@ -259,7 +280,8 @@ mod tests {
         }
         let many = LayoutSpec { layout: Layout::Islands, zones: 65, side: 4 };
         assert!(
-            zone_components(&region, &LayoutSpec::new(Layout::Islands).zones(&region, 1).unwrap()).count()
+            zone_components(&region, &LayoutSpec::new(Layout::Islands).zones(&region, 1).unwrap())
+                .count()
                 >= 4
         );
         assert_eq!(many.zones(&plane(100, 100), 0).unwrap().count(), 65);
@@ -273,8 +295,10 @@ mod tests {
         assert_ne!(draw(3), draw(4));
         assert_eq!(draw(3).count(), 3);
         // Pinned: a change of generator would make every dataset unreadable.
-        let digest =
-            draw(3).ids().iter().fold(0_u32, |sum, &id| sum.wrapping_mul(31).wrapping_add(u32::from(id)));
+        let digest = draw(3)
+            .ids()
+            .iter()
+            .fold(0_u32, |sum, &id| sum.wrapping_mul(31).wrapping_add(u32::from(id)));
         assert_eq!(digest, 3_013_580_649);
     }
 
@@ -290,15 +314,25 @@ mod tests {
     #[test]
     fn impossible_layouts_are_refused() {
         let region = plane(10, 10);
-        let error = |layout, zones, side| LayoutSpec { layout, zones, side }.zones(&region, 0).unwrap_err();
+        let error =
+            |layout, zones, side| LayoutSpec { layout, zones, side }.zones(&region, 0).unwrap_err();
         assert_eq!(
             error(Layout::LeftRight, 3, 1),
             LayoutError::Zones { layout: Layout::LeftRight, zones: 3 }
         );
-        assert_eq!(error(Layout::Stripes, 0, 1), LayoutError::Zones { layout: Layout::Stripes, zones: 0 });
-        assert_eq!(error(Layout::Checkerboard, 2, 0), LayoutError::Side { layout: Layout::Checkerboard });
+        assert_eq!(
+            error(Layout::Stripes, 0, 1),
+            LayoutError::Zones { layout: Layout::Stripes, zones: 0 }
+        );
+        assert_eq!(
+            error(Layout::Checkerboard, 2, 0),
+            LayoutError::Side { layout: Layout::Checkerboard }
+        );
         assert!(matches!(error(Layout::Islands, 4, 8), LayoutError::NoRoom { islands: 3, .. }));
         assert!(matches!(error(Layout::Islands, 4, 80), LayoutError::NoRoom { side: 80, .. }));
-        assert_eq!(error(Layout::Voronoi, 101, 1), LayoutError::TooManyZones { zones: 101, cells: 100 });
+        assert_eq!(
+            error(Layout::Voronoi, 101, 1),
+            LayoutError::TooManyZones { zones: 101, cells: 100 }
+        );
     }
 }

@@ -73,7 +73,9 @@ impl Links {
         let stride = width as usize + 2;
         // The last window that begins in the plane reads one byte beyond the two further columns.
         let mut bits = vec![0; stride * (height as usize + 2) + 1];
-        for (padded, row) in bits.chunks_exact_mut(stride).zip(path.links.chunks_exact(width as usize)) {
+        for (padded, row) in
+            bits.chunks_exact_mut(stride).zip(path.links.chunks_exact(width as usize))
+        {
             for (padded, &linked) in padded.iter_mut().zip(row) {
                 *padded = linked & (link::RIGHT | link::BELOW);
             }
@@ -86,7 +88,11 @@ impl Links {
     /// # Panics
     /// If the planes have different sizes.
     pub fn copy_from(&mut self, other: &Self) {
-        assert_eq!((self.width, self.height), (other.width, other.height), "links of one plane are copied");
+        assert_eq!(
+            (self.width, self.height),
+            (other.width, other.height),
+            "links of one plane are copied"
+        );
         self.bits.copy_from_slice(&other.bits);
     }
 
@@ -180,7 +186,12 @@ impl Links {
         let pattern = &PATTERNS[usize::from(placed.variant.class())];
         let row = |y: usize| {
             let at = self.place(placed) + y * self.stride();
-            Row::from_le_bytes([self.bits[at], self.bits[at + 1], self.bits[at + 2], self.bits[at + 3]])
+            Row::from_le_bytes([
+                self.bits[at],
+                self.bits[at + 1],
+                self.bits[at + 2],
+                self.bits[at + 3],
+            ])
         };
         let rows = [row(0), row(1), row(2)];
         let differs = |y: usize| rows[y] & pattern.window[y] ^ pattern.needed[y];

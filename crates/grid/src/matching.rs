@@ -109,8 +109,8 @@ impl Search {
         let mut reached = vec![root];
         while let Some(cell) = self.open.pop_front() {
             for other in region.neighbours(cell) {
-                let is_new =
-                    self.seen[other as usize] != self.round && self.seen[other as usize] != Self::DEAD;
+                let is_new = self.seen[other as usize] != self.round
+                    && self.seen[other as usize] != Self::DEAD;
                 if !is_new || matching.linked(cell).any(|linked| linked == other) {
                     continue;
                 }
@@ -120,7 +120,9 @@ impl Search {
                     return true;
                 }
                 for next in matching.linked(other) {
-                    if self.seen[next as usize] != self.round && self.seen[next as usize] != Self::DEAD {
+                    if self.seen[next as usize] != self.round
+                        && self.seen[next as usize] != Self::DEAD
+                    {
                         self.see(next, other, &mut reached);
                         self.open.push_back(next);
                     }

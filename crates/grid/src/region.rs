@@ -154,7 +154,10 @@ mod tests {
     #[test]
     fn sizes_are_checked() {
         assert_eq!(Region::rectangle(0, 3), Err(RegionError::ZeroSize { width: 0, height: 3 }));
-        assert_eq!(Region::rectangle(5000, 3), Err(RegionError::TooLarge { width: 5000, height: 3 }));
+        assert_eq!(
+            Region::rectangle(5000, 3),
+            Err(RegionError::TooLarge { width: 5000, height: 3 })
+        );
         assert_eq!(
             Region::from_mask(2, 2, vec![true; 3]),
             Err(RegionError::MaskLength { expected: 4, got: 3 })

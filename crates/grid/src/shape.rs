@@ -79,12 +79,13 @@ impl Shape {
                 Box::new(move |x, y| (inner..outer).contains(&libm::hypot(x - dx, y - dy)))
             }
             Self::Blob => {
-                let waves =
-                    [2.0, 3.0, 4.0, 5.0].map(|count| (count, draw(0.0, 0.18) / count * 2.0, draw(0.0, 6.3)));
+                let waves = [2.0, 3.0, 4.0, 5.0]
+                    .map(|count| (count, draw(0.0, 0.18) / count * 2.0, draw(0.0, 6.3)));
                 Box::new(move |x, y| {
                     let angle = libm::atan2(y, x);
-                    let wave =
-                        |(count, size, phase): (f64, f64, f64)| size * libm::cos(count * angle + phase);
+                    let wave = |(count, size, phase): (f64, f64, f64)| {
+                        size * libm::cos(count * angle + phase)
+                    };
                     libm::hypot(x, y) < 0.68 + waves.into_iter().map(wave).sum::<f64>()
                 })
             }
@@ -102,12 +103,15 @@ impl Shape {
                 Box::new(move |x, y| {
                     // Within one of its 2 x points sectors the edge is straight between an outer and an inner corner.
                     let half = std::f64::consts::PI / points;
-                    let angle = libm::fmod(libm::atan2(y, x) + turn + std::f64::consts::TAU, 2.0 * half);
+                    let angle =
+                        libm::fmod(libm::atan2(y, x) + turn + std::f64::consts::TAU, 2.0 * half);
                     let angle = (angle - half).abs();
-                    let (tip, dent) = ((outer * libm::cos(half), outer * libm::sin(half)), (inner, 0.0));
+                    let (tip, dent) =
+                        ((outer * libm::cos(half), outer * libm::sin(half)), (inner, 0.0));
                     let radius = libm::hypot(x, y);
                     let place = (radius * libm::cos(angle), radius * libm::sin(angle));
-                    let side = (tip.0 - dent.0) * (place.1 - dent.1) - (tip.1 - dent.1) * (place.0 - dent.0);
+                    let side = (tip.0 - dent.0) * (place.1 - dent.1)
+                        - (tip.1 - dent.1) * (place.0 - dent.0);
                     side > 0.0
                 })
             }
@@ -134,7 +138,10 @@ impl FromStr for Shape {
     type Err = UnknownShape;
 
     fn from_str(name: &str) -> Result<Self, UnknownShape> {
-        Self::ALL.into_iter().find(|shape| shape.name() == name).ok_or_else(|| UnknownShape(name.to_owned()))
+        Self::ALL
+            .into_iter()
+            .find(|shape| shape.name() == name)
+            .ok_or_else(|| UnknownShape(name.to_owned()))
     }
 }
 
@@ -145,7 +152,8 @@ mod tests {
     /// The share of the plane that it takes, and a digest of its cells.
     fn draw(shape: Shape, seed: u64) -> (f64, u32) {
         let region = shape.region(60, 60, seed).unwrap();
-        let digest = region.cells().fold(0_u32, |sum, cell| sum.wrapping_mul(31).wrapping_add(cell));
+        let digest =
+            region.cells().fold(0_u32, |sum, cell| sum.wrapping_mul(31).wrapping_add(cell));
         (f64::from(region.cell_count()) / 3600.0, digest)
     }
 

@@ -32,7 +32,10 @@ pub struct Cuts {
 impl Cuts {
     /// Whether two switches with these cuts, all four different, together keep one path.
     #[inline]
-    #[allow(clippy::needless_bitwise_bool, reason = "no branch: which way it goes is as good as random")]
+    #[allow(
+        clippy::needless_bitwise_bool,
+        reason = "no branch: which way it goes is as good as random"
+    )]
     pub fn keep_whole(self, other: Self) -> bool {
         let within = |cut: u32| (self.first < cut) & (cut < self.second);
         (within(other.first) ^ within(other.second)) == (self.closes | other.closes)
@@ -76,7 +79,9 @@ impl Path {
         }
         self.square(first.corner()) == before(first.from())
             && self.square(second.corner()) ^ shared == before(second.from())
-            && self.cuts(first.corner(), first.from()).keep_whole(self.cuts(second.corner(), second.from()))
+            && self
+                .cuts(first.corner(), first.from())
+                .keep_whole(self.cuts(second.corner(), second.from()))
     }
 
     /// Whether these switches, one after the other, leave a path of as many pieces.
@@ -148,11 +153,12 @@ impl Splicer {
     fn plan(&mut self, path: &Path, switches: &[Switch]) -> bool {
         self.changed.clear();
         for (index, &switch) in switches.iter().enumerate() {
-            let applies = if switches[..index].iter().any(|&earlier| share_a_side(path, earlier, switch)) {
-                self.toggle(path, switch)
-            } else {
-                self.take(path, switch)
-            };
+            let applies =
+                if switches[..index].iter().any(|&earlier| share_a_side(path, earlier, switch)) {
+                    self.toggle(path, switch)
+                } else {
+                    self.take(path, switch)
+                };
             if !applies {
                 return false;
             }
@@ -175,7 +181,11 @@ impl Splicer {
         if applies {
             let present = |along: Sides| along == switch.from();
             let sides = sides(path, switch.corner());
-            self.changed.extend(sides.map(|(cell, along)| Link { cell, along, present: present(along) }));
+            self.changed.extend(sides.map(|(cell, along)| Link {
+                cell,
+                along,
+                present: present(along),
+            }));
         }
         applies
     }
@@ -183,12 +193,14 @@ impl Splicer {
     /// Notes the four links that a switch changes, given those before it; false if it does not apply.
     fn toggle(&mut self, path: &Path, switch: Switch) -> bool {
         let corner = switch.corner();
-        let is_corner = path.links.get(corner as usize).is_some_and(|bits| bits & link::CORNER != 0);
+        let is_corner =
+            path.links.get(corner as usize).is_some_and(|bits| bits & link::CORNER != 0);
         if !is_corner {
             return false;
         }
         for (cell, along) in sides(path, corner) {
-            let known = self.changed.iter().position(|link| (link.cell, link.along) == (cell, along));
+            let known =
+                self.changed.iter().position(|link| (link.cell, link.along) == (cell, along));
             let present = match along {
                 Sides::Horizontal => path.linked_right(cell),
                 Sides::Vertical => path.linked_below(cell),

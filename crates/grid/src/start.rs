@@ -53,7 +53,11 @@ impl Start {
             Self::Cover => return Ok(cover(region)),
         };
         if let Some(jump) = order.windows(2).find(|step| !region.adjacent(step[0], step[1])) {
-            return Err(StartError { start: self, from: region.xy(jump[0]), to: region.xy(jump[1]) });
+            return Err(StartError {
+                start: self,
+                from: region.xy(jump[0]),
+                to: region.xy(jump[1]),
+            });
         }
         Ok(Path::hamiltonian(region, order)
             .expect("all cells of the plane, clipped to the region, in unit steps"))
@@ -80,7 +84,10 @@ impl FromStr for Start {
     type Err = UnknownStart;
 
     fn from_str(name: &str) -> Result<Self, UnknownStart> {
-        Self::ALL.into_iter().find(|start| start.name() == name).ok_or_else(|| UnknownStart(name.to_owned()))
+        Self::ALL
+            .into_iter()
+            .find(|start| start.name() == name)
+            .ok_or_else(|| UnknownStart(name.to_owned()))
     }
 }
 
@@ -88,7 +95,9 @@ impl FromStr for Start {
 fn row_zigzag(region: &Region) -> Vec<Cell> {
     let width = region.width();
     let row = |y: u32| {
-        (0..width).map(move |x| if y.is_multiple_of(2) { x } else { width - 1 - x }).map(move |x| (x, y))
+        (0..width)
+            .map(move |x| if y.is_multiple_of(2) { x } else { width - 1 - x })
+            .map(move |x| (x, y))
     };
     clip(region, (0..region.height()).flat_map(row))
 }
@@ -96,7 +105,9 @@ fn row_zigzag(region: &Region) -> Vec<Cell> {
 fn column_zigzag(region: &Region) -> Vec<Cell> {
     let height = region.height();
     let column = |x: u32| {
-        (0..height).map(move |y| if x.is_multiple_of(2) { y } else { height - 1 - y }).map(move |y| (x, y))
+        (0..height)
+            .map(move |y| if x.is_multiple_of(2) { y } else { height - 1 - y })
+            .map(move |y| (x, y))
     };
     clip(region, (0..region.width()).flat_map(column))
 }

@@ -35,8 +35,11 @@ impl Symmetry {
         let mut all = [Self { transposed: false, flipped_x: false, flipped_y: false }; 8];
         let mut number = 0;
         while number < 8 {
-            all[number] =
-                Self { transposed: number & 4 != 0, flipped_x: number & 1 != 0, flipped_y: number & 2 != 0 };
+            all[number] = Self {
+                transposed: number & 4 != 0,
+                flipped_x: number & 1 != 0,
+                flipped_y: number & 2 != 0,
+            };
             number += 1;
         }
         all
@@ -55,7 +58,10 @@ impl Symmetry {
     pub const fn cell(self, (x, y): (u32, u32), size: (u32, u32)) -> (u32, u32) {
         let (x, y) = if self.transposed { (y, x) } else { (x, y) };
         let (width, height) = self.size(size);
-        (if self.flipped_x { width - 1 - x } else { x }, if self.flipped_y { height - 1 - y } else { y })
+        (
+            if self.flipped_x { width - 1 - x } else { x },
+            if self.flipped_y { height - 1 - y } else { y },
+        )
     }
 
     /// What a move in a plane of this size becomes: it applies to the mapped path exactly where the move applies to the path,
@@ -93,10 +99,12 @@ const fn mapped_links(symmetry: Symmetry, links: u16, size: (u32, u32)) -> u16 {
     while cell < 9 {
         let (x, y) = (cell % 3, cell / 3);
         if x + 1 < size.0 && y < size.1 && links >> right(x, y) & 1 != 0 {
-            mapped |= 1 << link_between(symmetry.cell((x, y), size), symmetry.cell((x + 1, y), size));
+            mapped |=
+                1 << link_between(symmetry.cell((x, y), size), symmetry.cell((x + 1, y), size));
         }
         if x < size.0 && y + 1 < size.1 && links >> below(x, y) & 1 != 0 {
-            mapped |= 1 << link_between(symmetry.cell((x, y), size), symmetry.cell((x, y + 1), size));
+            mapped |=
+                1 << link_between(symmetry.cell((x, y), size), symmetry.cell((x, y + 1), size));
         }
         cell += 1;
     }

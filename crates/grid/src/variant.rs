@@ -110,7 +110,8 @@ const fn rule(
     added: &str,
     switches: [(u32, u32, Sides); 2],
 ) -> Rule {
-    let (kept, removed, added) = (links(columns, kept), links(columns, removed), links(columns, added));
+    let (kept, removed, added) =
+        (links(columns, kept), links(columns, removed), links(columns, added));
     let mut window = 0;
     let mut cell = 0;
     while cell < columns * rows {
@@ -202,7 +203,8 @@ impl Variant {
 
     /// The paper's name.
     pub fn name(self) -> &'static str {
-        ["nl", "nr", "sl", "sr", "eb", "ea", "wa", "wb", "n", "s", "e", "w"][usize::from(self.class())]
+        ["nl", "nr", "sl", "sr", "eb", "ea", "wa", "wb", "n", "s", "e", "w"]
+            [usize::from(self.class())]
     }
 
     fn rule(self) -> &'static Rule {
@@ -231,10 +233,9 @@ impl Placed {
     /// The two switches it stands for, in the order in which they apply, in a plane so many cells wide.
     #[inline]
     pub fn switches(self, width: u32) -> [Switch; 2] {
-        self.variant
-            .rule()
-            .switches
-            .map(|(x, y, from)| Switch::new((u32::from(self.y) + y) * width + u32::from(self.x) + x, from))
+        self.variant.rule().switches.map(|(x, y, from)| {
+            Switch::new((u32::from(self.y) + y) * width + u32::from(self.x) + x, from)
+        })
     }
 
     /// Visits the places of links in its window, on all of which it depends: the column and row of their first cell, whether they
@@ -267,7 +268,8 @@ impl Path {
             return false;
         }
         // Links beyond the plane's end are those of no cell.
-        let link = |dx: usize, dy: usize| self.links.get((y + dy) * width + x + dx).copied().unwrap_or(0);
+        let link =
+            |dx: usize, dy: usize| self.links.get((y + dy) * width + x + dx).copied().unwrap_or(0);
         let upper = |dy: usize| pack(link(0, dy), link(1, dy), link(2, dy));
         let links = window(upper(0), upper(1), pack_lowest(link(0, 2), link(1, 2)));
         (MATCHES[links] & fitting(width - x, height - y)) >> placed.variant.class() & 1 != 0
@@ -370,7 +372,11 @@ mod tests {
                     Sides::Horizontal => (horizontal, vertical),
                     Sides::Vertical => (vertical, horizontal),
                 };
-                assert_eq!(links & (out | into), out, "{variant}: exactly the two links must be there");
+                assert_eq!(
+                    links & (out | into),
+                    out,
+                    "{variant}: exactly the two links must be there"
+                );
                 links ^= out | into;
             }
             assert_eq!(links, rule.needed & !rule.removed | rule.added, "{variant}");

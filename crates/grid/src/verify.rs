@@ -72,6 +72,9 @@ mod tests {
         assert_eq!(verify(&region, &[0, 1]), Err(VerifyError::Length { expected: 3, got: 2 }));
         assert_eq!(verify(&region, &[0, 1, 3]), Err(VerifyError::Outside { cell: 3, position: 2 }));
         assert_eq!(verify(&region, &[0, 1, 9]), Err(VerifyError::Outside { cell: 9, position: 2 }));
-        assert_eq!(verify(&region, &[0, 1, 0]), Err(VerifyError::Repeated { cell: 0, position: 2 }));
+        assert_eq!(
+            verify(&region, &[0, 1, 0]),
+            Err(VerifyError::Repeated { cell: 0, position: 2 })
+        );
     }
 }

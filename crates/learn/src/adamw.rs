@@ -94,8 +94,11 @@ impl AdamW {
             let bias = |beta: f64| 1.0 - beta.powi(self.steps as i32);
             let root = (&self.square / bias(beta_2)).sqrt() + epsilon;
             let change = &self.mean / root * (rate / bias(beta_1));
-            let sizes: Vec<i64> = self.parameters.iter().map(|parameter| parameter.numel() as i64).collect();
-            for (parameter, change) in self.parameters.iter_mut().zip(change.split_with_sizes(sizes, 0)) {
+            let sizes: Vec<i64> =
+                self.parameters.iter().map(|parameter| parameter.numel() as i64).collect();
+            for (parameter, change) in
+                self.parameters.iter_mut().zip(change.split_with_sizes(sizes, 0))
+            {
                 *parameter *= 1.0 - rate * weight_decay;
                 *parameter -= change.view_as(parameter);
             }

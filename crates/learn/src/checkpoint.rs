@@ -116,14 +116,17 @@ impl Checkpoint {
             return Ok(None);
         }
         let mut read = weights::read_tensors(&self.path)?;
-        let mut take =
-            |name| read.remove(name).ok_or_else(|| CheckpointError::Lacks { path: self.path.clone(), name });
+        let mut take = |name| {
+            read.remove(name)
+                .ok_or_else(|| CheckpointError::Lacks { path: self.path.clone(), name })
+        };
         let (echo, counts, best) = (take(ECHO)?, take(PROGRESS)?, take(BEST)?);
         let (mean, square) = (take(MEAN)?, take(SQUARE)?);
         let damaged = |name| CheckpointError::Damaged { path: self.path.clone(), name };
         let echo = Vec::<u8>::try_from(echo).ok().and_then(|echo| String::from_utf8(echo).ok());
         self.compare(&echo.ok_or_else(|| damaged(ECHO))?)?;
-        let counts = Vec::<i64>::try_from(counts).ok().and_then(|counts| <[i64; 5]>::try_from(counts).ok());
+        let counts =
+            Vec::<i64>::try_from(counts).ok().and_then(|counts| <[i64; 5]>::try_from(counts).ok());
         let [steps, epoch, batches, waited, optimised] = counts.ok_or_else(|| damaged(PROGRESS))?;
         let best = Vec::<f64>::try_from(best).ok().and_then(|best| <[f64; 1]>::try_from(best).ok());
         let [best_loss] = best.ok_or_else(|| damaged(BEST))?;

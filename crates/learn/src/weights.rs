@@ -72,7 +72,9 @@ pub(crate) fn named(variables: &VarStore) -> Vec<(String, Tensor)> {
 
 /// Writes tensors by their names, as a file that is whole or absent.
 pub(crate) fn save_tensors(named: &[(String, Tensor)], path: &Path) -> Result<(), WeightsError> {
-    Ok(write_whole_at(path, |partial| Tensor::write_safetensors(named, partial).map_err(io::Error::other))?)
+    Ok(write_whole_at(path, |partial| {
+        Tensor::write_safetensors(named, partial).map_err(io::Error::other)
+    })?)
 }
 
 /// Reads all parameters of a network: the file must have just these names and shapes. Numbers of other kinds are converted.
@@ -83,7 +85,10 @@ pub fn load(variables: &VarStore, path: &Path) -> Result<(), WeightsError> {
 /// All tensors of a file.
 pub(crate) fn read_tensors(path: &Path) -> Result<HashMap<String, Tensor>, WeightsError> {
     let read = Tensor::read_safetensors(path);
-    Ok(read.map_err(|source| WeightsError::Unreadable { path: path.into(), source })?.into_iter().collect())
+    Ok(read
+        .map_err(|source| WeightsError::Unreadable { path: path.into(), source })?
+        .into_iter()
+        .collect())
 }
 
 /// Sets all parameters of a network to the tensors of a file, which must be theirs and no others.

@@ -51,8 +51,9 @@ fn proposals_are_those_of_pytorch() {
     let (variables, network) = network(REFERENCE);
     weights::load(&variables, &data("fusion_weights.safetensors")).unwrap();
     let inputs = inputs();
-    let Proposals { position, action } =
-        tch::no_grad(|| network.forward(&inputs["state"], &history(&inputs), Precision::Single, false));
+    let Proposals { position, action } = tch::no_grad(|| {
+        network.forward(&inputs["state"], &history(&inputs), Precision::Single, false)
+    });
     let differences = [
         largest_difference(&position, &inputs["position"]),
         largest_difference(&action, &inputs["action_logits"]),
@@ -98,7 +99,8 @@ fn what_is_left_out_does_not_matter() {
         let (variables, network) = network(Config { without, ..REFERENCE });
         weights::load(&variables, &data("fusion_weights.safetensors")).unwrap();
         let forward = || {
-            let proposals = network.forward(&inputs["state"], &history(&inputs), Precision::Single, false);
+            let proposals =
+                network.forward(&inputs["state"], &history(&inputs), Precision::Single, false);
             proposals.position.shallow_clone()
         };
         let before = tch::no_grad(forward);
@@ -109,7 +111,9 @@ fn what_is_left_out_does_not_matter() {
         }
         before != tch::no_grad(forward)
     };
-    for (part, left_out) in [("history_encoder", Without::History), ("bottleneck_attn", Without::Attention)] {
+    for (part, left_out) in
+        [("history_encoder", Without::History), ("bottleneck_attn", Without::Attention)]
+    {
         assert!(moved(Without::Nothing, part) && !moved(left_out, part), "{part}");
     }
 }
@@ -119,13 +123,18 @@ fn all_parameters_are_trained() {
     let (variables, network) = network(REFERENCE);
     let inputs = inputs();
     // Away from the start, where nothing of the history comes through.
-    tch::no_grad(|| variables.trainable_variables().iter_mut().for_each(|p| *p += 0.05 * p.randn_like()));
+    tch::no_grad(|| {
+        variables.trainable_variables().iter_mut().for_each(|p| *p += 0.05 * p.randn_like())
+    });
     let Proposals { position, action } =
         network.forward(&inputs["state"], &history(&inputs), Precision::Single, true);
     (position.square().mean(Kind::Float) + action.square().mean(Kind::Float)).backward();
     for (name, variable) in variables.variables() {
         let gradient = variable.grad();
-        assert!(gradient.defined() && gradient.abs().sum(Kind::Float).double_value(&[]) > 0.0, "{name}");
+        assert!(
+            gradient.defined() && gradient.abs().sum(Kind::Float).double_value(&[]) > 0.0,
+            "{name}"
+        );
     }
 }
 
@@ -165,7 +174,8 @@ fn images_are_halved_four_times() {
 fn wrong_weights_are_named_and_change_nothing() {
     let folder = std::env::temp_dir().join(format!("beadwork-learn-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
-    let good: Vec<(String, Tensor)> = Tensor::read_safetensors(data("fusion_weights.safetensors")).unwrap();
+    let good: Vec<(String, Tensor)> =
+        Tensor::read_safetensors(data("fusion_weights.safetensors")).unwrap();
     let (variables, _network) = network(REFERENCE);
     let sums = |variables: &VarStore| -> HashSet<String> {
         let all = variables.variables().into_iter();
@@ -180,13 +190,23 @@ fn wrong_weights_are_named_and_change_nothing() {
         error
     };
     let with = |change: &dyn Fn(&str, &Tensor) -> Option<Tensor>| -> Vec<(&str, Tensor)> {
-        good.iter().filter_map(|(name, tensor)| Some((name.as_str(), change(name, tensor)?))).collect()
+        good.iter()
+            .filter_map(|(name, tensor)| Some((name.as_str(), change(name, tensor)?)))
+            .collect()
     };
-    let missing = with(&|name, tensor| (name != "film_proj.0.bias").then(|| tensor.shallow_clone()));
+    let missing =
+        with(&|name, tensor| (name != "film_proj.0.bias").then(|| tensor.shallow_clone()));
     let error = refused("missing", &missing);
-    assert!(matches!(&error, WeightsError::Missing { name, .. } if name == "film_proj.0.bias"), "{error}");
+    assert!(
+        matches!(&error, WeightsError::Missing { name, .. } if name == "film_proj.0.bias"),
+        "{error}"
+    );
     let shape = with(&|name, tensor| {
-        Some(if name.starts_with("enc2.proj.0") { tensor.tile([2, 1, 1, 1]) } else { tensor.shallow_clone() })
+        Some(if name.starts_with("enc2.proj.0") {
+            tensor.tile([2, 1, 1, 1])
+        } else {
+            tensor.shallow_clone()
+        })
     });
     let error = refused("shape", &shape);
     assert!(
@@ -196,7 +216,10 @@ fn wrong_weights_are_named_and_change_nothing() {
     let mut unknown = with(&|_, tensor| Some(tensor.shallow_clone()));
     unknown.push(("enc5.proj.0.weight", Tensor::zeros([1], (Kind::Float, Device::Cpu))));
     let error = refused("unknown", &unknown);
-    assert!(matches!(&error, WeightsError::Unknown { name, .. } if name == "enc5.proj.0.weight"), "{error}");
+    assert!(
+        matches!(&error, WeightsError::Unknown { name, .. } if name == "enc5.proj.0.weight"),
+        "{error}"
+    );
     let whole = std::fs::read(data("fusion_weights.safetensors")).unwrap();
     for length in [0, 7, 1000, whole.len() - 1] {
         let path = folder.join("short");

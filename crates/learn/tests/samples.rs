@@ -38,7 +38,8 @@ fn image_by_definition(
     let mut image = vec![0.0; canvas.cells() * CHANNELS as usize];
     for cell in region.cells() {
         let (x, y) = region.xy(cell);
-        let pixel = &mut image[((y * canvas.width + x) * CHANNELS as u32) as usize..][..CHANNELS as usize];
+        let pixel =
+            &mut image[((y * canvas.width + x) * CHANNELS as u32) as usize..][..CHANNELS as usize];
         pixel[0] = f32::from(zones.id(cell)) / f32::from(most_zone);
         pixel[1] = f32::from(u8::from(x + 1 < width && linked(cell, cell + 1)));
         pixel[2] = f32::from(u8::from(y + 1 < height && linked(cell, cell + width)));
@@ -63,7 +64,9 @@ fn images_are_those_of_the_mapped_layer() {
         let mut made = Vec::new();
         for turn in 0..seed {
             let mut all = Vec::new();
-            path.for_each_variant(&[MoveKind::Transpose, MoveKind::Flip], |placed| all.push(placed));
+            path.for_each_variant(&[MoveKind::Transpose, MoveKind::Flip], |placed| {
+                all.push(placed)
+            });
             let placed = all[(turn * 7919) as usize % all.len()];
             let before = layer.crossings().count(&path);
             assert!(path.apply_variant(placed));
@@ -78,8 +81,12 @@ fn images_are_those_of_the_mapped_layer() {
             let mut inputs = Inputs::new(canvas, 3);
             inputs.push(&state, symmetry);
             let (image, history) = inputs.tensors(Device::Cpu);
-            assert_eq!(image.size(), [1, CHANNELS, i64::from(canvas.height), i64::from(canvas.width)]);
-            let image = Vec::<f32>::try_from(image.permute([0, 2, 3, 1]).contiguous().view([-1])).unwrap();
+            assert_eq!(
+                image.size(),
+                [1, CHANNELS, i64::from(canvas.height), i64::from(canvas.width)]
+            );
+            let image =
+                Vec::<f32>::try_from(image.permute([0, 2, 3, 1]).contiguous().view([-1])).unwrap();
             let mapped = |cell: u32| {
                 let (x, y) = symmetry.cell(region.xy(cell), size);
                 y * width + x
@@ -89,7 +96,8 @@ fn images_are_those_of_the_mapped_layer() {
             region.cells().for_each(|cell| ids[mapped(cell) as usize] = zones.id(cell));
             let mapped_zones = Zones::new(&mapped_region, ids).unwrap();
             let order: Vec<u32> = path.order().iter().map(|&cell| mapped(cell)).collect();
-            let expected = image_by_definition(&mapped_region, &mapped_zones, &order, initial, canvas);
+            let expected =
+                image_by_definition(&mapped_region, &mapped_zones, &order, initial, canvas);
             let apart = image.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
             assert!(apart < 1e-6, "seed {seed}, {symmetry:?}: {apart}");
             let mask = Vec::<f32>::try_from(history.mask.view([-1])).unwrap();
@@ -99,7 +107,10 @@ fn images_are_those_of_the_mapped_layer() {
                 let placed = symmetry.placed(made.placed, size);
                 let told = |tensor: &Tensor| tensor.int64_value(&[0, at as i64]);
                 assert_eq!(told(&history.action), i64::from(placed.variant.class()));
-                assert_eq!((told(&history.x), told(&history.y)), (placed.x.into(), placed.y.into()));
+                assert_eq!(
+                    (told(&history.x), told(&history.y)),
+                    (placed.x.into(), placed.y.into())
+                );
             }
         }
     }
@@ -110,7 +121,8 @@ fn images_are_those_of_the_mapped_layer() {
 fn a_canvas_that_is_too_small_is_refused() {
     let (region, _, layer) = layer(20, 9, 0);
     let path = Start::RowZigzag.path(&region).unwrap();
-    let state = State { layer: &layer, links: &Links::new(&path), crossings: 1, initial: 1, made: &[] };
+    let state =
+        State { layer: &layer, links: &Links::new(&path), crossings: 1, initial: 1, made: &[] };
     Inputs::new(Canvas { height: 16, width: 16 }, 3).push(&state, Symmetry::ALL[0]);
 }
 
@@ -128,14 +140,19 @@ fn batches_hold_needed_moves_of_their_own_part() {
         Batches::new(&dataset, split, &settings, epoch).collect::<Result<_, _>>().unwrap()
     };
     let (first, again, other) = (all(Split::Train, 0), all(Split::Train, 0), all(Split::Train, 1));
-    let key = |batches: &[Batch]| batches.iter().flat_map(|batch| batch.position.clone()).collect::<Vec<_>>();
+    let key = |batches: &[Batch]| {
+        batches.iter().flat_map(|batch| batch.position.clone()).collect::<Vec<_>>()
+    };
     assert_eq!(key(&first), key(&again));
     assert_ne!(key(&first), key(&other));
     for batch in &first {
         let cells = batch.inputs.canvas().cells();
         assert!(batch.inputs.len() <= 8 && batch.rivals.len() == cells * batch.inputs.len());
         for (at, &position) in batch.position.iter().enumerate() {
-            assert!(!batch.rivals[at * cells + position as usize], "the truth is no rival of itself");
+            assert!(
+                !batch.rivals[at * cells + position as usize],
+                "the truth is no rival of itself"
+            );
         }
     }
     let mut skipped = Batches::new(&dataset, Split::Train, &settings, 0);
@@ -144,7 +161,8 @@ fn batches_hold_needed_moves_of_their_own_part() {
     assert_eq!(key(&rest), key(&first[5..]));
     let boundary = SampleSettings { rivals: Rivals::Boundary, ..settings.clone() };
     assert!(
-        Batches::new(&dataset, Split::Valid, &boundary, 0).all(|batch| batch.unwrap().rivals.contains(&true))
+        Batches::new(&dataset, Split::Valid, &boundary, 0)
+            .all(|batch| batch.unwrap().rivals.contains(&true))
     );
 }
 
@@ -169,8 +187,12 @@ fn what_is_held_out_is_of_all_sizes_alike() {
 fn layers_with_more_places_than_the_network_knows_are_named() {
     let config = CHAINS.replace("['14x11', '10x20']", "['6x130']").replace("side = 3", "side = 2");
     let (_folder, dataset) = dataset(&config);
-    let error = Batches::new(&dataset, Split::Train, &small().samples(), 0).next().unwrap().unwrap_err();
-    assert!(error.to_string().contains("is of 6 x 130 cells: the network knows 128 places"), "{error}");
+    let error =
+        Batches::new(&dataset, Split::Train, &small().samples(), 0).next().unwrap().unwrap_err();
+    assert!(
+        error.to_string().contains("is of 6 x 130 cells: the network knows 128 places"),
+        "{error}"
+    );
 }
 
 #[test]

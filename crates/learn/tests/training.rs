@@ -15,7 +15,9 @@ use beadwork_learn::fusion::Proposals;
 use beadwork_learn::fusion::loss::{Hits, LossSettings, PositionLoss, loss};
 use beadwork_learn::fusion::model::{Model, ModelError};
 use beadwork_learn::fusion::samples::Targets;
-use beadwork_learn::fusion::train::{End, Event, Run, TrainError, Training, last_checkpoint, train};
+use beadwork_learn::fusion::train::{
+    End, Event, Run, TrainError, Training, last_checkpoint, train,
+};
 use tch::{Kind, Tensor};
 use tempfile::{TempDir, tempdir};
 
@@ -78,25 +80,36 @@ fn the_loss_is_the_one_of_a_loop_over_cells() {
     let cells = height * width;
     for round in 0..50 {
         let draw = |channels: i64| {
-            Tensor::randn([batch as i64, channels, height as i64, width as i64], (Kind::Double, Device::Cpu))
+            Tensor::randn(
+                [batch as i64, channels, height as i64, width as i64],
+                (Kind::Double, Device::Cpu),
+            )
         };
-        let proposals =
-            Proposals { position: draw(1).to_kind(Kind::Float), action: draw(12).to_kind(Kind::Float) };
+        let proposals = Proposals {
+            position: draw(1).to_kind(Kind::Float),
+            action: draw(12).to_kind(Kind::Float),
+        };
         let scores: Vec<Vec<f64>> =
-            Vec::try_from(proposals.position.view([batch as i64, -1]).to_kind(Kind::Double)).unwrap();
+            Vec::try_from(proposals.position.view([batch as i64, -1]).to_kind(Kind::Double))
+                .unwrap();
         let flat: Vec<f64> =
             Vec::try_from(proposals.action.contiguous().view([-1]).to_kind(Kind::Double)).unwrap();
-        let logits: Vec<Vec<Vec<f64>>> =
-            flat.chunks(12 * cells).map(|of| of.chunks(cells).map(<[f64]>::to_vec).collect()).collect();
+        let logits: Vec<Vec<Vec<f64>>> = flat
+            .chunks(12 * cells)
+            .map(|of| of.chunks(cells).map(<[f64]>::to_vec).collect())
+            .collect();
         let positions: Vec<usize> = (0..batch).map(|at| (round * 7 + at * 11) % cells).collect();
         let actions: Vec<usize> = (0..batch).map(|at| (round + at * 5) % 12).collect();
         let rivals: Vec<Vec<bool>> = (0..batch)
             .map(|at| {
-                (0..cells).map(|cell| cell != positions[at] && (cell * 31 + round * at) % 3 == 0).collect()
+                (0..cells)
+                    .map(|cell| cell != positions[at] && (cell * 31 + round * at) % 3 == 0)
+                    .collect()
             })
             .collect();
-        let whole =
-            |numbers: &[usize]| Tensor::from_slice(&numbers.iter().map(|&n| n as i64).collect::<Vec<_>>());
+        let whole = |numbers: &[usize]| {
+            Tensor::from_slice(&numbers.iter().map(|&n| n as i64).collect::<Vec<_>>())
+        };
         let targets = Targets {
             position: whole(&positions),
             action: whole(&actions),
@@ -105,18 +118,26 @@ fn the_loss_is_the_one_of_a_loop_over_cells() {
         for position in [PositionLoss::Ranking, PositionLoss::Classification] {
             for hardest in [1, 3, 1000] {
                 let settings = LossSettings { position, hardest, ..LossSettings::default() };
-                let expected =
-                    loss_by_definition((&scores, &logits), (&positions, &actions, &rivals), width, &settings);
+                let expected = loss_by_definition(
+                    (&scores, &logits),
+                    (&positions, &actions, &rivals),
+                    width,
+                    &settings,
+                );
                 let got = loss(&proposals, &targets, &settings).double_value(&[]);
-                assert!((got - expected).abs() < 1e-4, "{position:?}, {hardest}: {got} for {expected}");
+                assert!(
+                    (got - expected).abs() < 1e-4,
+                    "{position:?}, {hardest}: {got} for {expected}"
+                );
             }
         }
         for (at, hits) in Hits::each(&proposals, &targets).into_iter().enumerate() {
             let above = (0..cells)
                 .filter(|&cell| rivals[at][cell] && scores[at][cell] >= scores[at][positions[at]])
                 .count();
-            let likeliest = (0..12)
-                .max_by(|&a, &b| logits[at][a][positions[at]].total_cmp(&logits[at][b][positions[at]]));
+            let likeliest = (0..12).max_by(|&a, &b| {
+                logits[at][a][positions[at]].total_cmp(&logits[at][b][positions[at]])
+            });
             let expected = [above < 1, above < 5, likeliest == Some(actions[at])].map(u64::from);
             assert_eq!([hits.top_1, hits.top_5, hits.action], expected);
         }
@@ -171,8 +192,11 @@ fn run(
             cancel.store(*step >= cancel_after, Ordering::Relaxed);
         }
     };
-    let end =
-        train(dataset, training, Run { device: Device::Cpu, out, cancel: &cancel, observer: &mut observer });
+    let end = train(
+        dataset,
+        training,
+        Run { device: Device::Cpu, out, cancel: &cancel, observer: &mut observer },
+    );
     (end, losses)
 }
 
@@ -257,8 +281,9 @@ fn what_can_not_be_trained_is_told_and_leaves_checkpoints_as_they_are() {
     run(&dataset, &training, out.path(), u64::MAX).0.unwrap();
     let checkpoint = last_checkpoint(out.path());
     let before = fs::read(&checkpoint).unwrap();
-    let fail =
-        |training: &Training, out: &Path| run(&dataset, training, out, u64::MAX).0.unwrap_err().to_string();
+    let fail = |training: &Training, out: &Path| {
+        run(&dataset, training, out, u64::MAX).0.unwrap_err().to_string()
+    };
 
     let error = fail(&Training { rate: 1e-3, ..training.clone() }, out.path());
     assert!(error.contains("'rate = 0.0004' where this one has 'rate = 0.001'"), "{error}");

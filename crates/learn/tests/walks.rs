@@ -24,7 +24,8 @@ fn walks_make_better_paths_and_count_every_move() {
     let variables = VarStore::new(Device::Cpu);
     let network = FusionNet::new(&variables.root(), training.network());
     let layers: Vec<_> = (0..6).map(|seed| layer(12 + seed as u32 % 3, 10, seed)).collect();
-    let starts: Vec<_> = layers.iter().map(|(region, ..)| Start::RowZigzag.path(region).unwrap()).collect();
+    let starts: Vec<_> =
+        layers.iter().map(|(region, ..)| Start::RowZigzag.path(region).unwrap()).collect();
     let mut tasks = Vec::new();
     for ((_, _, layer), start) in layers.iter().zip(&starts) {
         tasks.push(Task { layer, start, target: 5, seed: 7 });
@@ -47,11 +48,16 @@ fn walks_make_better_paths_and_count_every_move() {
                 assert_eq!(path.order(), walked.path.order());
             }
             let alone = walk(&tasks[3..4], proposer.as_mut(), &settings).pop().unwrap();
-            assert_eq!((&alone.moves, alone.made), (&walked[3].moves, walked[3].made), "no company is felt");
+            assert_eq!(
+                (&alone.moves, alone.made),
+                (&walked[3].moves, walked[3].made),
+                "no company is felt"
+            );
         }
     }
     // So cold that nothing that adds crossings is ever accepted by chance: the least that any move adds is.
-    let cold = WalkSettings { budget: 150, patience: 0, temperature: 1e-9, ..WalkSettings::default() };
+    let cold =
+        WalkSettings { budget: 150, patience: 0, temperature: 1e-9, ..WalkSettings::default() };
     assert!(walk(&tasks, &mut AllMoves { seed: 0 }, &cold).iter().all(|walked| walked.made > 0));
     let cancel = AtomicBool::new(true);
     let settings = WalkSettings { cancel: Some(&cancel), ..WalkSettings::default() };
@@ -67,8 +73,10 @@ fn proposals_do_not_depend_on_the_company() {
     let variables = VarStore::new(Device::Cpu);
     let network = FusionNet::new(&variables.root(), small().network());
     let layers: Vec<_> = (0..5).map(|seed| layer(12 + 6 * (seed as u32 % 2), 10, seed)).collect();
-    let links: Vec<_> =
-        layers.iter().map(|(region, ..)| Links::new(&Start::RowZigzag.path(region).unwrap())).collect();
+    let links: Vec<_> = layers
+        .iter()
+        .map(|(region, ..)| Links::new(&Start::RowZigzag.path(region).unwrap()))
+        .collect();
     let states: Vec<_> = layers
         .iter()
         .zip(&links)

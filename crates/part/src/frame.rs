@@ -30,7 +30,12 @@ impl Frame {
     /// Left, front, right and back side of the plane, in mm.
     pub fn sides_mm(&self) -> [f64; 4] {
         let length = |count: u32| f64::from(count) * self.cell_mm;
-        [self.left_mm, self.back_mm - length(self.height), self.left_mm + length(self.width), self.back_mm]
+        [
+            self.left_mm,
+            self.back_mm - length(self.height),
+            self.left_mm + length(self.width),
+            self.back_mm,
+        ]
     }
 
     /// The nozzle's z while layer number `layer`, from 0, is printed: the layer's top, in mm.
@@ -51,7 +56,14 @@ mod tests {
     #[test]
     #[expect(clippy::float_cmp, reason = "halves and quarters are exact")]
     fn rows_run_from_the_back_to_the_front() {
-        let frame = Frame { left_mm: 10.0, back_mm: 20.0, cell_mm: 0.5, layer_mm: 0.25, width: 4, height: 4 };
+        let frame = Frame {
+            left_mm: 10.0,
+            back_mm: 20.0,
+            cell_mm: 0.5,
+            layer_mm: 0.25,
+            width: 4,
+            height: 4,
+        };
         assert_eq!(frame.centre(0, 0), [10.25, 19.75]);
         assert_eq!(frame.centre(3, 1), [11.75, 19.25]);
         assert_eq!(frame.sides_mm(), [10.0, 18.0, 12.0, 20.0]);

@@ -25,7 +25,10 @@
 //! assert!(svg(&[panel], Some(&back.colours)).starts_with("<svg"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-#![cfg_attr(test, allow(clippy::float_cmp, reason = "numbers that are exact in binary are compared as such"))]
+#![cfg_attr(
+    test,
+    allow(clippy::float_cmp, reason = "numbers that are exact in binary are compared as such")
+)]
 
 mod frame;
 pub mod gcode;

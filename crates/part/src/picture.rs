@@ -57,7 +57,8 @@ impl Picture {
         // Either may be larger than the pixels, and neither says anything about the layer.
         decoder.set_ignore_text_chunk(true);
         decoder.set_ignore_iccp_chunk(true);
-        decoder.set_transformations(Transformations::normalize_to_color8() | Transformations::ALPHA);
+        decoder
+            .set_transformations(Transformations::normalize_to_color8() | Transformations::ALPHA);
         let mut reader = decoder.read_info().map_err(PictureError::Damaged)?;
         let mut pixels = vec![0; 4 * plane.plane_len()];
         let frame = reader.next_frame(&mut pixels).map_err(PictureError::Damaged)?;
@@ -82,7 +83,8 @@ impl Picture {
                 }
             };
         }
-        let region = Region::from_mask(width, height, ids.iter().map(|&id| id != Zones::OUTSIDE).collect())?;
+        let region =
+            Region::from_mask(width, height, ids.iter().map(|&id| id != Zones::OUTSIDE).collect())?;
         let zones = Zones::new(&region, ids).expect("each opaque pixel has a zone");
         Ok(Self { region, zones, colours })
     }
@@ -159,7 +161,9 @@ mod tests {
 
     fn crc(bytes: &[u8]) -> u32 {
         let shift = |rest: u32| if rest & 1 == 1 { rest >> 1 ^ 0xedb8_8320 } else { rest >> 1 };
-        !bytes.iter().fold(!0, |rest, &byte| (0..8).fold(rest ^ u32::from(byte), |rest, _| shift(rest)))
+        !bytes
+            .iter()
+            .fold(!0, |rest, &byte| (0..8).fold(rest ^ u32::from(byte), |rest, _| shift(rest)))
     }
 
     /// Makes the checksums of all whole chunks right again, so that damage reaches what lies behind them.
@@ -200,7 +204,8 @@ mod tests {
 
         let grey = encode(2, 1, ColorType::Grayscale, sixteen, &[5, 99, 9, 0]);
         assert_eq!(ids(&grey), (vec![0, 1], vec![[5; 3], [9; 3]]));
-        let alpha = encode(2, 1, ColorType::GrayscaleAlpha, sixteen, &[5, 0, 128, 0, 9, 0, 127, 255]);
+        let alpha =
+            encode(2, 1, ColorType::GrayscaleAlpha, sixteen, &[5, 0, 128, 0, 9, 0, 127, 255]);
         assert_eq!(ids(&alpha), (vec![0, 255], vec![[5; 3]]));
         let alpha = encode(1, 1, ColorType::Rgba, sixteen, &[1, 9, 2, 9, 3, 9, 255, 255]);
         assert_eq!(ids(&alpha), (vec![0], vec![[1, 2, 3]]));
@@ -209,7 +214,10 @@ mod tests {
             (BitDepth::Two, vec![0b1001_0000], vec![[170; 3], [85; 3]]),
             (BitDepth::Four, vec![0x21], vec![[34; 3], [17; 3]]),
         ] {
-            assert_eq!(ids(&encode(2, 1, ColorType::Grayscale, depth, &packed)), (vec![0, 1], white));
+            assert_eq!(
+                ids(&encode(2, 1, ColorType::Grayscale, depth, &packed)),
+                (vec![0, 1], white)
+            );
             let palette = ids(&encode(2, 1, ColorType::Indexed, depth, &packed));
             let clear = depth != BitDepth::One;
             assert_eq!(palette.0, if clear { [255, 0] } else { [0, 1] }, "{depth:?}");
@@ -229,8 +237,14 @@ mod tests {
         };
         let (eight, sixteen) = (BitDepth::Eight, BitDepth::Sixteen);
         assert_eq!(with_clear(ColorType::Grayscale, eight, &[0, 5], &[5, 6]).0, [255, 0]);
-        assert_eq!(with_clear(ColorType::Grayscale, BitDepth::One, &[0, 1], &[0b1000_0000]).0, [255, 0]);
-        assert_eq!(with_clear(ColorType::Rgb, eight, &[0, 1, 0, 2, 0, 3], &[1, 2, 4, 1, 2, 3]).0, [0, 255]);
+        assert_eq!(
+            with_clear(ColorType::Grayscale, BitDepth::One, &[0, 1], &[0b1000_0000]).0,
+            [255, 0]
+        );
+        assert_eq!(
+            with_clear(ColorType::Rgb, eight, &[0, 1, 0, 2, 0, 3], &[1, 2, 4, 1, 2, 3]).0,
+            [0, 255]
+        );
         // Of 16 bits all count: both pixels have the same colour in 8 bits.
         assert_eq!(with_clear(ColorType::Grayscale, sixteen, &[5, 1], &[5, 0, 5, 1]).0, [0, 255]);
     }

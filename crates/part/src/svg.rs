@@ -73,7 +73,8 @@ pub fn svg(panels: &[Panel<'_>], colours: Option<&[[u8; 3]]>) -> String {
 fn write_svg(out: &mut String, panels: &[Panel<'_>], colours: Option<&[[u8; 3]]>) -> fmt::Result {
     let widest = panels.iter().map(|panel| panel.region.width()).max().unwrap_or(1);
     let tallest = panels.iter().map(|panel| panel.region.height()).max().unwrap_or(1);
-    let cell = (PANEL_SIDE / f64::from(widest.max(tallest))).round().clamp(SMALLEST_CELL, LARGEST_CELL);
+    let cell =
+        (PANEL_SIDE / f64::from(widest.max(tallest))).round().clamp(SMALLEST_CELL, LARGEST_CELL);
     // A title may be longer than its layer is wide.
     let room = |panel: &Panel<'_>| {
         let title = LETTER * panel.title.chars().count() as f64;
@@ -116,14 +117,22 @@ fn write_zones(out: &mut String, panel: &Panel<'_>, colours: Option<&[[u8; 3]]>)
     let width = region.width() as usize;
     if !region.is_rectangle() {
         // A white zone must be told from what lies outside.
-        writeln!(out, r#"<rect width="{width}" height="{}" fill="{OUTSIDE_COLOUR}"/>"#, region.height())?;
+        writeln!(
+            out,
+            r#"<rect width="{width}" height="{}" fill="{OUTSIDE_COLOUR}"/>"#,
+            region.height()
+        )?;
     }
     let mut shapes = vec![String::new(); zones.count() as usize];
     for (y, row) in zones.ids().chunks(width).enumerate() {
         let mut x = 0;
         for run in row.chunk_by(|a, b| a == b) {
             if run[0] != Zones::OUTSIDE {
-                write!(shapes[usize::from(run[0])], "M{x} {y}h{length}v1h-{length}z", length = run.len())?;
+                write!(
+                    shapes[usize::from(run[0])],
+                    "M{x} {y}h{length}v1h-{length}z",
+                    length = run.len()
+                )?;
             }
             x += run.len();
         }
@@ -160,7 +169,10 @@ fn write_links(out: &mut String, panel: &Panel<'_>, cell: f64) -> fmt::Result {
         }
         if !line.is_empty() {
             let width = wide(width, cell);
-            writeln!(out, r#"<path {STROKE} stroke="{colour}" stroke-width="{width}" d="{line}"/>"#)?;
+            writeln!(
+                out,
+                r#"<path {STROKE} stroke="{colour}" stroke-width="{width}" d="{line}"/>"#
+            )?;
         }
     }
     Ok(())
@@ -196,7 +208,10 @@ fn write_path(out: &mut String, panel: &Panel<'_>, path: &Path, cell: f64) -> fm
         )?;
     }
     let (mark, hole) = (wide(MARK_WIDTH), wide((MARK_WIDTH.0 * 0.6, MARK_WIDTH.1 * 0.6)));
-    writeln!(out, r#"<path {STROKE} stroke="{PATH_COLOUR}" stroke-width="{mark}" d="{ends}{starts}"/>"#)?;
+    writeln!(
+        out,
+        r#"<path {STROKE} stroke="{PATH_COLOUR}" stroke-width="{mark}" d="{ends}{starts}"/>"#
+    )?;
     writeln!(out, r#"<path {STROKE} stroke="white" stroke-width="{hole}" d="{starts}"/>"#)
 }
 
@@ -266,7 +281,8 @@ mod tests {
         let region = Region::rectangle(2, 2).unwrap();
         let zones = Zones::new(&region, vec![0, 1, 0, 1]).unwrap();
         let path = Start::RowZigzag.path(&region).unwrap();
-        let panel = Panel { title: "a < b", region: &region, zones: &zones, path: Some(&path), links: &[] };
+        let panel =
+            Panel { title: "a < b", region: &region, zones: &zones, path: Some(&path), links: &[] };
         let expected = r##"<svg xmlns="http://www.w3.org/2000/svg" width="128" height="140" viewBox="0 0 128 140">
 <rect width="100%" height="100%" fill="white"/>
 <text x="16" y="18" font-family="Helvetica, Arial, sans-serif" font-size="15" fill="black">a &lt; b</text>
@@ -287,10 +303,12 @@ mod tests {
     fn every_crossing_is_red() {
         for seed in 0..20 {
             let region = Region::rectangle(17, 12).unwrap();
-            let zones =
-                LayoutSpec { zones: 20, ..LayoutSpec::new(Layout::Voronoi) }.zones(&region, seed).unwrap();
+            let zones = LayoutSpec { zones: 20, ..LayoutSpec::new(Layout::Voronoi) }
+                .zones(&region, seed)
+                .unwrap();
             let path = Start::Spiral.path(&region).unwrap();
-            let panel = Panel { title: "", region: &region, zones: &zones, path: Some(&path), links: &[] };
+            let panel =
+                Panel { title: "", region: &region, zones: &zones, path: Some(&path), links: &[] };
             let drawing = svg(&[panel, Panel { path: None, ..panel }], None);
             let red = drawing.lines().find(|line| line.contains(CROSSING_COLOUR)).unwrap();
             let strokes = red.split(" d=\"").nth(1).unwrap().matches('M').count();
@@ -303,8 +321,10 @@ mod tests {
         let column = Region::rectangle(1, 5).unwrap();
         let zones = LayoutSpec::new(Layout::TopBottom).zones(&column, 0).unwrap();
         let path = Start::RowZigzag.path(&column).unwrap();
-        let drawing =
-            svg(&[Panel { title: "", region: &column, zones: &zones, path: Some(&path), links: &[] }], None);
+        let drawing = svg(
+            &[Panel { title: "", region: &column, zones: &zones, path: Some(&path), links: &[] }],
+            None,
+        );
         assert!(drawing.contains(r#"d="M0.5 0.5v4""#), "{drawing}");
         let apart = Region::from_mask(2, 2, vec![true, false, false, true]).unwrap();
         let zones = Zones::new(&apart, vec![0; 4]).unwrap();
@@ -313,7 +333,10 @@ mod tests {
             &[Panel { title: "", region: &apart, zones: &zones, path: Some(&path), links: &[] }],
             Some(&[[0; 3]]),
         );
-        assert!(drawing.contains(r#"d="M0.5 0.5M1.5 1.5""#) && drawing.contains("#999999"), "{drawing}");
+        assert!(
+            drawing.contains(r#"d="M0.5 0.5M1.5 1.5""#) && drawing.contains("#999999"),
+            "{drawing}"
+        );
     }
 
     /// Whether every tag is closed, the innermost first, and no other markup stands between them.
@@ -340,8 +363,11 @@ mod tests {
         let region = Region::rectangle(3, 2).unwrap();
         let zones = LayoutSpec::new(Layout::Stripes).zones(&region, 0).unwrap();
         let path = Start::Spiral.path(&region).unwrap();
-        for title in ["", "</text><g>", "a > b & c", "\"quoted\" 'twice'", "bell\u{7}, \0 and \u{ffff}"] {
-            let panel = Panel { title, region: &region, zones: &zones, path: Some(&path), links: &[] };
+        for title in
+            ["", "</text><g>", "a > b & c", "\"quoted\" 'twice'", "bell\u{7}, \0 and \u{ffff}"]
+        {
+            let panel =
+                Panel { title, region: &region, zones: &zones, path: Some(&path), links: &[] };
             let drawing = svg(&[panel, panel], None);
             assert!(is_balanced(&drawing), "{drawing}");
             assert!(!drawing.contains(|c: char| (c.is_control() && c != '\n') || c == '\u{ffff}'));
@@ -364,12 +390,17 @@ mod tests {
         assert_eq!(size(30, 30, ""), (16 + 2 * 496, 28 + 480 + 16));
         assert_eq!(size(130, 130, ""), (16 + 2 * 536, 28 + 520 + 16));
         assert_eq!(size(1, 96, ""), (16 + 2 * 21, 28 + 480 + 16), "a tall layer is no tower");
-        assert_eq!(size(1, 1, "a title of 21 letters"), (16 + 2 * 205, 28 + 48 + 16), "titles don't overlap");
+        assert_eq!(
+            size(1, 1, "a title of 21 letters"),
+            (16 + 2 * 205, 28 + 48 + 16),
+            "titles don't overlap"
+        );
     }
 
     #[test]
     fn every_zone_has_a_light_colour_of_its_own() {
-        let mut fills: Vec<[u8; 3]> = (0..Zones::MAX as usize).map(|zone| colour(zone, None)).collect();
+        let mut fills: Vec<[u8; 3]> =
+            (0..Zones::MAX as usize).map(|zone| colour(zone, None)).collect();
         assert!(fills.iter().flatten().all(|&channel| channel >= 120));
         fills.sort_unstable();
         fills.dedup();

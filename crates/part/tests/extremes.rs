@@ -9,7 +9,8 @@ use std::io::{Cursor, Write as _};
 
 use beadwork_part::gcode::{Limits as Speeds, Program};
 use beadwork_part::mesh::{
-    Body, Format, Limits, Materials, Mesh, Model, Placement, ReadError, RepairError, Shape, Transform,
+    Body, Format, Limits, Materials, Mesh, Model, Placement, ReadError, RepairError, Shape,
+    Transform,
 };
 use beadwork_part::slice::{self, SliceError};
 use zip::ZipWriter;
@@ -83,13 +84,17 @@ fn xml_of_long_attributes_and_deep_elements() {
     let long = "&amp;".repeat(2 << 20);
     let named = format!(r#"<object id="1" name="{long}">{TETRA}</object>"#);
     assert_eq!(read_package(&named, r#"<item objectid="1"/>"#).unwrap().bodies[0].name.len(), 200);
-    let number = format!(r#"<object id="1"><mesh><vertices><vertex x="{}"/>"#, "9".repeat(10 << 20));
+    let number =
+        format!(r#"<object id="1"><mesh><vertices><vertex x="{}"/>"#, "9".repeat(10 << 20));
     assert!(matches!(read_package(&number, ""), Err(ReadError::Part { .. })));
     let many: String = (0..500_000).fold(String::new(), |mut text, at| {
         write!(text, " a{at}=''").unwrap();
         text
     });
-    assert!(matches!(read_package(&format!("<object {many} id='1'/>"), ""), Err(ReadError::NoTriangles)));
+    assert!(matches!(
+        read_package(&format!("<object {many} id='1'/>"), ""),
+        Err(ReadError::NoTriangles)
+    ));
     let deep = "<a>".repeat(1 << 20);
     assert!(matches!(read_package(&deep, ""), Err(ReadError::Part { .. })));
     let deep = deep + &"</a>".repeat(1 << 20);
@@ -101,8 +106,11 @@ fn a_package_of_many_objects_components_and_parts() {
     let mut objects = String::new();
     let mut items = String::new();
     for id in 1..=100_000 {
-        write!(objects, r#"<object id="{id}"><components><component objectid="0"/></components></object>"#)
-            .unwrap();
+        write!(
+            objects,
+            r#"<object id="{id}"><components><component objectid="0"/></components></object>"#
+        )
+        .unwrap();
         write!(items, r#"<item objectid="{id}"/>"#).unwrap();
     }
     write!(objects, r#"<object id="0">{TETRA}</object>"#).unwrap();
@@ -141,8 +149,10 @@ fn instances_of_vertices_without_triangles() {
 
 #[test]
 fn everything_at_one_place() {
-    let point =
-        Mesh::new(vec![[1.0; 3]; 3_000_000 / 3], (0..300_000).map(|at| [at, at + 1, at + 2]).collect());
+    let point = Mesh::new(
+        vec![[1.0; 3]; 3_000_000 / 3],
+        (0..300_000).map(|at| [at, at + 1, at + 2]).collect(),
+    );
     assert_eq!(body(point.unwrap()).repair(), Err(RepairError::NoArea(300_000)));
     let same = Mesh::new(vec![[1.0; 3]; 1], vec![[0; 3]; 300_000]);
     assert_eq!(body(same.unwrap()).repair(), Err(RepairError::NoArea(300_000)));
@@ -174,8 +184,12 @@ fn a_hole_of_many_edges() {
         .collect();
     let cup = Shape::Prism { outline_mm, z_mm: [0.0, 5.0] }.mesh();
     let top = corners as u32;
-    let open =
-        cup.triangles().iter().copied().filter(|triangle| triangle.iter().any(|&at| at < top)).collect();
+    let open = cup
+        .triangles()
+        .iter()
+        .copied()
+        .filter(|triangle| triangle.iter().any(|&at| at < top))
+        .collect();
     let mut cup = body(Mesh::new(cup.vertices().to_vec(), open).unwrap());
     assert_eq!(cup.repair().unwrap().closed_holes, 1);
 }
@@ -199,10 +213,17 @@ fn many_bodies_in_many_layers() {
     let cube = Shape::Cuboid { size_mm: [0.9; 3] }.mesh();
     let bodies = (0..10_000).map(|at| {
         let mut mesh = cube.clone();
-        Transform::shift([f64::from(at % 100), f64::from(at / 100), f64::from(at % 200)]).apply(&mut mesh);
-        Body { name: String::new(), mesh, material: None, paint: (0..12).map(|at| at % 2).collect() }
+        Transform::shift([f64::from(at % 100), f64::from(at / 100), f64::from(at % 200)])
+            .apply(&mut mesh);
+        Body {
+            name: String::new(),
+            mesh,
+            material: None,
+            paint: (0..12).map(|at| at % 2).collect(),
+        }
     });
-    let materials = ["a", "b"].map(|name| beadwork_part::mesh::Material { name: name.into(), colour: None });
+    let materials =
+        ["a", "b"].map(|name| beadwork_part::mesh::Material { name: name.into(), colour: None });
     let mut model = Model { bodies: bodies.collect(), materials: materials.into() };
     model.bodies.iter_mut().for_each(|body| _ = body.repair().unwrap());
     model.assign(Materials::Stated);
@@ -232,7 +253,8 @@ fn coordinates_beyond_all_use() {
 
 #[test]
 fn gcode_of_endless_lines_arcs_and_numbers() {
-    let speeds = Speeds { acceleration_mm_s2: 1000.0, square_corner_mm_s: 5.0, greatest_mm_s: 300.0 };
+    let speeds =
+        Speeds { acceleration_mm_s2: 1000.0, square_corner_mm_s: 5.0, greatest_mm_s: 300.0 };
     let seconds = |text: &str| {
         let program = Program::parse(text).unwrap();
         assert_eq!(Program::parse(&program.emit()).as_ref(), Ok(&program));
@@ -248,6 +270,8 @@ fn gcode_of_endless_lines_arcs_and_numbers() {
     }
     // Motions without a stop are not all held at once.
     assert!(seconds(&"G2 I9000\n".repeat(20_000)) > 1e6);
-    assert!(seconds("G91\nG1 X9000000000000 E9000000000000\nG2 X9000000000000 I4500000000000\n") > 1e9);
+    assert!(
+        seconds("G91\nG1 X9000000000000 E9000000000000\nG2 X9000000000000 I4500000000000\n") > 1e9
+    );
     assert!(Program::parse("G1 X1000000000000000000").is_err());
 }

@@ -30,7 +30,9 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use beadwork_grid::{Layout, LayoutSpec, Path, Region, Zones, cover};
-use beadwork_part::gcode::{self, Event, Flavour, Print, Printer, Program, Purge, Title, Tool, Tower};
+use beadwork_part::gcode::{
+    self, Event, Flavour, Print, Printer, Program, Purge, Title, Tool, Tower,
+};
 use beadwork_part::mesh::{Format, Limits, Materials, Mesh, Model, Placement, Shape, Transform};
 use beadwork_part::{Frame, slice};
 use rand::{RngExt, SeedableRng};
@@ -96,8 +98,11 @@ impl Seed {
                 let mut parts = parts.clone();
                 let part = rng.random_range(0..parts.len());
                 parts[part].1 = changed(&parts[part].1, &mut rng);
-                let method =
-                    if rng.random() { CompressionMethod::Stored } else { CompressionMethod::Deflated };
+                let method = if rng.random() {
+                    CompressionMethod::Stored
+                } else {
+                    CompressionMethod::Deflated
+                };
                 mesh_way(Format::ThreeMf, &pack(&parts, method), number)
             }
             Content::Gcode(bytes) => gcode_way(&changed(bytes, &mut rng)),
@@ -118,7 +123,8 @@ fn mesh_way(format: Format, bytes: &[u8], number: u64) -> bool {
     }
     let rules = [Materials::Stated, Materials::Bodies, Materials::One];
     model.assign(rules[(number % 3) as usize]);
-    let settings = slice::Settings { cell_mm: 1.0, layer_mm: 1.0, most_cells: 1 << 18, ..Default::default() };
+    let settings =
+        slice::Settings { cell_mm: 1.0, layer_mm: 1.0, most_cells: 1 << 18, ..Default::default() };
     _ = slice::slice(&model, &settings);
     if Placement::default().apply(&mut model).is_err() {
         return false;
@@ -219,8 +225,18 @@ const TEXTS: [&[u8]; 64] = [
 ];
 
 /// As numbers of four bytes, with the low byte first: counts, indices, and what they are as floating point.
-const WORDS: [u32; 10] =
-    [0, 1, 0xff, 0xffff, 0x7fff_ffff, 0x8000_0000, 0xffff_ffff, 0x7f80_0000, 0x7fc0_0000, 0x7f7f_ffff];
+const WORDS: [u32; 10] = [
+    0,
+    1,
+    0xff,
+    0xffff,
+    0x7fff_ffff,
+    0x8000_0000,
+    0xffff_ffff,
+    0x7f80_0000,
+    0x7fc0_0000,
+    0x7f7f_ffff,
+];
 
 /// A copy with one to eight changes.
 fn changed(bytes: &[u8], rng: &mut Xoshiro256PlusPlus) -> Vec<u8> {
@@ -274,7 +290,8 @@ fn change(bytes: &mut Vec<u8>, rng: &mut Xoshiro256PlusPlus) {
         }
         31..47 => {
             // Another digit: the text stays what it is, and means something else.
-            let digit = bytes[at..].iter().position(u8::is_ascii_digit).map_or(at, |skip| at + skip);
+            let digit =
+                bytes[at..].iter().position(u8::is_ascii_digit).map_or(at, |skip| at + skip);
             bytes[digit] = b'0' + rng.random_range(0..10_u8);
         }
         _ => bytes.truncate(at),
@@ -294,8 +311,14 @@ impl Plan {
         let region = Region::rectangle(8, 5).unwrap();
         let zones = LayoutSpec::new(Layout::LeftRight).zones(&region, 0).unwrap();
         let path = cover(&region);
-        let frame =
-            Frame { left_mm: 100.0, back_mm: 100.0, cell_mm: 0.5, layer_mm: 0.2, width: 8, height: 5 };
+        let frame = Frame {
+            left_mm: 100.0,
+            back_mm: 100.0,
+            cell_mm: 0.5,
+            layer_mm: 0.2,
+            width: 8,
+            height: 5,
+        };
         Self { frame, region, zones, path }
     }
 
@@ -308,12 +331,20 @@ impl Plan {
         let tower = Tower { left_mm: 120.0, front_mm: 50.0, width_mm: 10.0, depth_mm: 30.0 };
         let purge = Some(Purge::uniform(2, 2.0, Some(tower)));
         let printer = Printer { flavour, ..Printer::default() };
-        gcode::Settings { tools: vec![Tool::default(); 2], purge, printer, ..gcode::Settings::default() }
+        gcode::Settings {
+            tools: vec![Tool::default(); 2],
+            purge,
+            printer,
+            ..gcode::Settings::default()
+        }
     }
 
     fn print(&self, flavour: Flavour) -> String {
         let title = Title { part: "plate", version: "0" };
-        Print::new(title, &self.layers(), &self.frame, &Self::settings(flavour)).unwrap().program.emit()
+        Print::new(title, &self.layers(), &self.frame, &Self::settings(flavour))
+            .unwrap()
+            .program
+            .emit()
     }
 }
 
@@ -335,7 +366,9 @@ fn stl_text(name: &str, mesh: &Mesh) -> String {
     let mut text = format!("solid {name}\n");
     for triangle in corners(mesh) {
         text.push_str("facet normal 0 0 0\nouter loop\n");
-        triangle.iter().for_each(|[x, y, z]| writeln!(text, "vertex {x:.3} {y:.3} {z:.3}").unwrap());
+        triangle
+            .iter()
+            .for_each(|[x, y, z]| writeln!(text, "vertex {x:.3} {y:.3} {z:.3}").unwrap());
         text.push_str("endloop\nendfacet\n");
     }
     text + "endsolid\n"
@@ -374,20 +407,27 @@ fn obj_seeds() -> Vec<Seed> {
     let mut base = 1;
     for (name, mesh) in [("cube", cube()), ("sphere", sphere())] {
         writeln!(groups, "g {name}\r\nusemtl {name}").unwrap();
-        mesh.vertices().iter().for_each(|[x, y, z]| writeln!(groups, "v {x:.4} {y:.4} {z:.4}").unwrap());
+        mesh.vertices()
+            .iter()
+            .for_each(|[x, y, z]| writeln!(groups, "v {x:.4} {y:.4} {z:.4}").unwrap());
         for triangle in mesh.triangles() {
             let [a, b, c] = triangle.map(|vertex| vertex + base);
             writeln!(groups, "f {a} {b} {c}").unwrap();
         }
         base += mesh.vertices().len() as u32;
     }
-    vec![Seed::mesh("cube.obj", Format::Obj, polygons), Seed::mesh("groups.obj", Format::Obj, groups)]
+    vec![
+        Seed::mesh("cube.obj", Format::Obj, polygons),
+        Seed::mesh("groups.obj", Format::Obj, groups),
+    ]
 }
 
 fn pack(parts: &[(String, Vec<u8>)], method: CompressionMethod) -> Vec<u8> {
     let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, bytes) in parts {
-        writer.start_file(name.as_str(), SimpleFileOptions::default().compression_method(method)).unwrap();
+        writer
+            .start_file(name.as_str(), SimpleFileOptions::default().compression_method(method))
+            .unwrap();
         writer.write_all(bytes).unwrap();
     }
     writer.finish().unwrap().into_inner()
@@ -616,14 +656,17 @@ fn damaged_gcode() {
 /// Cases start from files that are good: else they would end where they begin.
 #[test]
 fn seeds_are_sound() {
-    for seed in stl_seeds().iter().chain(&obj_seeds()).chain(&threemf_seeds()).chain(&gcode_seeds()) {
+    for seed in stl_seeds().iter().chain(&obj_seeds()).chain(&threemf_seeds()).chain(&gcode_seeds())
+    {
         let read = |format, bytes: &[u8]| {
             let model = Model::read(format, bytes, &Limits::default()).unwrap();
             model.bodies.into_iter().for_each(|mut body| _ = body.repair().unwrap());
         };
         match &seed.content {
             Content::Mesh(format, bytes) => read(*format, bytes),
-            Content::Parts(parts) => read(Format::ThreeMf, &pack(parts, CompressionMethod::Deflated)),
+            Content::Parts(parts) => {
+                read(Format::ThreeMf, &pack(parts, CompressionMethod::Deflated))
+            }
             Content::Gcode(bytes) => {
                 let program = Program::from_bytes(bytes).unwrap();
                 program.trace().for_each(|event| _ = event.unwrap());

@@ -38,7 +38,13 @@ fn fast(criterion: &mut Criterion) {
         group.bench_function(BenchmarkId::from_parameter(side), |bencher| {
             bencher.iter_batched(
                 || start.clone(),
-                |start| anneal(start, &crossings, &Settings { method, ..Settings::preset(Preset::Fast, 0) }),
+                |start| {
+                    anneal(
+                        start,
+                        &crossings,
+                        &Settings { method, ..Settings::preset(Preset::Fast, 0) },
+                    )
+                },
                 BatchSize::LargeInput,
             );
         });
@@ -51,8 +57,8 @@ fn validity(criterion: &mut Criterion) {
     for side in [30, 100, 500] {
         let (start, crossings) = instance(side);
         let path = anneal(start, &crossings, &Settings::preset(Preset::Fast, 0)).path;
-        let first =
-            (0..side * (side - 1)).filter_map(|corner| Some(Switch::new(corner, path.sides(corner)?)));
+        let first = (0..side * (side - 1))
+            .filter_map(|corner| Some(Switch::new(corner, path.sides(corner)?)));
         let pairs: Vec<[Switch; 2]> = first
             .flat_map(|first| {
                 let others = [first.corner() + 1, first.corner() + side, first.corner() + side + 1];
@@ -61,7 +67,8 @@ fn validity(criterion: &mut Criterion) {
             .collect();
         group.throughput(Throughput::Elements(pairs.len() as u64));
         group.bench_function(BenchmarkId::from_parameter(side), |bencher| {
-            bencher.iter(|| pairs.iter().filter(|[a, b]| black_box(path.allows_pair(*a, *b))).count());
+            bencher
+                .iter(|| pairs.iter().filter(|[a, b]| black_box(path.allows_pair(*a, *b))).count());
         });
     }
 }
@@ -71,7 +78,8 @@ fn replay(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("replay");
     for side in [30, 60, 100] {
         let (start, crossings) = instance(side);
-        let moves = anneal(start.clone(), &crossings, &Settings::preset(Preset::ExtraLong, 0)).moves;
+        let moves =
+            anneal(start.clone(), &crossings, &Settings::preset(Preset::ExtraLong, 0)).moves;
         let variants: Vec<_> = moves
             .iter()
             .filter_map(|step| if let Move::Variant(placed) = step { Some(*placed) } else { None })

@@ -28,6 +28,9 @@ impl Cost for Crossings {
     }
 
     fn is_sensitive(&self, corner: Cell, width: u32) -> bool {
-        self.right(corner) || self.right(corner + width) || self.below(corner) || self.below(corner + 1)
+        self.right(corner)
+            || self.right(corner + width)
+            || self.below(corner)
+            || self.below(corner + 1)
     }
 }

@@ -51,7 +51,8 @@ impl ZoneCosts {
     /// Each crossing costs 1.
     pub fn uniform(zones: u32) -> Self {
         let zones = zones as usize;
-        let costs = (0..zones * zones).map(|pair| u32::from(pair / zones != pair % zones)).collect();
+        let costs =
+            (0..zones * zones).map(|pair| u32::from(pair / zones != pair % zones)).collect();
         Self { zones, costs }
     }
 
@@ -89,8 +90,9 @@ impl ZoneCosts {
 
     /// Whether no pair costs more in one direction than in the other.
     pub fn is_symmetric(&self) -> bool {
-        (0..self.zones)
-            .all(|a| (0..a).all(|b| self.costs[a * self.zones + b] == self.costs[b * self.zones + a]))
+        (0..self.zones).all(|a| {
+            (0..a).all(|b| self.costs[a * self.zones + b] == self.costs[b * self.zones + a])
+        })
     }
 
     /// The cheaper direction of each pair: what a crossing costs at least.
@@ -109,7 +111,8 @@ impl ZoneCosts {
         let zones = self.zones;
         let cost = |a: usize, b: usize| i64::from(self.costs[a * zones + b]);
         let dearer_from = |a: usize| (0..zones).map(|b| cost(a, b) - cost(b, a)).sum::<i64>();
-        let mut heights: Vec<i64> = (0..zones).map(|a| dearer_from(a) / (2 * zones as i64)).collect();
+        let mut heights: Vec<i64> =
+            (0..zones).map(|a| dearer_from(a) / (2 * zones as i64)).collect();
         let is_below = |heights: &[i64]| {
             (0..zones).any(|a| (0..zones).any(|b| cost(a, b) + heights[b] - heights[a] < 0))
         };
@@ -132,7 +135,8 @@ impl ZoneCosts {
         let mut drawn = self.of_pairs(|_, _| 0);
         for a in 0..self.zones {
             for b in 0..a {
-                let (there, back) = (self.costs[a * self.zones + b], self.costs[b * self.zones + a]);
+                let (there, back) =
+                    (self.costs[a * self.zones + b], self.costs[b * self.zones + a]);
                 let (least, most) = (there.min(back), there.max(back));
                 let cost = (least + (rng.next_u64() % u64::from(most - least + 1)) as u32) as i32;
                 drawn[a * self.zones + b] = cost;
@@ -143,8 +147,9 @@ impl ZoneCosts {
     }
 
     fn of_pairs(&self, cost: impl Fn(u32, u32) -> u32) -> Vec<i32> {
-        let pair =
-            |a: usize, b: usize| cost(self.costs[a * self.zones + b], self.costs[b * self.zones + a]) as i32;
+        let pair = |a: usize, b: usize| {
+            cost(self.costs[a * self.zones + b], self.costs[b * self.zones + a]) as i32
+        };
         let pair = &pair;
         (0..self.zones).flat_map(|a| (0..self.zones).map(move |b| pair(a, b))).collect()
     }

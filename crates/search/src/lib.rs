@@ -40,7 +40,9 @@ mod random;
 mod stop;
 mod union;
 
-pub use anneal::{Free, Method, Outcome, Pooled, Preset, Progress, Settings, UnknownPreset, anneal};
+pub use anneal::{
+    Free, Method, Outcome, Pooled, Preset, Progress, Settings, UnknownPreset, anneal,
+};
 pub use cost::Cost;
 pub use costs::{ZoneCosts, ZoneCostsError};
 pub use moves::Move;

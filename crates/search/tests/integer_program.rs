@@ -10,7 +10,9 @@ use std::collections::BTreeMap;
 
 use beadwork_grid::{Cell, Layout, LayoutSpec, Region, Shape, Zones, verify};
 use beadwork_search::exact::{Settings, solve};
-use good_lp::{Expression, Solution, SolverModel, Variable, constraint, highs, variable, variables};
+use good_lp::{
+    Expression, Solution, SolverModel, Variable, constraint, highs, variable, variables,
+};
 
 /// A layer with a variable for each link.
 struct Program<'a> {
@@ -24,18 +26,26 @@ struct Program<'a> {
 impl<'a> Program<'a> {
     fn new(region: &'a Region, zones: &'a Zones) -> Self {
         let neighbours = |cell: Cell| region.neighbours(cell).filter(move |&other| other > cell);
-        let links =
-            region.cells().flat_map(|cell| neighbours(cell).map(move |other| [cell, other])).collect();
+        let links = region
+            .cells()
+            .flat_map(|cell| neighbours(cell).map(move |other| [cell, other]))
+            .collect();
         Self { region, zones, links, closed: Vec::new() }
     }
 
     /// The fewest crossings of so many links, at most two at each cell, without the cycles found so far; and the links.
     fn solve(&self, count: u32) -> Option<(u32, Vec<[Cell; 2]>)> {
         let mut variables = variables!();
-        let taken: Vec<Variable> = self.links.iter().map(|_| variables.add(variable().binary())).collect();
+        let taken: Vec<Variable> =
+            self.links.iter().map(|_| variables.add(variable().binary())).collect();
         let is_crossing = |&[a, b]: &[Cell; 2]| self.zones.id(a) != self.zones.id(b);
         let of = |choose: &dyn Fn(&[Cell; 2]) -> bool| -> Expression {
-            self.links.iter().zip(&taken).filter(|(link, _)| choose(link)).map(|(_, &taken)| taken).sum()
+            self.links
+                .iter()
+                .zip(&taken)
+                .filter(|(link, _)| choose(link))
+                .map(|(_, &taken)| taken)
+                .sum()
         };
         let mut problem = variables.minimise(of(&is_crossing)).using(highs);
         problem.set_verbose(false);
@@ -90,7 +100,8 @@ impl<'a> Program<'a> {
     /// The fewest crossings of a cover in so many pieces, or that there are not fewer than asked.
     fn fewest(&mut self, pieces: u32, enough: u32) -> (u32, usize) {
         for round in 1.. {
-            let (crossings, links) = self.solve(self.region.cell_count() - pieces).expect("there is a cover");
+            let (crossings, links) =
+                self.solve(self.region.cell_count() - pieces).expect("there is a cover");
             if crossings >= enough || !self.forbid_cycles(&links) {
                 return (crossings, round);
             }
@@ -109,10 +120,11 @@ fn the_integer_program_finds_no_better_cover() {
             Some(shape) if number >= 12 => shape.region(side, side, number).unwrap(),
             _ => Region::rectangle(side, side).unwrap(),
         };
-        let layout =
-            [Layout::Voronoi, Layout::Islands, Layout::Voronoi, Layout::Checkerboard][number as usize % 4];
-        let zones =
-            LayoutSpec { layout, zones: 3 + (number % 4) as u8, side: 3 }.zones(&region, number).unwrap();
+        let layout = [Layout::Voronoi, Layout::Islands, Layout::Voronoi, Layout::Checkerboard]
+            [number as usize % 4];
+        let zones = LayoutSpec { layout, zones: 3 + (number % 4) as u8, side: 3 }
+            .zones(&region, number)
+            .unwrap();
         let plan = solve(&region, &zones, &Settings::default()).unwrap();
         assert_eq!(verify(&region, plan.path.order()), Ok(plan.pieces));
         let (best, rounds) = Program::new(&region, &zones).fewest(plan.pieces, plan.crossings);

@@ -35,11 +35,23 @@ impl Clone for Explicit {
 
 impl Explicit {
     pub(crate) fn new(scheme: Scheme, longest_s: f64) -> Self {
-        Self { scheme, longest_s, scratch: Aligned::default(), kept: Kept::default(), changes: Vec::new() }
+        Self {
+            scheme,
+            longest_s,
+            scratch: Aligned::default(),
+            kept: Kept::default(),
+            changes: Vec::new(),
+        }
     }
 
     /// In so many threads of the current pool; births of the plain scheme take one.
-    pub(crate) fn run(&mut self, mut state: StateMut<'_>, law: &Law, pieces: &[Piece], threads: usize) {
+    pub(crate) fn run(
+        &mut self,
+        mut state: StateMut<'_>,
+        law: &Law,
+        pieces: &[Piece],
+        threads: usize,
+    ) {
         self.kept.threads = threads;
         if self.scheme == Scheme::Euler {
             self.scratch.clone_from(&state.patch.theta);
@@ -58,7 +70,13 @@ impl Explicit {
             match self.scheme {
                 Scheme::Euler => self.euler(&mut state, law, seconds as f32, steps, held),
                 Scheme::Heun { steps: parts } => {
-                    self.heun(&mut state, law, seconds / f64::from(parts), steps * parts as usize, held);
+                    self.heun(
+                        &mut state,
+                        law,
+                        seconds / f64::from(parts),
+                        steps * parts as usize,
+                        held,
+                    );
                 }
             }
         }
@@ -87,7 +105,14 @@ impl Explicit {
         }
     }
 
-    fn heun(&mut self, state: &mut StateMut<'_>, law: &Law, seconds: f64, steps: usize, held: Option<usize>) {
+    fn heun(
+        &mut self,
+        state: &mut StateMut<'_>,
+        law: &Law,
+        seconds: f64,
+        steps: usize,
+        held: Option<usize>,
+    ) {
         let (patch, top) = (&mut *state.patch, state.voxels.top());
         let stages = Quadratic { a: seconds as f32, b: (seconds * seconds / 2.0) as f32 };
         for _ in 0..steps {

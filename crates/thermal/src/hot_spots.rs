@@ -47,8 +47,10 @@ impl Simulation {
     fn hot_spots_of(&self, layers: Range<usize>, above_c: f64) -> HotSpots {
         let frame = &self.part().frame;
         let layers = layers.start..layers.end.min(self.part().depth);
-        let grid =
-            Grid { sizes: [frame.width, frame.height, layers.len() as u32], lowest: layers.start as u32 };
+        let grid = Grid {
+            sizes: [frame.width, frame.height, layers.len() as u32],
+            lowest: layers.start as u32,
+        };
         let hot: Vec<([u32; 3], f64)> =
             self.deposited(layers).filter(|&(_, celsius)| celsius > above_c).collect();
         if hot.is_empty() {
@@ -133,17 +135,26 @@ mod tests {
     fn slow_sizes(simulation: &Simulation, layers: Range<u32>, above_c: f64) -> Vec<usize> {
         let frame = simulation.part().frame;
         let mut labels: Vec<([u32; 3], usize)> = layers
-            .flat_map(|z| (0..frame.height).flat_map(move |y| (0..frame.width).map(move |x| [x, y, z])))
-            .filter(|&voxel| simulation.temperature_c(voxel).is_some_and(|celsius| celsius > above_c))
+            .flat_map(|z| {
+                (0..frame.height).flat_map(move |y| (0..frame.width).map(move |x| [x, y, z]))
+            })
+            .filter(|&voxel| {
+                simulation.temperature_c(voxel).is_some_and(|celsius| celsius > above_c)
+            })
             .zip(0..)
             .collect();
         loop {
             let before = labels.clone();
             for (voxel, label) in &mut labels {
-                let near =
-                    |other: &[u32; 3]| (0..3).map(|axis| voxel[axis].abs_diff(other[axis])).sum::<u32>() <= 1;
-                *label =
-                    before.iter().filter(|(other, _)| near(other)).map(|&(_, label)| label).min().unwrap();
+                let near = |other: &[u32; 3]| {
+                    (0..3).map(|axis| voxel[axis].abs_diff(other[axis])).sum::<u32>() <= 1
+                };
+                *label = before
+                    .iter()
+                    .filter(|(other, _)| near(other))
+                    .map(|&(_, label)| label)
+                    .min()
+                    .unwrap();
             }
             if labels == before {
                 break;
@@ -167,7 +178,8 @@ mod tests {
         let simulation = half_printed(&stairs(13, 7, 5));
         let spread = simulation.spread().unwrap();
         for part in 0..=10 {
-            let above_c = spread.min_c + (spread.max_c - spread.min_c) * f64::from(part) / 10.0 - 1e-3;
+            let above_c =
+                spread.min_c + (spread.max_c - spread.min_c) * f64::from(part) / 10.0 - 1e-3;
             check(&simulation.hot_spots(above_c), &slow_sizes(&simulation, 0..5, above_c));
             for layer in 0..5 {
                 let spots = simulation.layer_hot_spots(layer, above_c);

@@ -30,7 +30,11 @@ impl Simulation {
 
 /// `landing_c` tells for x, y and z of a voxel of the part how warm the voxel below it was when it was laid down, in °C,
 /// or `None` if there was none or it isn't laid down. Layers without any such voxel are left out.
-fn bonds(part: &Voxels, glass_transition_c: f64, landing_c: impl Fn([u32; 3]) -> Option<f64>) -> Vec<Bond> {
+fn bonds(
+    part: &Voxels,
+    glass_transition_c: f64,
+    landing_c: impl Fn([u32; 3]) -> Option<f64>,
+) -> Vec<Bond> {
     let width = part.frame.width;
     let of_layer = |layer: u32| {
         let cells = part.cells(layer as usize);
@@ -51,8 +55,9 @@ mod tests {
     #[test]
     fn layers_are_told_apart() {
         let part = stairs(8, 4, 4);
-        let bonds =
-            bonds(&part, 105.0, |[x, _, z]| (z == 1 || z == 2).then_some(if x < 6 { 90.0 } else { 130.0 }));
+        let bonds = bonds(&part, 105.0, |[x, _, z]| {
+            (z == 1 || z == 2).then_some(if x < 6 { 90.0 } else { 130.0 })
+        });
         assert_eq!(bonds.iter().map(|bond| bond.layer).collect::<Vec<_>>(), [1, 2]);
         // Layer 1 begins at x = 1, layer 2 at x = 2.
         assert_eq!((bonds[0].landing.count, bonds[1].landing.count), (28, 24));

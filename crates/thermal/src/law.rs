@@ -101,19 +101,23 @@ impl Law {
         let mut fastest: f64 = 0.0;
         let mut voxels = Box::new([Voxel::default(); 256]);
         for (faces, voxel) in (0u8..=255).zip(voxels.iter_mut()) {
-            if faces & face::ACTIVE == 0 || faces & (face::PLATE | face::BELOW) == face::PLATE | face::BELOW {
+            if faces & face::ACTIVE == 0
+                || faces & (face::PLATE | face::BELOW) == face::PLATE | face::BELOW
+            {
                 continue;
             }
             let on_plate = faces & face::PLATE != 0;
             let sides = face::SIDES.iter().filter(|&&side| faces & side != 0).count() as f64;
-            let caps = f64::from(u8::from(faces & face::BELOW != 0) + u8::from(faces & face::ABOVE != 0));
+            let caps =
+                f64::from(u8::from(faces & face::BELOW != 0) + u8::from(faces & face::ABOVE != 0));
             let touch = if on_plate && plate.is_some() { 2.0 } else { 0.0 };
             let open_sides = (4.0 - sides) / width_m / capacity;
             let open_caps = (2.0 - caps - f64::from(u8::from(on_plate))) / height_m / capacity;
             let conduction = sides * lateral + (caps + touch) * vertical;
             // All of the air's losses are in the damping, or, with resistance, all of them outside.
             let damping = if process.surface_resistance {
-                *voxel = Voxel { damping: 0.0, exposure: open_sides as f32, caps: open_caps as f32 };
+                *voxel =
+                    Voxel { damping: 0.0, exposure: open_sides as f32, caps: open_caps as f32 };
                 conduction
             } else {
                 let open = open_sides + open_caps;
@@ -137,8 +141,11 @@ impl Law {
             ghost: 2.0 * plate.unwrap_or(0.0) as f32,
             birth: (process.extrusion_c - process.ambient_c) as f32,
             ambient_c: process.ambient_c,
-            air: [h, 1.0 / width_m / capacity, 1.0 / height_m / capacity].map(|number| number as f32),
-            resistance: process.surface_resistance.then(|| [h as f32, half_k(width_m), half_k(height_m)]),
+            air: [h, 1.0 / width_m / capacity, 1.0 / height_m / capacity]
+                .map(|number| number as f32),
+            resistance: process
+                .surface_resistance
+                .then(|| [h as f32, half_k(width_m), half_k(height_m)]),
             fastest,
         }
     }
@@ -161,7 +168,8 @@ impl Law {
         let [convection, side, cap] = self.air;
         let [r0, r1, r2, r3] = self.radiation;
         let h = convection + ((4.0 * r3 * theta + 3.0 * r2) * theta + 2.0 * r1) * theta + r0;
-        let [behind_side, behind_cap] = self.resistance.map_or([0.0; 2], |[_, side, cap]| [side, cap]);
+        let [behind_side, behind_cap] =
+            self.resistance.map_or([0.0; 2], |[_, side, cap]| [side, cap]);
         h / (1.0 + h * behind_side) * side * sides + h / (1.0 + h * behind_cap) * cap * caps
     }
 

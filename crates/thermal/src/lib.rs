@@ -65,7 +65,9 @@ pub use hot_spots::{HotSpot, HotSpots};
 pub use interlayer::Bond;
 pub use material::Material;
 pub use process::Process;
-pub use program::{ProgramError, ProgramSettings, ProgramSlots, VoxelsError, program_slots, program_voxels};
+pub use program::{
+    ProgramError, ProgramSettings, ProgramSlots, VoxelsError, program_slots, program_voxels,
+};
 pub use property::PropertyError;
 pub use report::{LayerReport, reward};
 pub use section::{Plane, Section};

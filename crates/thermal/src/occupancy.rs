@@ -57,7 +57,13 @@ impl Occupancy {
 
     /// Makes a voxel active and tells what changes by it: the voxel itself first, then its active neighbours. What lies
     /// below has the temperature `below` above the air.
-    pub(crate) fn birth(&mut self, at: [usize; 3], below: f32, law: &Law, changes: &mut Vec<Change>) {
+    pub(crate) fn birth(
+        &mut self,
+        at: [usize; 3],
+        below: f32,
+        law: &Law,
+        changes: &mut Vec<Change>,
+    ) {
         let [x, y, z] = at;
         let index = self.shape.index(at);
         let [left, right, back, front] = face::SIDES;
@@ -84,7 +90,8 @@ impl Occupancy {
             }
         }
         self.faces[index] = faces;
-        let active = neighbours.iter().enumerate().filter(|(_, (towards, ..))| faces & towards != 0);
+        let active =
+            neighbours.iter().enumerate().filter(|(_, (towards, ..))| faces & towards != 0);
         self.tally.birth(at, active.clone().map(|(place, _)| (place / 2, place % 2 == 1)));
         changes.push(self.change(at, law, true));
         changes.extend(active.map(|(_, &(_, _, neighbour))| self.change(neighbour, law, false)));
@@ -93,8 +100,14 @@ impl Occupancy {
     /// The numbers of a voxel whose faces have changed.
     fn change(&self, at: [usize; 3], law: &Law, born: bool) -> Change {
         let index = self.shape.index(at);
-        let line = self.faces[index / LINE * LINE..].first_chunk().expect("a patch has whole lines");
-        Change { at, voxel: law.voxels[usize::from(self.faces[index])], line: Line::of(*line), born }
+        let line =
+            self.faces[index / LINE * LINE..].first_chunk().expect("a patch has whole lines");
+        Change {
+            at,
+            voxel: law.voxels[usize::from(self.faces[index])],
+            line: Line::of(*line),
+            born,
+        }
     }
 }
 
@@ -116,7 +129,8 @@ mod tests {
         for _ in 0..300 {
             let size = [90, 6, 6].map(|most| random.random_range(1..most));
             let shape = Shape::around(size[0], size[1], size[2]);
-            let (mut occupancy, mut patch) = (Occupancy::none(shape, &law), Patch::empty(shape, &law));
+            let (mut occupancy, mut patch) =
+                (Occupancy::none(shape, &law), Patch::empty(shape, &law));
             let filled = if random.random_bool(0.5) { 1.0 } else { 0.9 };
             let mut changes = Vec::new();
             for z in 1..=size[2] {

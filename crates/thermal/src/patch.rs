@@ -156,7 +156,12 @@ impl Patch {
     pub(crate) fn empty(shape: Shape, law: &Law) -> Self {
         let mut theta = Aligned::zeros(shape.len());
         theta.chunks_exact_mut(shape.plane()).for_each(|plane| plane[..shape.row].fill(law.ghost));
-        Self { shape, origin: [0; 3], activity: Activity::none(shape, law.resistance.is_some()), theta }
+        Self {
+            shape,
+            origin: [0; 3],
+            activity: Activity::none(shape, law.resistance.is_some()),
+            theta,
+        }
     }
 
     /// The flat index of a voxel of the part's patch, or `None` if it isn't inside this one's rim.
@@ -182,7 +187,11 @@ impl Patch {
             // The ends of rows are rim, whatever they are in the part.
             let x = change.at[0] - self.origin[0];
             let end = x < LINE || x >= last;
-            self.activity.set(index, change.voxel, if end { change.line.cut() } else { change.line });
+            self.activity.set(
+                index,
+                change.voxel,
+                if end { change.line.cut() } else { change.line },
+            );
             if change.born {
                 self.theta[index] = law.birth;
             }
@@ -201,7 +210,12 @@ mod tests {
     fn runs_are_as_long_as_lines_are_equal() {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(0);
         for _ in 0..2000 {
-            let kinds = [Line::EMPTY, Line::MIXED, Line(face::INTERIOR), Line(face::INTERIOR - face::ABOVE)];
+            let kinds = [
+                Line::EMPTY,
+                Line::MIXED,
+                Line(face::INTERIOR),
+                Line(face::INTERIOR - face::ABOVE),
+            ];
             let mut lines = Vec::new();
             for _ in 0..random.random_range(0..8) {
                 lines.extend(vec![kinds[random.random_range(0..4)]; random.random_range(1..20)]);

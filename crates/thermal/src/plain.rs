@@ -90,7 +90,15 @@ impl Plain {
         assert_ne!(scheme, Scheme::Heun { steps: 0 }, "a birth takes at least 1 step");
         let celsius = vec![None; part.materials().len()];
         let (material, process) = (material.clone(), process.clone());
-        Ok(Self { part, material, process, scheme, celsius, energy: Energy::default(), seconds: 0.0 })
+        Ok(Self {
+            part,
+            material,
+            process,
+            scheme,
+            celsius,
+            energy: Energy::default(),
+            seconds: 0.0,
+        })
     }
 
     /// Runs through births and pauses. Each step costs a visit to every voxel.
@@ -168,7 +176,10 @@ impl Plain {
 
     fn birth(&mut self, voxel: [u32; 3]) -> usize {
         let [x, y, z] = voxel;
-        assert!(self.part.material(x, y, z as usize).is_some(), "voxel {voxel:?} is not part of the print");
+        assert!(
+            self.part.material(x, y, z as usize).is_some(),
+            "voxel {voxel:?} is not part of the print"
+        );
         let index = self.index(voxel);
         assert!(self.celsius[index].is_none(), "voxel {voxel:?} is deposited already");
         self.celsius[index] = Some(self.process.extrusion_c);
@@ -195,7 +206,12 @@ impl Plain {
             Scheme::Heun { .. } => {
                 let second = self.flow(&moved(&self.celsius, &first), held);
                 let mean = Flow {
-                    voxels: first.voxels.iter().zip(&second.voxels).map(|(a, b)| (a + b) / 2.0).collect(),
+                    voxels: first
+                        .voxels
+                        .iter()
+                        .zip(&second.voxels)
+                        .map(|(a, b)| (a + b) / 2.0)
+                        .collect(),
                     plate: f64::midpoint(first.plate, second.plate),
                     air: f64::midpoint(first.air, second.air),
                     hold: f64::midpoint(first.hold, second.hold),
@@ -229,12 +245,26 @@ impl Plain {
 
                     let faces = [
                         (if x > 0 { neighbour([x - 1, y, z]) } else { None }, dy * dz, dx, false),
-                        (if x + 1 < width { neighbour([x + 1, y, z]) } else { None }, dy * dz, dx, false),
+                        (
+                            if x + 1 < width { neighbour([x + 1, y, z]) } else { None },
+                            dy * dz,
+                            dx,
+                            false,
+                        ),
                         (if y > 0 { neighbour([x, y - 1, z]) } else { None }, dx * dz, dy, false),
-                        (if y + 1 < height { neighbour([x, y + 1, z]) } else { None }, dx * dz, dy, false),
+                        (
+                            if y + 1 < height { neighbour([x, y + 1, z]) } else { None },
+                            dx * dz,
+                            dy,
+                            false,
+                        ),
                         (if z > 0 { neighbour([x, y, z - 1]) } else { None }, dx * dy, dz, z == 0),
                         (
-                            if z as usize + 1 < self.part.depth { neighbour([x, y, z + 1]) } else { None },
+                            if z as usize + 1 < self.part.depth {
+                                neighbour([x, y, z + 1])
+                            } else {
+                                None
+                            },
                             dx * dy,
                             dz,
                             false,
@@ -289,9 +319,11 @@ mod tests {
     /// One voxel in the air, by hand.
     #[test]
     fn a_single_voxel_is_what_one_computes_by_hand() {
-        let frame = Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width: 1, height: 1 };
+        let frame =
+            Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width: 1, height: 1 };
         let part = Arc::new(Voxels::new(frame, 1, vec![0]));
-        let mut plain = Plain::new(part, &Material::abs(), &Process::default(), Scheme::Euler).unwrap();
+        let mut plain =
+            Plain::new(part, &Material::abs(), &Process::default(), Scheme::Euler).unwrap();
         let birth = Slot { voxel: Some([0, 0, 0]), seconds: 0.01 };
         plain.run(&[birth, Slot::pause(0.01)]);
         // Four sides of 0.5 x 0.25 mm and a top of 0.5 x 0.5 mm in the air, the bottom on the plate.

@@ -38,7 +38,12 @@ pub(crate) fn positive(property: &'static str, value: f64) -> Result<(), Propert
     Err(PropertyError::NotPositive { property, value })
 }
 
-pub(crate) fn within(property: &'static str, value: f64, least: f64, most: f64) -> Result<(), PropertyError> {
+pub(crate) fn within(
+    property: &'static str,
+    value: f64,
+    least: f64,
+    most: f64,
+) -> Result<(), PropertyError> {
     if (least..=most).contains(&value) {
         return Ok(());
     }

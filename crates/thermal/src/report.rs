@@ -24,7 +24,12 @@ impl LayerReport {
     /// Of a simulation at the end of a layer that took so many seconds; `None` if nothing of the layer is deposited.
     ///
     /// Costs some passes over all that is deposited, far less than the layer's simulation.
-    pub fn of(simulation: &Simulation, layer: u32, print_seconds: f64, material: &Material) -> Option<Self> {
+    pub fn of(
+        simulation: &Simulation,
+        layer: u32,
+        print_seconds: f64,
+        material: &Material,
+    ) -> Option<Self> {
         let (all, own) = (simulation.spread()?, simulation.layer_spread(layer)?);
         let hot = simulation.layer_hot_spots(layer, material.glass_transition_c);
         Some(Self { layer, print_seconds, all, own, hot })
@@ -58,11 +63,14 @@ mod tests {
             let report = LayerReport::of(&simulation, layer, seconds, &material).unwrap();
             assert_eq!(report.own.count, order.len());
             assert!(
-                report.all.count >= report.own.count && report.print_seconds >= order.len() as f64 / 60.0
+                report.all.count >= report.own.count
+                    && report.print_seconds >= order.len() as f64 / 60.0
             );
             assert!((1..=order.len()).contains(&report.hot.voxels));
-            let all: Vec<f64> =
-                (0..=layer).flat_map(|layer| simulation.layer_c(layer)).map(|(_, celsius)| celsius).collect();
+            let all: Vec<f64> = (0..=layer)
+                .flat_map(|layer| simulation.layer_c(layer))
+                .map(|(_, celsius)| celsius)
+                .collect();
             expected -= Spread::of(all).unwrap().std_c;
             reports.push(report);
         }

@@ -53,7 +53,11 @@ impl Simulation {
     }
 
     /// x, y, z and temperature in °C of each deposited voxel of some layers, in the order of [`Simulation::rows`].
-    pub(crate) fn deposited(&self, layers: Range<usize>) -> impl Iterator<Item = ([u32; 3], f64)> + Clone {
-        self.rows(layers).flat_map(|row| row.celsius().map(move |(x, celsius)| ([x, row.y, row.z], celsius)))
+    pub(crate) fn deposited(
+        &self,
+        layers: Range<usize>,
+    ) -> impl Iterator<Item = ([u32; 3], f64)> + Clone {
+        self.rows(layers)
+            .flat_map(|row| row.celsius().map(move |(x, celsius)| ([x, row.y, row.z], celsius)))
     }
 }

@@ -43,7 +43,8 @@ impl Simulation {
             Plane::Y(y) => [column, y, row],
             Plane::Layer(z) => [column, row, z],
         };
-        let cells = (0..rows as u32).flat_map(|row| (0..columns as u32).map(move |column| (row, column)));
+        let cells =
+            (0..rows as u32).flat_map(|row| (0..columns as u32).map(move |column| (row, column)));
         let celsius = cells.map(|(row, column)| self.temperature_c(voxel(row, column))).collect();
         Section { plane, rows, columns, celsius }
     }
@@ -95,7 +96,9 @@ mod tests {
             assert_eq!(by_x.at(z as usize, 2), layer.at(2, 6));
             let (mean, spread) = (layer.mean_c(), simulation.layer_spread(z));
             assert_eq!(mean.is_some(), spread.is_some());
-            assert!(mean.zip(spread).is_none_or(|(mean, spread)| (mean - spread.mean_c).abs() < 1e-9));
+            assert!(
+                mean.zip(spread).is_none_or(|(mean, spread)| (mean - spread.mean_c).abs() < 1e-9)
+            );
         }
         assert_eq!(simulation.section(Plane::Layer(5)).largest_deviation_k(), None);
     }

@@ -289,8 +289,9 @@ impl Simulation {
     /// The voxels of a layer that are deposited, in the order of their cells, and their temperatures, °C.
     pub fn layer_c(&self, layer: u32) -> impl Iterator<Item = (Cell, f64)> {
         let width = self.part.frame.width;
-        self.cells(layer)
-            .filter_map(move |cell| Some((cell, self.temperature_c([cell % width, cell / width, layer])?)))
+        self.cells(layer).filter_map(move |cell| {
+            Some((cell, self.temperature_c([cell % width, cell / width, layer])?))
+        })
     }
 
     pub(crate) fn state(&self) -> &State {
@@ -336,8 +337,7 @@ impl Simulation {
 
     /// The slots as the steppers take them, without those of no length, if all is well with them.
     pub(crate) fn check(&self, slots: &[Slot]) -> Result<Vec<Piece>, DepositError> {
-        let explicit =
-            matches!(&self.stepper, Stepper::Explicit(explicit) if explicit.scheme == Scheme::Euler);
+        let explicit = matches!(&self.stepper, Stepper::Explicit(explicit) if explicit.scheme == Scheme::Euler);
         let shape = self.state.patch.shape;
         let mut fresh = vec![false; shape.len()];
         let mut pieces = Vec::with_capacity(slots.len());

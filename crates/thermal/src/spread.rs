@@ -114,7 +114,10 @@ mod tests {
     fn spread_of_a_few_numbers() {
         assert_eq!(Spread::of(Vec::new()), None);
         let one = Spread::of([7.0]).unwrap();
-        assert_eq!((one.count, one.mean_c, one.std_c, one.min_c, one.max_c), (1, 7.0, 0.0, 7.0, 7.0));
+        assert_eq!(
+            (one.count, one.mean_c, one.std_c, one.min_c, one.max_c),
+            (1, 7.0, 0.0, 7.0, 7.0)
+        );
         let few = Spread::of([2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]).unwrap();
         assert_eq!((few.mean_c, few.std_c, few.min_c, few.max_c), (5.0, 2.0, 2.0, 9.0));
     }

@@ -51,9 +51,16 @@ impl State {
 
 impl Voxels<'_> {
     /// Makes a voxel active, and tells what changes by it; `patch` holds the voxel and the one below.
-    pub(crate) fn birth(&mut self, at: [usize; 3], patch: &Patch, law: &Law, changes: &mut Vec<Change>) {
-        let index =
-            patch.index(at).expect("births lie inside the rims of all patches that are stepped for them");
+    pub(crate) fn birth(
+        &mut self,
+        at: [usize; 3],
+        patch: &Patch,
+        law: &Law,
+        changes: &mut Vec<Change>,
+    ) {
+        let index = patch
+            .index(at)
+            .expect("births lie inside the rims of all patches that are stepped for them");
         self.occupancy.birth(at, patch.theta[index - patch.shape.row], law, changes);
         *self.top = (*self.top).max(at[2] + 1);
     }

@@ -40,7 +40,8 @@ impl Tally {
         let layers = (FOLD as f64 * width_by_height).round().clamp(1.0, TALLEST as f64);
         let fold = [FOLD, FOLD, layers as usize];
         let blocks = |axis: usize, voxels: usize| (voxels - 2).div_ceil(fold[axis]);
-        let shape = Shape::around(blocks(0, shape.row), blocks(1, shape.planes), blocks(2, shape.rows));
+        let shape =
+            Shape::around(blocks(0, shape.row), blocks(1, shape.planes), blocks(2, shape.rows));
         Self { fold, shape, blocks: vec![Block::default(); shape.len()] }
     }
 
@@ -66,7 +67,11 @@ impl Tally {
     }
 
     /// Counts a new voxel, given which of its neighbours are active: their axes, and whether they lie ahead of it.
-    pub(crate) fn birth(&mut self, at: [usize; 3], neighbours: impl Iterator<Item = (usize, bool)>) {
+    pub(crate) fn birth(
+        &mut self,
+        at: [usize; 3],
+        neighbours: impl Iterator<Item = (usize, bool)>,
+    ) {
         let own = self.block(at);
         let place = [0, 1, 2].map(|axis: usize| (at[axis] - 1) % self.fold[axis]);
         let strides = self.strides();
@@ -150,7 +155,8 @@ mod tests {
                 }
                 let steps = [[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]];
                 let neighbours = steps.iter().enumerate().filter_map(|(i, step)| {
-                    let other = [0, 1, 2].map(|axis: usize| at[axis].wrapping_add_signed(step[axis]));
+                    let other =
+                        [0, 1, 2].map(|axis: usize| at[axis].wrapping_add_signed(step[axis]));
                     active[shape.index(other)].then_some((i / 2, i % 2 == 1))
                 });
                 tally.birth(at, neighbours);

@@ -14,8 +14,10 @@ pub(crate) fn stairs(width: u32, height: u32, depth: usize) -> Arc<Voxels> {
         let hole = width > 8 && (3..5).contains(&x) && (2..4).contains(&y);
         !hole && x as usize * depth >= z * width as usize / 2
     };
-    let cells = (0..depth).flat_map(|z| (0..height).flat_map(move |y| (0..width).map(move |x| (x, y, z))));
-    let materials = cells.map(|(x, y, z)| if filled(x, y, z) { 0 } else { Voxels::EMPTY }).collect();
+    let cells =
+        (0..depth).flat_map(|z| (0..height).flat_map(move |y| (0..width).map(move |x| (x, y, z))));
+    let materials =
+        cells.map(|(x, y, z)| if filled(x, y, z) { 0 } else { Voxels::EMPTY }).collect();
     Arc::new(Voxels::new(frame, depth, materials))
 }
 

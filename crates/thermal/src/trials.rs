@@ -57,12 +57,14 @@ mod tests {
     fn orders_do_not_see_each_other_nor_the_threads() {
         let part = stairs(20, 12, 3);
         let mut simulation =
-            Simulation::new(part.clone(), &Material::abs(), &Process::default(), Method::default()).unwrap();
+            Simulation::new(part.clone(), &Material::abs(), &Process::default(), Method::default())
+                .unwrap();
         simulation.deposit(0, &Pattern::CONVENTIONAL.order(&part.region(0).unwrap())).unwrap();
         let orders: Vec<_> =
             Pattern::ALL.iter().map(|pattern| pattern.order(&part.region(1).unwrap())).collect();
-        let look =
-            |end: &Simulation| end.layer_c(1).map(|(_, celsius)| celsius.to_bits()).collect::<Vec<_>>();
+        let look = |end: &Simulation| {
+            end.layer_c(1).map(|(_, celsius)| celsius.to_bits()).collect::<Vec<_>>()
+        };
         let alone: Vec<_> = orders
             .iter()
             .map(|order| {
@@ -75,6 +77,8 @@ mod tests {
         assert_eq!(simulation.try_orders(1, &orders, Some(&pool), look).unwrap(), alone);
         assert_eq!(simulation.try_orders(1, &orders, None, look).unwrap(), alone);
         assert!(simulation.layer_spread(1).is_none());
-        assert!(simulation.try_orders(1, &[orders[0].clone(), vec![0]], Some(&pool), look).is_err());
+        assert!(
+            simulation.try_orders(1, &[orders[0].clone(), vec![0]], Some(&pool), look).is_err()
+        );
     }
 }

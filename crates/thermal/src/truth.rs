@@ -89,8 +89,9 @@ impl Body {
         let step_s = 0.05 * (layer_mm / 1e3).powi(2) / material.diffusivity_m2_s();
         let process = Process { print_mm_s: frame.cell_mm / step_s, ..self.process() };
         let mut simulation = Simulation::new(part.clone(), &material, &process, method)?;
-        let layer =
-            |z: usize| part.cells(z).map(move |cell| [cell % frame.width, cell / frame.width, z as u32]);
+        let layer = |z: usize| {
+            part.cells(z).map(move |cell| [cell % frame.width, cell / frame.width, z as u32])
+        };
         let voxels: Vec<[u32; 3]> = (0..part.depth).flat_map(layer).collect();
         // All at once, as far as heat can tell.
         let birth = |&voxel: &[u32; 3]| Slot { voxel: Some(voxel), seconds: 1e-9 };
@@ -136,10 +137,15 @@ impl Body {
     fn process(self) -> Process {
         let process = Process { extrusion_c: START_C, ambient_c: AIR_C, ..Process::default() };
         match self {
-            Self::Slab | Self::Deep => Process { plate_c: Some(PLATE_C), convection_w_m2k: 0.0, ..process },
-            Self::Cube { surface_resistance } | Self::Corner { surface_resistance } => {
-                Process { plate_c: None, convection_w_m2k: CONVECTION_W_M2K, surface_resistance, ..process }
+            Self::Slab | Self::Deep => {
+                Process { plate_c: Some(PLATE_C), convection_w_m2k: 0.0, ..process }
             }
+            Self::Cube { surface_resistance } | Self::Corner { surface_resistance } => Process {
+                plate_c: None,
+                convection_w_m2k: CONVECTION_W_M2K,
+                surface_resistance,
+                ..process
+            },
         }
     }
 
@@ -202,7 +208,8 @@ fn wall(place: f64, biot: f64, time: f64) -> f64 {
 /// diffusivity times time in m².
 fn under_air(depth: f64, loss: f64, spread: f64) -> f64 {
     let near = depth / (2.0 * spread.sqrt());
-    let beyond = libm::exp(loss * depth + loss * loss * spread) * libm::erfc(near + loss * spread.sqrt());
+    let beyond =
+        libm::exp(loss * depth + loss * loss * spread) * libm::erfc(near + loss * spread.sqrt());
     libm::erf(near) + beyond
 }
 
@@ -215,7 +222,10 @@ mod tests {
         // At first nothing has changed; short of the middle, a wall and a slab are half-spaces.
         for place in [0.1, 0.4, 0.9] {
             assert!((slab(place, 1e-3) - libm::erf(place / (2.0 * 1e-3f64.sqrt()))).abs() < 1e-9);
-            assert!((wall(place, 0.7, 1e-3) - under_air(1.0 - place, 0.7, 1e-3)).abs() < 1e-6, "{place}");
+            assert!(
+                (wall(place, 0.7, 1e-3) - under_air(1.0 - place, 0.7, 1e-3)).abs() < 1e-6,
+                "{place}"
+            );
         }
         // A wall that conducts well cools down as one lump.
         assert!((wall(0.3, 1e-4, 1e4) - libm::exp(-1.0)).abs() < 1e-3);

@@ -5,7 +5,9 @@
 mod common;
 
 use beadwork_thermal::{Accuracy, Material, Method, Process, Simulation, Slot};
-use common::{Difference, Print, Random, bits, block, difference, field, part_of, random_part, uneven};
+use common::{
+    Difference, Print, Random, bits, block, difference, field, part_of, random_part, uneven,
+};
 
 const STANDARD: Method = Method::Fast(Accuracy::Standard);
 const HIGH: Method = Method::Fast(Accuracy::High);
@@ -18,15 +20,19 @@ const FLOORS: [(Method, Difference); 2] =
 /// Small prints of the paper's kind, and now and then a wider one.
 fn paper_print(seed: u64) -> (Random, Print) {
     let mut random = Random::new(2000 + seed);
-    let part = random_part(&mut random, if seed.is_multiple_of(4) { [70, 40, 3] } else { [30, 24, 5] });
+    let part =
+        random_part(&mut random, if seed.is_multiple_of(4) { [70, 40, 3] } else { [30, 24, 5] });
     let print = Print::paper(&mut random, part);
     (random, print)
 }
 
 fn assert_good(print: &Print, seed: u64, naive: bool) {
     let reference = field(&print.run(Method::Reference { steps: 4 }));
-    let naive =
-        if naive { difference(&field(&print.run(Method::Naive)), &reference) } else { Difference::default() };
+    let naive = if naive {
+        difference(&field(&print.run(Method::Naive)), &reference)
+    } else {
+        Difference::default()
+    };
     for (method, floor) in FLOORS {
         let apart = difference(&field(&print.run(method)), &reference);
         let good = apart.rms <= naive.rms.max(floor.rms) && apart.max <= naive.max.max(floor.max);
@@ -74,7 +80,8 @@ fn other_materials_and_processes() {
 fn pauses_after_a_print() {
     for seed in 0..6 {
         let (_, print) = paper_print(seed);
-        let printed = [Method::Reference { steps: 2 }, STANDARD, HIGH].map(|method| print.run(method));
+        let printed =
+            [Method::Reference { steps: 2 }, STANDARD, HIGH].map(|method| print.run(method));
         for seconds in [0.1, 0.7, 2.0, 3.0, 10.0, 30.0] {
             let fields = printed.each_ref().map(|simulation| {
                 let mut simulation = simulation.clone();
@@ -83,7 +90,10 @@ fn pauses_after_a_print() {
             });
             for (fast, most) in [(&fields[1], [0.3, 1.3]), (&fields[2], [0.3, 0.8])] {
                 let apart = difference(fast, &fields[0]);
-                assert!(apart.rms < most[0] && apart.max < most[1], "print {seed}, {seconds} s: {apart:?}");
+                assert!(
+                    apart.rms < most[0] && apart.max < most[1],
+                    "print {seed}, {seconds} s: {apart:?}"
+                );
             }
         }
     }
@@ -132,7 +142,10 @@ fn slot_by_slot_or_all_at_once() {
                 stepped.run(slots).unwrap();
             }
             let apart = difference(&field(&whole), &field(&stepped));
-            assert!(apart.rms < floor.rms && apart.max < floor.max, "print {seed}, {method:?}: {apart:?}");
+            assert!(
+                apart.rms < floor.rms && apart.max < floor.max,
+                "print {seed}, {method:?}: {apart:?}"
+            );
             assert!((whole.seconds() - stepped.seconds()).abs() < 1e-6);
         }
     }
@@ -180,8 +193,11 @@ fn layers_are_slots() {
         for layer in 0..3 {
             let order = common::random_order(&mut random, &part, layer as usize);
             let seconds = layers.deposit(layer, &order).unwrap();
-            let list = beadwork_thermal::layer_slots(&order, layer, last, &part.frame, &print.process);
-            assert!((list.iter().map(|slot: &Slot| slot.seconds).sum::<f64>() - seconds).abs() < 1e-9);
+            let list =
+                beadwork_thermal::layer_slots(&order, layer, last, &part.frame, &print.process);
+            assert!(
+                (list.iter().map(|slot: &Slot| slot.seconds).sum::<f64>() - seconds).abs() < 1e-9
+            );
             slots.run(&list).unwrap();
             last = order.last().copied();
         }
@@ -200,7 +216,9 @@ fn no_extreme_runs_away() {
         let mut frame = shape.frame;
         frame.layer_mm = random.real(0.1, 1.5);
         frame.cell_mm = random.real(0.2, 2.0);
-        let part = part_of(frame, shape.depth, |[x, y, z]| shape.material(x as u32, y as u32, z).is_some());
+        let part = part_of(frame, shape.depth, |[x, y, z]| {
+            shape.material(x as u32, y as u32, z).is_some()
+        });
         let mut print = Print::paper(&mut random, part);
         print.process.convection_w_m2k = [0.0, 100.0, 1e4, 1e5][random.below(4)];
         print.process.ambient_c = random.real(-40.0, 300.0);
@@ -210,13 +228,19 @@ fn no_extreme_runs_away() {
         let around = [extrusion_c, ambient_c, plate_c.unwrap_or(ambient_c)];
         let low = around.into_iter().fold(f64::INFINITY, f64::min);
         let high = around.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        for (method, slack) in [(Method::Reference { steps: 2 }, 0.01), (STANDARD, 3.0), (HIGH, 3.0)] {
+        for (method, slack) in
+            [(Method::Reference { steps: 2 }, 0.01), (STANDARD, 3.0), (HIGH, 3.0)]
+        {
             let mut simulation = print.run(method);
             for seconds in [0.0, 0.5, 20.0] {
                 simulation.pause(seconds);
                 for celsius in field(&simulation) {
                     let inside = (low - slack..=high + slack).contains(&celsius);
-                    assert!(inside, "print {seed}, {method:?}, {seconds} s: {celsius}, {:?}", print.process);
+                    assert!(
+                        inside,
+                        "print {seed}, {method:?}, {seconds} s: {celsius}, {:?}",
+                        print.process
+                    );
                 }
             }
         }

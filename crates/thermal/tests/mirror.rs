@@ -46,14 +46,26 @@ impl View {
         let filled: std::collections::HashSet<[u32; 3]> =
             voxels(part).map(|voxel| self.place(voxel, part)).collect();
         let other = part_of(frame, part.depth, |place| filled.contains(&place.map(|i| i as u32)));
-        let moved = |slot: &Slot| Slot { voxel: slot.voxel.map(|voxel| self.place(voxel, part)), ..*slot };
+        let moved =
+            |slot: &Slot| Slot { voxel: slot.voxel.map(|voxel| self.place(voxel, part)), ..*slot };
         let slots = print.slots.iter().map(moved).collect();
-        Print { part: other, slots, material: print.material.clone(), process: print.process.clone() }
+        Print {
+            part: other,
+            slots,
+            material: print.material.clone(),
+            process: print.process.clone(),
+        }
     }
 }
 
-const VIEWS: [View; 6] =
-    [View::MirroredX, View::MirroredY, View::Turned, View::Shifted(1), View::Shifted(7), View::Shifted(21)];
+const VIEWS: [View; 6] = [
+    View::MirroredX,
+    View::MirroredY,
+    View::Turned,
+    View::Shifted(1),
+    View::Shifted(7),
+    View::Shifted(21),
+];
 
 fn compare(part: &Arc<Voxels>, view: View, one: &Simulation, other: &Simulation) -> Difference {
     let of = |simulation: &Simulation, voxel| simulation.temperature_c(voxel).unwrap();

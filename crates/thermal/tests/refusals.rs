@@ -29,7 +29,8 @@ fn setup(material: &Material, process: &Process, method: Method) -> Result<Simul
 #[track_caller]
 fn refused(call: impl Fn(&mut Simulation) -> DepositError, expected: &DepositError) {
     for method in METHODS {
-        let mut simulation = Simulation::new(part(), &Material::abs(), &Process::default(), method).unwrap();
+        let mut simulation =
+            Simulation::new(part(), &Material::abs(), &Process::default(), method).unwrap();
         let slot = |voxel| Slot { voxel: Some(voxel), seconds: 0.01 };
         simulation.run(&[slot([0, 0, 0]), Slot::pause(0.1), slot([1, 0, 0])]).unwrap();
         let mut untouched = simulation.clone();
@@ -65,12 +66,18 @@ fn voxels_that_are_not_part_of_the_print() {
 #[test]
 fn voxels_twice() {
     refused_slots(&[born([1, 0, 0])], &DepositError::Repeated { voxel: [1, 0, 0] });
-    refused_slots(&[born([3, 0, 0]), born([3, 0, 0])], &DepositError::Repeated { voxel: [3, 0, 0] });
+    refused_slots(
+        &[born([3, 0, 0]), born([3, 0, 0])],
+        &DepositError::Repeated { voxel: [3, 0, 0] },
+    );
 }
 
 #[test]
 fn voxels_above_nothing() {
-    refused_slots(&[born([3, 0, 1]), born([3, 0, 0])], &DepositError::Unsupported { voxel: [3, 0, 1] });
+    refused_slots(
+        &[born([3, 0, 1]), born([3, 0, 0])],
+        &DepositError::Unsupported { voxel: [3, 0, 1] },
+    );
     // On one of the same call, or over a hole in the part, is well.
     let mut simulation =
         Simulation::new(part(), &Material::abs(), &Process::default(), Method::default()).unwrap();
@@ -99,7 +106,8 @@ fn slots_too_long_for_the_naive_method() {
     simulation.run(&[born([0, 0, 0]), Slot::pause(10.0)]).unwrap();
     let before = bits(&simulation);
     let seconds = limit * 1.001;
-    let error = simulation.run(&[born([1, 0, 0]), Slot { seconds, ..born([2, 0, 0]) }]).unwrap_err();
+    let error =
+        simulation.run(&[born([1, 0, 0]), Slot { seconds, ..born([2, 0, 0]) }]).unwrap_err();
     assert_eq!(error, DepositError::Unstable { voxel: [2, 0, 0], seconds, limit });
     assert_eq!(bits(&simulation), before);
     simulation.run(&[Slot { seconds: limit, ..born([2, 0, 0]) }]).unwrap();
@@ -107,7 +115,9 @@ fn slots_too_long_for_the_naive_method() {
 
 #[test]
 fn orders_of_a_layer() {
-    let order = |order: &'static [u32], layer| move |s: &mut Simulation| s.deposit(layer, order).unwrap_err();
+    let order = |order: &'static [u32], layer| {
+        move |s: &mut Simulation| s.deposit(layer, order).unwrap_err()
+    };
     // Layer 0 of this part has cells 0 to 11 without 5; 0 and 1 are printed.
     refused(order(&[2, 3, 1], 0), &DepositError::Repeated { voxel: [1, 0, 0] });
     refused(order(&[2, 3, 5], 0), &DepositError::Outside { voxel: [1, 1, 0] });
@@ -115,7 +125,8 @@ fn orders_of_a_layer() {
     refused(order(&[0, 1, 4], 1), &DepositError::Unsupported { voxel: [0, 1, 1] });
     refused(order(&[2], 9), &DepositError::Outside { voxel: [2, 0, 9] });
     for method in METHODS {
-        let mut simulation = Simulation::new(part(), &Material::abs(), &Process::default(), method).unwrap();
+        let mut simulation =
+            Simulation::new(part(), &Material::abs(), &Process::default(), method).unwrap();
         let empty = bits(&simulation);
         let error = simulation.deposit(0, &[0, 1, 2, 3, 4, 6, 7, 8, 9, 11]).unwrap_err();
         assert_eq!(error, DepositError::Missing { voxel: [2, 2, 0] });
@@ -184,7 +195,8 @@ fn settings_of_processes() {
             set(&mut process, value);
             let error = setup(&Material::abs(), &process, Method::default()).unwrap_err();
             let SetupError::Property(
-                PropertyError::NotPositive { property, .. } | PropertyError::OutOfRange { property, .. },
+                PropertyError::NotPositive { property, .. }
+                | PropertyError::OutOfRange { property, .. },
             ) = error
             else {
                 panic!("{name} {value}: {error:?}");
@@ -202,7 +214,10 @@ fn settings_of_processes() {
 #[test]
 fn methods_and_sizes() {
     let (material, process) = (Material::abs(), Process::default());
-    assert_eq!(setup(&material, &process, Method::Reference { steps: 0 }).unwrap_err(), SetupError::NoSteps);
+    assert_eq!(
+        setup(&material, &process, Method::Reference { steps: 0 }).unwrap_err(),
+        SetupError::NoSteps
+    );
     let slow = Process { print_mm_s: 5.0, ..process.clone() };
     let error = setup(&material, &slow, Method::Naive).unwrap_err();
     let SetupError::Unstable { seconds, limit } = error else { panic!("{error:?}") };

@@ -40,7 +40,9 @@ fn cold_from_the_plate_creeps_up_as_it_must() {
 
 #[test]
 fn a_cube_cools_in_the_air_as_it_must() {
-    let at = |surface_resistance| errors(Body::Cube { surface_resistance }, REFERENCE, &[1.0, 0.5, 0.25]);
+    let at = |surface_resistance| {
+        errors(Body::Cube { surface_resistance }, REFERENCE, &[1.0, 0.5, 0.25])
+    };
     let (centre, surface) = (at(false), at(true));
     // The centre's temperature for the surface's is a mistake that shrinks with the voxels only.
     assert_falls(&centre, 1.8, 2.2);
@@ -51,7 +53,9 @@ fn a_cube_cools_in_the_air_as_it_must() {
 
 #[test]
 fn a_corner_cools_in_the_air_as_it_must() {
-    let at = |surface_resistance| errors(Body::Corner { surface_resistance }, REFERENCE, &[1.0, 0.5, 0.25]);
+    let at = |surface_resistance| {
+        errors(Body::Corner { surface_resistance }, REFERENCE, &[1.0, 0.5, 0.25])
+    };
     let (centre, surface) = (at(false), at(true));
     assert_falls(&centre, 1.4, 2.6);
     assert_falls(&surface, 2.3, 4.5);

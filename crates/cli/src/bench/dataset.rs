@@ -38,7 +38,8 @@ pub(super) fn run(args: &DatasetArgs) -> anyhow::Result<()> {
     let mut facts = Value::Null;
     for repeat in 0..args.repeats {
         for threads in [1, 2] {
-            let folder = scratch.join(format!("beadwork-bench-{}-{repeat}-{threads}", std::process::id()));
+            let folder =
+                scratch.join(format!("beadwork-bench-{}-{repeat}-{threads}", std::process::id()));
             let settings = GenerateSettings {
                 slice: Slice::WHOLE,
                 threads,

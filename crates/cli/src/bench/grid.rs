@@ -89,7 +89,8 @@ fn grid_row(side: u32, repeats: u64) -> anyhow::Result<GridRow> {
 
     let pairs = shuffled_pairs(&fast.path, side);
     let checks = median(repeats, |_| {
-        let valid = pairs.iter().filter(|[first, second]| fast.path.allows_pair(*first, *second)).count();
+        let valid =
+            pairs.iter().filter(|[first, second]| fast.path.allows_pair(*first, *second)).count();
         assert!(black_box(valid) > 0, "some pairs are valid");
     });
     let windows = median(repeats, |_| {
@@ -113,10 +114,12 @@ fn grid_row(side: u32, repeats: u64) -> anyhow::Result<GridRow> {
 /// A million pairs of switches at random places, the second one or two cells from the first; both take out two links that
 /// are there: the cases in which positions decide.
 fn shuffled_pairs(path: &Path, side: u32) -> Vec<[Switch; 2]> {
-    let corners: Vec<u32> = (0..side * side).filter(|&corner| path.sides(corner).is_some()).collect();
+    let corners: Vec<u32> =
+        (0..side * side).filter(|&corner| path.sides(corner).is_some()).collect();
     let mut state = 1_u64;
     let mut random = |count: usize| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 33) as usize % count
     };
     let steps = [side + 1, side - 1, 2, 2 * side];

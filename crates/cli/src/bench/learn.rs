@@ -60,7 +60,8 @@ pub(super) fn run(args: &LearnArgs) -> anyhow::Result<()> {
     let mut rows = Vec::new();
     for precision in [Precision::Single, Precision::Half] {
         let training = Training { precision, ..training.clone() };
-        let seconds = middle(measure_steps(&training, loaded, args.steps as usize + 2)?.split_off(2));
+        let seconds =
+            middle(measure_steps(&training, loaded, args.steps as usize + 2)?.split_off(2));
         rows.push((precision, loaded.inputs.len() as f64 / seconds));
     }
     let asked = ask(&training, loaded);

@@ -44,7 +44,8 @@ pub(super) struct PartArgs {
 const MILLION_STEPS: u32 = 501;
 
 pub(super) fn run(args: &PartArgs) -> anyhow::Result<()> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
+    let pool =
+        rayon::ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
     // First of all, while little memory was used and given back.
     let million = stl_of(&Shape::Sphere { radius_mm: 50.0, steps: MILLION_STEPS }.mesh());
     let memory = memory(&million, &pool)?;
@@ -52,9 +53,10 @@ pub(super) fn run(args: &PartArgs) -> anyhow::Result<()> {
         vec![pipeline("sphere, 1 M triangles", Format::Stl, &million, 0.2, args.repeats, &pool)?];
     if let Some(path) = &args.mesh {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let format =
-            Format::of_name(&name).with_context(|| format!("'{name}' is no .stl, .3mf or .obj file"))?;
-        let bytes = std::fs::read(path).with_context(|| format!("cannot read '{}'", path.display()))?;
+        let format = Format::of_name(&name)
+            .with_context(|| format!("'{name}' is no .stl, .3mf or .obj file"))?;
+        let bytes =
+            std::fs::read(path).with_context(|| format!("cannot read '{}'", path.display()))?;
         meshes.push(pipeline(&name, format, &bytes, args.layer, args.repeats, &pool)?);
     }
     let heights = heights(args.repeats)?;
@@ -71,7 +73,8 @@ pub(super) fn run(args: &PartArgs) -> anyhow::Result<()> {
     )?;
     writeln!(text, "|---|---|---|---|---|---|---|---|---|")?;
     for mesh in &meshes {
-        let seconds = |key: &str| format!("{:.3}", mesh["seconds"][key].as_f64().unwrap_or(f64::NAN));
+        let seconds =
+            |key: &str| format!("{:.3}", mesh["seconds"][key].as_f64().unwrap_or(f64::NAN));
         writeln!(
             text,
             "| {} | {} | {} | {} | {} | {} | {} | {} | {} |",
@@ -86,8 +89,9 @@ pub(super) fn run(args: &PartArgs) -> anyhow::Result<()> {
             seconds("all_one_thread")
         )?;
     }
-    let ratio =
-        |key: &str| memory[key].as_f64().map_or_else(|| "unknown".to_owned(), |ratio| format!("{ratio:.2}"));
+    let ratio = |key: &str| {
+        memory[key].as_f64().map_or_else(|| "unknown".to_owned(), |ratio| format!("{ratio:.2}"))
+    };
     writeln!(
         text,
         "\nMemory beside the file, in sizes of the mesh ({:.1} MB for {} triangles), at the peak of: reading {}, repairing {}, outlines {}\n",
@@ -101,7 +105,11 @@ pub(super) fn run(args: &PartArgs) -> anyhow::Result<()> {
     writeln!(text, "|---|---|---|---|")?;
     for row in &heights {
         let micros = row["micros_a_layer"].as_f64().unwrap_or_default();
-        writeln!(text, "| {} | {} | {} | {micros:.1} |", row["height_mm"], row["triangles"], row["layers"])?;
+        writeln!(
+            text,
+            "| {} | {} | {} | {micros:.1} |",
+            row["height_mm"], row["triangles"], row["layers"]
+        )?;
     }
     let rate = |key: &str| gcode[key].as_f64().unwrap_or_default() / 1e6;
     writeln!(
@@ -123,7 +131,10 @@ fn stl_of(mesh: &Mesh) -> Vec<u8> {
     bytes.extend((mesh.triangles().len() as u32).to_le_bytes());
     for &triangle in mesh.triangles() {
         bytes.extend([0; 12]);
-        mesh.corners(triangle).iter().flatten().for_each(|&value| bytes.extend((value as f32).to_le_bytes()));
+        mesh.corners(triangle)
+            .iter()
+            .flatten()
+            .for_each(|&value| bytes.extend((value as f32).to_le_bytes()));
         bytes.extend([0; 2]);
     }
     bytes
@@ -184,15 +195,15 @@ fn pipeline(
         });
     }
     let [read, repair, outlines, all, alone] = steps.map(super::middle);
-    facts["seconds"] =
-        json!({ "read": read, "repair": repair, "outlines": outlines, "all": all, "all_one_thread": alone });
+    facts["seconds"] = json!({ "read": read, "repair": repair, "outlines": outlines, "all": all, "all_one_thread": alone });
     Ok(facts)
 }
 
 /// Peaks of memory in sizes of the mesh, the file's bytes not counted.
 fn memory(bytes: &[u8], pool: &rayon::ThreadPool) -> anyhow::Result<Value> {
     let before = machine::memory_bytes();
-    let mesh_bytes = |model: &Model| model.bodies.iter().map(|body| body.mesh.bytes()).sum::<usize>();
+    let mesh_bytes =
+        |model: &Model| model.bodies.iter().map(|body| body.mesh.bytes()).sum::<usize>();
     let peak = |size: usize| {
         let peak = machine::peak_memory_bytes()?.saturating_sub(before?);
         Some(peak as f64 / size as f64)
@@ -224,7 +235,8 @@ fn heights(repeats: u64) -> anyhow::Result<Vec<Value>> {
             let base = vertices.len() as u32;
             let rise = 2.0 + 4.0 * f64::from(storey);
             vertices.extend(ball.vertices().iter().map(|&[x, y, z]| [x, y, z + rise]));
-            triangles.extend(ball.triangles().iter().map(|corners| corners.map(|vertex| vertex + base)));
+            triangles
+                .extend(ball.triangles().iter().map(|corners| corners.map(|vertex| vertex + base)));
         }
         let mesh = Mesh::new(vertices, triangles)?;
         let layers = storeys as usize * 40;
@@ -252,7 +264,8 @@ fn gcode(repeats: u64) -> anyhow::Result<Value> {
     let sliced = slice(&model, &Settings::default())?;
     let covers: Vec<_> = sliced.layers.iter().flatten().map(|layer| cover(&layer.region)).collect();
     let layers = printed_layers(&sliced, covers.iter());
-    let settings = gcode::Settings { tools: vec![gcode::Tool::default()], ..gcode::Settings::default() };
+    let settings =
+        gcode::Settings { tools: vec![gcode::Tool::default()], ..gcode::Settings::default() };
     let title = Title { part: "sphere", version: env!("CARGO_PKG_VERSION") };
     let print = Print::new(title, &layers, &sliced.frame, &settings)?;
     let text = print.program.emit();
@@ -260,10 +273,12 @@ fn gcode(repeats: u64) -> anyhow::Result<Value> {
     let rate = |seconds: f64| lines as f64 / seconds;
     let limits = settings.printer.limits();
     // What could fail has not failed above.
-    let made = super::median(repeats, |_| drop(Print::new(title, &layers, &sliced.frame, &settings)));
+    let made =
+        super::median(repeats, |_| drop(Print::new(title, &layers, &sliced.frame, &settings)));
     let written = super::median(repeats, |_| drop(print.program.emit()));
     let read = super::median(repeats, |_| drop(Program::parse(&text)));
-    let checked = super::median(repeats, |_| drop(print.program.check(&layers, &sliced.frame, &settings)));
+    let checked =
+        super::median(repeats, |_| drop(print.program.check(&layers, &sliced.frame, &settings)));
     let timed = super::median(repeats, |_| {
         black_box(print.program.print_seconds(limits)).ok();
     });

@@ -115,8 +115,11 @@ fn row(side: u32, layout: Layout, repeats: u64, bar: &ProgressBar) -> anyhow::Re
             for (place, threads) in THREADS.into_iter().enumerate() {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
                 let cancel = cancel::token()?;
-                let settings =
-                    Settings { pool: Some(&pool), cancel: Some(cancel), ..Settings::preset(preset, 0) };
+                let settings = Settings {
+                    pool: Some(&pool),
+                    cancel: Some(cancel),
+                    ..Settings::preset(preset, 0)
+                };
                 let begin = Instant::now();
                 let population = genetic::annealed(&start, &crossings, &settings);
                 seeding[place].push(begin.elapsed().as_secs_f64());
@@ -127,7 +130,8 @@ fn row(side: u32, layout: Layout, repeats: u64, bar: &ProgressBar) -> anyhow::Re
                     bail!("stopped");
                 }
                 let children = settings.evolution.population
-                    - (settings.evolution.carry_over * settings.evolution.population as f64) as usize;
+                    - (settings.evolution.carry_over * settings.evolution.population as f64)
+                        as usize;
                 genes = ((outcome.generations.len() - 1) * children * outcome.length) as u64;
                 (spared, replayed) = (outcome.spared, outcome.replayed);
                 let variants = |list: &Vec<Move>| {
@@ -135,7 +139,9 @@ fn row(side: u32, layout: Layout, repeats: u64, bar: &ProgressBar) -> anyhow::Re
                         Move::Variant(placed) => Some(*placed),
                         Move::Pair(_) => None,
                     });
-                    placed.collect::<Option<Vec<Placed>>>().expect("the paper's annealers use variants")
+                    placed
+                        .collect::<Option<Vec<Placed>>>()
+                        .expect("the paper's annealers use variants")
                 };
                 bar.inc(1);
                 lists = population.iter().map(variants).collect();
@@ -155,8 +161,22 @@ fn row(side: u32, layout: Layout, repeats: u64, bar: &ProgressBar) -> anyhow::Re
     Ok(Row {
         layout: layout.name().to_owned(),
         size: format!("{side}x{side}"),
-        links_m_per_s: replays(&lists, &links, Links::copy_from, Links::apply_variant, change, repeats),
-        path_m_per_s: replays(&lists, &start, Path::copy_from, Path::apply_variant, change, repeats),
+        links_m_per_s: replays(
+            &lists,
+            &links,
+            Links::copy_from,
+            Links::apply_variant,
+            change,
+            repeats,
+        ),
+        path_m_per_s: replays(
+            &lists,
+            &start,
+            Path::copy_from,
+            Path::apply_variant,
+            change,
+            repeats,
+        ),
         runs,
     })
 }

@@ -48,7 +48,8 @@ pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
                 let instance_seed = matching[seed as usize % matching.len()];
                 jobs.push(Job { cell, preset, seed, instance_seed, matched: true });
                 // Fixed layouts have one instance, which serves for all tables.
-                if cell.layout.is_random() && preset.is_none_or(|preset| AVERAGED.contains(&preset)) {
+                if cell.layout.is_random() && preset.is_none_or(|preset| AVERAGED.contains(&preset))
+                {
                     jobs.push(Job { cell, preset, seed, instance_seed: seed, matched: false });
                 }
             }
@@ -106,8 +107,10 @@ struct Totals {
 }
 
 fn totals(cell: &Cell, runs: &[Run]) -> Totals {
-    let here =
-        || runs.iter().filter(|run| (run.job.cell.layout, run.job.cell.size) == (cell.layout, cell.size));
+    let here = || {
+        runs.iter()
+            .filter(|run| (run.job.cell.layout, run.job.cell.size) == (cell.layout, cell.size))
+    };
     let by_seed = || here().filter(|run| !run.job.matched || !cell.layout.is_random());
     let mean_of = |preset: Option<Preset>| {
         mean(by_seed().filter(|run| run.job.preset == preset).map(|run| run.row.reduction()))
@@ -124,7 +127,8 @@ fn totals(cell: &Cell, runs: &[Run]) -> Totals {
         mean_of_presets: mean(AVERAGED.into_iter().map(|preset| mean_of(Some(preset)))),
         best: best.map_or(f64::NAN, |run| run.row.reduction()),
         best_preset: best.and_then(|run| run.row.preset.clone()).unwrap_or_default(),
-        best_fast: self::best(matched().filter(is_fast)).map_or(f64::NAN, |run| run.row.reduction()),
+        best_fast: self::best(matched().filter(is_fast))
+            .map_or(f64::NAN, |run| run.row.reduction()),
         matching: seeds.len(),
     }
 }
@@ -159,8 +163,13 @@ fn tables(runs: &[Run], seeds: u64) -> Result<String, std::fmt::Error> {
     )?;
     table(&mut text, |cell| format!("{} ({:.1})", percent(totals(cell, runs).mean), cell.mean))?;
     let averaged = AVERAGED.map(|preset| format!("`{preset}`")).join(", ");
-    writeln!(text, "\n## Mean over the presets {averaged}, in % (the paper's Table 5 in brackets)\n")?;
-    table(&mut text, |cell| format!("{} ({:.1})", percent(totals(cell, runs).mean_of_presets), cell.mean))?;
+    writeln!(
+        text,
+        "\n## Mean over the presets {averaged}, in % (the paper's Table 5 in brackets)\n"
+    )?;
+    table(&mut text, |cell| {
+        format!("{} ({:.1})", percent(totals(cell, runs).mean_of_presets), cell.mean)
+    })?;
     writeln!(
         text,
         "\n## Best reduction of crossings, in %: by the paper's presets / by `fast` (the paper's Table 3 in brackets)\n"

@@ -52,22 +52,28 @@ impl Run {
 
 pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
     let seeds = args.seeds.unwrap_or(if args.smoke { 2 } else { 30 });
-    let usual = if args.smoke { "datasets/eval-crossovers-smoke" } else { "datasets/eval-crossovers" };
+    let usual =
+        if args.smoke { "datasets/eval-crossovers-smoke" } else { "datasets/eval-crossovers" };
     let out = args.out.as_deref().unwrap_or(Path::new(usual));
-    let (preset, sides) = if args.smoke { (Preset::Short, &SIDES[..1]) } else { (Preset::Paper, &SIDES[..]) };
-    let compared = |cell: &Cell| cell.size.width == cell.size.height && sides.contains(&cell.size.width);
+    let (preset, sides) =
+        if args.smoke { (Preset::Short, &SIDES[..1]) } else { (Preset::Paper, &SIDES[..]) };
+    let compared =
+        |cell: &Cell| cell.size.width == cell.size.height && sides.contains(&cell.size.width);
     let cells: Vec<Cell> = paper::cells().filter(compared).collect();
     let pool = args.pool()?;
     let threads = pool.current_num_threads();
-    let settings = json!({ "eval": "crossovers", "seeds": seeds, "smoke": args.smoke, "threads": threads });
+    let settings =
+        json!({ "eval": "crossovers", "seeds": seeds, "smoke": args.smoke, "threads": threads });
     let store = Store::open(out, &settings)?;
     let jobs: Vec<(Cell, u64)> =
         cells.iter().flat_map(|&cell| (0..seeds).map(move |seed| (cell, seed))).collect();
     let name = |(cell, seed): &(Cell, u64)| format!("{}-{}-{seed}", cell.layout, cell.size);
     let runs = store.parts(&pool, &jobs, name, |(cell, seed)| compare(cell, *seed, preset))?;
     let mut runs = runs.into_iter().map(|(run, _)| run);
-    let all: Vec<(Cell, Vec<Run>)> =
-        cells.into_iter().map(|cell| (cell, runs.by_ref().take(seeds as usize).collect())).collect();
+    let all: Vec<(Cell, Vec<Run>)> = cells
+        .into_iter()
+        .map(|cell| (cell, runs.by_ref().take(seeds as usize).collect()))
+        .collect();
 
     let mut text = format!("Machine: {}. Seeds 0..{seeds}.\n", machine::told(store.machine()));
     table(&mut text, &all)?;
@@ -101,11 +107,17 @@ fn compare(cell: &Cell, seed: u64, preset: Preset) -> anyhow::Result<Run> {
     let population = genetic::annealed(&start, &crossings, &settings);
     let (mut initial, mut seeded) = (0, 0);
     let mut by_way = Vec::new();
-    for (_, evolution) in
-        ways(Evolution { crossover: Evolution::default().crossover, mutations: 0, ..settings.evolution })
-    {
-        let outcome =
-            genetic::evolve(&start, &crossings, &population, &Settings { evolution, ..settings.clone() });
+    for (_, evolution) in ways(Evolution {
+        crossover: Evolution::default().crossover,
+        mutations: 0,
+        ..settings.evolution
+    }) {
+        let outcome = genetic::evolve(
+            &start,
+            &crossings,
+            &population,
+            &Settings { evolution, ..settings.clone() },
+        );
         (initial, seeded) = (outcome.initial, outcome.generations[0].best);
         by_way.push(outcome.cost);
     }
@@ -120,7 +132,8 @@ fn table(text: &mut String, all: &[(Cell, Vec<Run>)]) -> std::fmt::Result {
          the others save on one-point. Means with their confidence intervals of 95 %; * where the interval leaves out 0, which chance alone would do in one of twenty. \
          Seeds draw the instance of islands and voronoi, and the searches; left_right and stripes have one instance. Rows of several sizes are means of their cells.\n"
     )?;
-    let heads = ways[1..].iter().map(|name| format!("{name}: more")).collect::<Vec<_>>().join(" | ");
+    let heads =
+        ways[1..].iter().map(|name| format!("{name}: more")).collect::<Vec<_>>().join(" | ");
     writeln!(text, "| layout | size | annealed | {}: saves | {heads} |", ways[0])?;
     writeln!(text, "|---|---|---|---|{}", "---|".repeat(ways.len() - 1))?;
     let mut row = |layout: &str, size: &str, cells: &[&Vec<Run>]| {
@@ -128,11 +141,16 @@ fn table(text: &mut String, all: &[(Cell, Vec<Run>)]) -> std::fmt::Result {
         let annealed = mean(cells.iter().map(|runs| mean(runs.iter().map(annealed))));
         let entries = (0..ways.len()).map(|way| {
             let saved = |run: &Run| run.saved(way, (way > 0).then_some(0));
-            let groups: Vec<Vec<f64>> = cells.iter().map(|runs| runs.iter().map(saved).collect()).collect();
+            let groups: Vec<Vec<f64>> =
+                cells.iter().map(|runs| runs.iter().map(saved).collect()).collect();
             let interval = Interval::of(&groups);
             format!("{interval}{}", if interval.tells() { " *" } else { "" })
         });
-        writeln!(text, "| {layout} | {size} | {annealed:.1} | {} |", entries.collect::<Vec<_>>().join(" | "))
+        writeln!(
+            text,
+            "| {layout} | {size} | {annealed:.1} | {} |",
+            entries.collect::<Vec<_>>().join(" | ")
+        )
     };
     for (cell, runs) in all {
         row(cell.layout.name(), &cell.size.to_string(), &[runs])?;
@@ -155,12 +173,17 @@ mod tests {
 
     #[test]
     fn ways_are_compared_run_by_run() {
-        let run =
-            |seed, crossings: [i64; 5]| Run { seed, initial: 50, seeded: 30, crossings: crossings.to_vec() };
+        let run = |seed, crossings: [i64; 5]| Run {
+            seed,
+            initial: 50,
+            seeded: 30,
+            crossings: crossings.to_vec(),
+        };
         // One-point saves 1 and 3 crossings of 50 on the first population, so 2 and 6 points; window 2 and 3 crossings more than that.
         let runs = vec![run(0, [29, 29, 28, 27, 29]), run(1, [27, 27, 28, 24, 27])];
         assert!(
-            (runs[0].saved(0, None) - 2.0).abs() < 1e-9 && (runs[0].saved(3, Some(0)) - 4.0).abs() < 1e-9
+            (runs[0].saved(0, None) - 2.0).abs() < 1e-9
+                && (runs[0].saved(3, Some(0)) - 4.0).abs() < 1e-9
         );
         let cell = paper::cells().next().unwrap();
         let mut text = String::new();

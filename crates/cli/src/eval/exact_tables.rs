@@ -44,7 +44,9 @@ fn cases(seeds: u64) -> Vec<Case> {
         let name = match (shape, spec.layout) {
             (Some(shape), layout) => format!("{shape} {layout}"),
             (None, Layout::Voronoi) => format!("voronoi {zones}"),
-            (None, Layout::Islands) => format!("{} islands of {side}x{side}", zones - 1, side = spec.side),
+            (None, Layout::Islands) => {
+                format!("{} islands of {side}x{side}", zones - 1, side = spec.side)
+            }
             (None, layout) => layout.name().to_owned(),
         };
         cases.push(Case { name, spec, width, height, shape, seeds, group });
@@ -133,16 +135,19 @@ impl Runs {
 
         let (region, zones) = &self.case.instance(seed)?;
         let layout = self.case.spec.layout.name();
-        let start = if Start::RowZigzag.path(region).is_ok() { Start::RowZigzag } else { Start::Cover };
+        let start =
+            if Start::RowZigzag.path(region).is_ok() { Start::RowZigzag } else { Start::Cover };
         let start_path = start.path(region)?;
-        let search =
-            |choice| Search { region, zones, choice, seed, start, bounds: None }.run(layout, &start_path);
+        let search = |choice| {
+            Search { region, zones, choice, seed, start, bounds: None }.run(layout, &start_path)
+        };
         // A second is plenty up to 100 x 100 cells; larger planes get time in proportion.
         let cells = f64::from(self.case.width * self.case.height);
         let time = Duration::from_secs_f64((cells / 10_000.0).max(1.0));
         let begin = Instant::now();
         let time_is_up = || begin.elapsed() >= time;
-        let settings = exact::Settings { time_is_up: Some(&time_is_up), ..exact::Settings::default() };
+        let settings =
+            exact::Settings { time_is_up: Some(&time_is_up), ..exact::Settings::default() };
         let exact = search(Choice::Exact(settings))?.1;
         if seed < COMPARED {
             self.zigzag.push(search(Choice::Zigzag)?.1);
@@ -186,13 +191,17 @@ pub(super) struct Totals {
 
 impl Totals {
     pub(super) fn of(rows: &[Row]) -> Self {
-        let gap =
-            |row: &Row| row.exact.as_ref().map_or(0, |exact| exact.cost) - row.bound.unwrap_or_default();
+        let gap = |row: &Row| {
+            row.exact.as_ref().map_or(0, |exact| exact.cost) - row.bound.unwrap_or_default()
+        };
         let mut ms: Vec<f64> = rows.iter().map(|row| 1e3 * row.seconds).collect();
         ms.sort_by(f64::total_cmp);
         let at = |share: usize| ms[(ms.len() * share / 100).min(ms.len() - 1)];
         Self {
-            optimal: rows.iter().filter(|row| row.exact.as_ref().is_some_and(|exact| exact.optimal)).count(),
+            optimal: rows
+                .iter()
+                .filter(|row| row.exact.as_ref().is_some_and(|exact| exact.optimal))
+                .count(),
             worst_gap: rows.iter().map(gap).max().unwrap_or(0),
             pieces_met: rows.iter().filter(|row| row.pieces == row.piece_bound).count(),
             worst_piece_gap: rows.iter().map(|row| row.pieces - row.piece_bound).max().unwrap_or(0),
@@ -218,7 +227,8 @@ fn table(text: &mut String, runs: &[Runs]) -> std::fmt::Result {
             )?;
             writeln!(text, "|---|---|---|---|---|---|---|---|---|---|---|")?;
         }
-        let Totals { optimal, worst_gap, pieces_met, ms: [p50, p95, max], .. } = Totals::of(&runs.exact);
+        let Totals { optimal, worst_gap, pieces_met, ms: [p50, p95, max], .. } =
+            Totals::of(&runs.exact);
         let count = runs.exact.len();
         let crossings = |rows: &[Row]| mean(rows, |row| f64::from(row.crossings));
         writeln!(

@@ -122,7 +122,12 @@ struct Row {
 }
 
 impl Instance {
-    fn new(layout: Layout, (width, height): (u32, u32), seed: u64, runs: u64) -> anyhow::Result<Self> {
+    fn new(
+        layout: Layout,
+        (width, height): (u32, u32),
+        seed: u64,
+        runs: u64,
+    ) -> anyhow::Result<Self> {
         let region = Region::rectangle(width, height)?;
         let zones = LayoutSpec::new(layout).zones(&region, seed)?;
         let start = Start::RowZigzag.path(&region)?;
@@ -133,8 +138,12 @@ impl Instance {
             let begin = Instant::now();
             let outcome = anneal(start.clone(), &crossings, &Settings::preset(Preset::Paper, run));
             let seconds = begin.elapsed().as_secs_f64();
-            let this =
-                Taken { reached: true, moves: outcome.moves.len(), seconds, crossings: outcome.cost as u32 };
+            let this = Taken {
+                reached: true,
+                moves: outcome.moves.len(),
+                seconds,
+                crossings: outcome.cost as u32,
+            };
             if best.is_none_or(|best| (this.crossings, this.moves) < (best.crossings, best.moves)) {
                 best = Some(this);
             }
@@ -142,19 +151,37 @@ impl Instance {
         let annealer = best.expect("there are runs");
         let layer = Layer::new(&region, &zones);
         let target = annealer.crossings;
-        Ok(Self { layout, width, height, seed, region, zones, layer, start, initial, target, annealer })
+        Ok(Self {
+            layout,
+            width,
+            height,
+            seed,
+            region,
+            zones,
+            layer,
+            start,
+            initial,
+            target,
+            annealer,
+        })
     }
 
     fn methods(&self) -> anyhow::Result<BTreeMap<&'static str, Taken>> {
         let crossings = self.layer.crossings();
         let bound = Some(i64::from(self.target));
         let begin = Instant::now();
-        let fast =
-            anneal(self.start.clone(), crossings, &Settings { bound, ..Settings::preset(Preset::Fast, 0) });
+        let fast = anneal(
+            self.start.clone(),
+            crossings,
+            &Settings { bound, ..Settings::preset(Preset::Fast, 0) },
+        );
         let fast = self.took(fast.moves.len(), begin, fast.cost);
         let begin = Instant::now();
-        let chains =
-            chains::solve(&self.start, crossings, &chains::Settings { bound, ..chains::Settings::default() });
+        let chains = chains::solve(
+            &self.start,
+            crossings,
+            &chains::Settings { bound, ..chains::Settings::default() },
+        );
         let chains = self.took(chains.moves.len(), begin, chains.cost);
         let begin = Instant::now();
         let plan = exact::solve(&self.region, &self.zones, &exact::Settings::default())?;
@@ -193,7 +220,8 @@ pub(super) fn run(args: &FusionArgs) -> anyhow::Result<()> {
             Origin::of(data).dataset
         );
     }
-    let settings = WalkSettings { budget: args.budget, patience: args.patience, ..WalkSettings::default() };
+    let settings =
+        WalkSettings { budget: args.budget, patience: args.patience, ..WalkSettings::default() };
     let bar = progress::bar((sizes.len() * LAYOUTS.len()) as u64, "layouts and sizes");
     let mut rows = Vec::new();
     for &size in &sizes {
@@ -225,7 +253,8 @@ pub(super) fn run(args: &FusionArgs) -> anyhow::Result<()> {
         }
     }
     bar.finish_and_clear();
-    let held_out = data.map(|data| held_out(&data, args.per_trajectory, &model, device)).transpose()?;
+    let held_out =
+        data.map(|data| held_out(&data, args.per_trajectory, &model, device)).transpose()?;
     if args.json {
         let layouts = held_out.iter().flat_map(|held_out| &held_out.by_layout);
         let layouts = layouts.map(|(name, (hits, odds))| (name.clone(), accuracy_row(hits, odds)));
@@ -255,7 +284,8 @@ fn held_out(
     device: Device,
 ) -> anyhow::Result<Evaluation> {
     let settings = model.training.held_out(per_trajectory);
-    let examples: Vec<_> = Batches::new(dataset, Split::Test, &settings, 0).collect::<Result<_, _>>()?;
+    let examples: Vec<_> =
+        Batches::new(dataset, Split::Test, &settings, 0).collect::<Result<_, _>>()?;
     ensure!(!examples.is_empty(), "the dataset has no instances that are kept for the end");
     Ok(evaluate(&model.network, &examples, &model.training, device))
 }
@@ -274,8 +304,16 @@ fn accuracy_row(hits: &Hits, odds: &Odds) -> serde_json::Value {
 }
 
 fn accuracy_table(text: &mut String, held_out: &Evaluation) -> std::fmt::Result {
-    let columns =
-        ["top_1", "greedy_1", "chance_1", "top_5", "greedy_5", "chance_5", "action", "chance_action"];
+    let columns = [
+        "top_1",
+        "greedy_1",
+        "chance_1",
+        "top_5",
+        "greedy_5",
+        "chance_5",
+        "action",
+        "chance_action",
+    ];
     writeln!(
         text,
         "\nMoves of instances kept for the end, met by the network, by greed and by chance, %:\n"
@@ -284,15 +322,21 @@ fn accuracy_table(text: &mut String, held_out: &Evaluation) -> std::fmt::Result 
     writeln!(text, "|---|---|{}", "---|".repeat(columns.len()))?;
     for (layout, (hits, odds)) in &held_out.by_layout {
         let row = accuracy_row(hits, odds);
-        let shares: Vec<_> =
-            columns.iter().map(|name| format!("{:.1}", row[name].as_f64().unwrap_or(0.0))).collect();
+        let shares: Vec<_> = columns
+            .iter()
+            .map(|name| format!("{:.1}", row[name].as_f64().unwrap_or(0.0)))
+            .collect();
         writeln!(text, "| {layout} | {} | {} |", hits.count, shares.join(" | "))?;
     }
     Ok(())
 }
 
 /// Walks all instances together; the seconds are shared out among them by their moves.
-fn walk_all(instances: &[Instance], proposer: &mut dyn Proposer, settings: &WalkSettings<'_>) -> Vec<Taken> {
+fn walk_all(
+    instances: &[Instance],
+    proposer: &mut dyn Proposer,
+    settings: &WalkSettings<'_>,
+) -> Vec<Taken> {
     let mut tasks = Vec::with_capacity(instances.len());
     for Instance { layer, start, target, seed, .. } in instances {
         tasks.push(Task { layer, start, target: *target, seed: *seed });
@@ -328,7 +372,9 @@ fn tables(rows: &[Row]) -> Result<String, std::fmt::Error> {
     )?;
     writeln!(text, "|---|---|---|---|---|---|---|---|---|---|---|---|")?;
     for &(layout, width, height) in &cells {
-        let of = || rows.iter().filter(|row| (row.layout, row.width, row.height) == (layout, width, height));
+        let of = || {
+            rows.iter().filter(|row| (row.layout, row.width, row.height) == (layout, width, height))
+        };
         let count = of().count();
         let moves = |method: &str| mean(of().map(|row| row.methods[method].moves as f64));
         let told = |method: &str| {
@@ -358,7 +404,9 @@ fn tables(rows: &[Row]) -> Result<String, std::fmt::Error> {
     writeln!(text, "| layout | size | annealer | FusionNet | greedy | chains | fast | exact |")?;
     writeln!(text, "|---|---|---|---|---|---|---|---|")?;
     for &(layout, width, height) in &cells {
-        let of = || rows.iter().filter(|row| (row.layout, row.width, row.height) == (layout, width, height));
+        let of = || {
+            rows.iter().filter(|row| (row.layout, row.width, row.height) == (layout, width, height))
+        };
         write!(text, "| {layout} | {width}x{height} |")?;
         for method in ["annealer", "fusion", "greedy", "chains", "fast", "exact"] {
             write!(text, " {:.1} |", 1e3 * mean(of().map(|row| row.methods[method].seconds)))?;

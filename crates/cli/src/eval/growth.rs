@@ -108,9 +108,14 @@ impl Growth {
             self.cells.iter().map(|point| (f64::from(point.side * point.side), point.ms)).collect();
         let zones = self.zones.iter().map(|point| (f64::from(point.zones), point.ms)).collect();
         let (middle_cells, middle_ms) = cells[cells.len() / 2];
-        let linear = [cells[0], cells[cells.len() - 1]].map(|(at, _)| (at, middle_ms * at / middle_cells));
-        let line =
-            |name: &str, colour, stroke, points| Series { name: name.to_owned(), colour, stroke, points };
+        let linear =
+            [cells[0], cells[cells.len() - 1]].map(|(at, _)| (at, middle_ms * at / middle_cells));
+        let line = |name: &str, colour, stroke, points| Series {
+            name: name.to_owned(),
+            colour,
+            stroke,
+            points,
+        };
         let chart = |title: &str, label, series| Chart {
             title: title.to_owned(),
             x: Axis { label, logarithmic: true, shown: &[] },
@@ -122,7 +127,8 @@ impl Growth {
             line("linear", GREY, Stroke::Thin, linear.to_vec()),
         ];
         let over_zones = vec![line("exact search", GREEN, Stroke::Dotted, zones)];
-        let panels = [chart("3 zones", "cells", over_cells), chart("100 x 100 cells", "zones", over_zones)];
+        let panels =
+            [chart("3 zones", "cells", over_cells), chart("100 x 100 cells", "zones", over_zones)];
         charts(&panels, 2, (460, 340))
     }
 }

@@ -103,7 +103,11 @@ impl ZonesArgs {
             }
         };
         refuse(self.out.is_some(), "--out", &[Some(Anneal), Some(Zigzag), Some(Exact)]);
-        refuse(!self.presets.is_empty(), "--presets", &[None, Some(Zigzag), Some(Genetic), Some(Exact)]);
+        refuse(
+            !self.presets.is_empty(),
+            "--presets",
+            &[None, Some(Zigzag), Some(Genetic), Some(Exact)],
+        );
         refuse(self.smoke, "--smoke", &[Some(Anneal), Some(Zigzag)]);
         refuse(self.plot.is_some(), "--plot", &[None, Some(Zigzag), Some(Anneal), Some(Genetic)]);
         refuse(self.threads.is_some(), "--threads", &[Some(Exact)]);
@@ -129,6 +133,8 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         Some(MethodName::Zigzag | MethodName::Anneal) => anneal_tables::run(args),
         Some(MethodName::Genetic) => crossovers::run(args),
         Some(MethodName::Exact) => exact_tables::run(args),
-        Some(MethodName::Fusion) => output::wrong_use("FusionNet has tables of its own: eval fusion"),
+        Some(MethodName::Fusion) => {
+            output::wrong_use("FusionNet has tables of its own: eval fusion")
+        }
     }
 }

@@ -76,10 +76,20 @@ mod tests {
 
     #[test]
     fn quantiles_are_those_of_the_tables() {
-        let table =
-            [(1.0, 12.706), (3.0, 3.182), (5.0, 2.5706), (9.0, 2.2622), (29.0, 2.0452), (99.0, 1.9842)];
+        let table = [
+            (1.0, 12.706),
+            (3.0, 3.182),
+            (5.0, 2.5706),
+            (9.0, 2.2622),
+            (29.0, 2.0452),
+            (99.0, 1.9842),
+        ];
         for (freedom, expected) in table {
-            assert!((quantile(freedom) / expected - 1.0).abs() < 0.003, "{freedom}: {}", quantile(freedom));
+            assert!(
+                (quantile(freedom) / expected - 1.0).abs() < 0.003,
+                "{freedom}: {}",
+                quantile(freedom)
+            );
         }
     }
 
@@ -87,7 +97,9 @@ mod tests {
     fn intervals_hold_the_mean() {
         let interval = Interval::of(&[vec![1.0, 2.0, 3.0, 4.0, 5.0]]);
         // t(4) = 2.776, standard error 1 / sqrt(2).
-        assert!((interval.half_width / (2.776 / 2_f64.sqrt()) - 1.0).abs() < 1e-9 && interval.tells());
+        assert!(
+            (interval.half_width / (2.776 / 2_f64.sqrt()) - 1.0).abs() < 1e-9 && interval.tells()
+        );
         assert!((interval.mean - 3.0).abs() < 1e-9);
         assert!(!Interval::of(&[vec![4.0]]).tells() && !Interval::of(&[vec![-1.0, 1.0]]).tells());
         assert_eq!(Interval::of(&[vec![2.0, 2.0]]), Interval { mean: 2.0, half_width: 0.0 });
@@ -103,6 +115,9 @@ mod tests {
         let apart = Interval::of(&[vec![1.0, 3.0], vec![101.0, 103.0]]);
         assert!((near.half_width - apart.half_width).abs() < 1e-9);
         // Two groups with a standard error of 1 each: that of their mean is 1 / sqrt(2), with 2 degrees of freedom.
-        assert!((apart.mean - 52.0).abs() < 1e-9 && (near.half_width - 4.303 / 2_f64.sqrt()).abs() < 1e-9);
+        assert!(
+            (apart.mean - 52.0).abs() < 1e-9
+                && (near.half_width - 4.303 / 2_f64.sqrt()).abs() < 1e-9
+        );
     }
 }

@@ -78,7 +78,8 @@ impl Store {
     /// How many parts are there.
     fn count(&self) -> anyhow::Result<u64> {
         let parts = self.folder.join("parts");
-        let entries = fs::read_dir(&parts).with_context(|| format!("cannot list '{}'", parts.display()))?;
+        let entries =
+            fs::read_dir(&parts).with_context(|| format!("cannot list '{}'", parts.display()))?;
         Ok(entries.count() as u64)
     }
 
@@ -95,7 +96,10 @@ impl Store {
         if let Some(mut kept) = read(&path)? {
             self.kept.fetch_add(1, Ordering::Relaxed);
             let seconds = kept["seconds"].as_f64().with_context(damaged)?;
-            return Ok((serde_json::from_value(kept["part"].take()).with_context(damaged)?, seconds));
+            return Ok((
+                serde_json::from_value(kept["part"].take()).with_context(damaged)?,
+                seconds,
+            ));
         }
         let stopped = || -> anyhow::Result<()> {
             if cancel::token()?.load(Ordering::Relaxed) {
@@ -140,7 +144,8 @@ fn damaged(path: &Path) -> String {
 /// built anew.
 fn build() -> anyhow::Result<String> {
     let program = std::env::current_exe().context("cannot find this program's file")?;
-    let bytes = fs::read(&program).with_context(|| format!("cannot read '{}'", program.display()))?;
+    let bytes =
+        fs::read(&program).with_context(|| format!("cannot read '{}'", program.display()))?;
     let mut hasher = DefaultHasher::new();
     hasher.write(&bytes);
     Ok(format!("{:016x}", hasher.finish()))

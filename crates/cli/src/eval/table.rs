@@ -25,9 +25,14 @@ pub(super) fn table(text: &mut String, entry: impl Fn(&Cell) -> String) -> std::
 }
 
 /// How many instances of each random cell are like the paper's.
-pub(super) fn instances(text: &mut String, counts: impl Iterator<Item = (Cell, usize)>) -> std::fmt::Result {
+pub(super) fn instances(
+    text: &mut String,
+    counts: impl Iterator<Item = (Cell, usize)>,
+) -> std::fmt::Result {
     writeln!(text, "\nInstances whose zigzag crosses within 10 % as often as the paper's:")?;
-    for (Cell { layout, size, zigzag, .. }, count) in counts.filter(|(cell, _)| cell.layout.is_random()) {
+    for (Cell { layout, size, zigzag, .. }, count) in
+        counts.filter(|(cell, _)| cell.layout.is_random())
+    {
         writeln!(text, "- {layout} {size}: {count} (the paper's crosses {zigzag} times)")?;
     }
     Ok(())

@@ -124,7 +124,8 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let Objective::Tools = args.objective;
     let files = args.files()?;
     let profile = args.profile.load()?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
+    let pool =
+        rayon::ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
     let begin = Instant::now();
     let part = args.part.load(profile.bed_mm(), &pool)?;
     for (body, repaired) in &part.repaired {
@@ -135,7 +136,9 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     }
     if part.layers.empty_below() > 0 {
         let count = count(part.layers.empty_below() as u64, "layer");
-        eprintln!("beadwork: the part is lowered by {count} without cells: its tip is thinner than a bead");
+        eprintln!(
+            "beadwork: the part is lowered by {count} without cells: its tip is thinner than a bead"
+        );
     }
     let settings = profile.complete(&part.model.materials)?;
     let costs = tool_costs(settings.purge.as_ref().expect("complete settings have volumes"))?;
@@ -174,7 +177,8 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let printed = print(&part, &plan, &profile, settings)?;
     let done = begin.elapsed().as_secs_f64();
     let seconds = Seconds { slice: sliced, plan: planned - sliced, print: done - planned };
-    let report = Report { part: &part, plan: &plan, printed: &printed, lift_cost: args.lift_cost, seconds };
+    let report =
+        Report { part: &part, plan: &plan, printed: &printed, lift_cost: args.lift_cost, seconds };
     if cancel::token()?.load(Ordering::Relaxed) {
         bail!("stopped; nothing was written");
     }
@@ -233,12 +237,13 @@ pub(crate) fn printed_layers<'a>(
 ) -> Vec<Layer<'a>> {
     let numbered = layers.layers.iter().skip(layers.empty_below()).enumerate();
     let filled = numbered.filter_map(|(number, layer)| Some((number, layer.as_ref()?)));
-    let with_path = |((number, layer), path): ((usize, &'a slice::Layer), &'a beadwork_grid::Path)| Layer {
-        number,
-        region: &layer.region,
-        zones: &layer.zones,
-        path,
-    };
+    let with_path =
+        |((number, layer), path): ((usize, &'a slice::Layer), &'a beadwork_grid::Path)| Layer {
+            number,
+            region: &layer.region,
+            zones: &layer.zones,
+            path,
+        };
     filled.zip(paths).map(with_path).collect()
 }
 
@@ -260,10 +265,12 @@ pub(crate) fn print(
 ) -> anyhow::Result<Printed> {
     let layers = printed_layers(&part.layers, plan.layers.iter().map(|planned| &planned.path));
     let frame = &part.layers.frame;
-    let (Print { program, totals }, settings) = profile.print(&part.name, &layers, frame, settings)?;
+    let (Print { program, totals }, settings) =
+        profile.print(&part.name, &layers, frame, settings)?;
     let text = program.emit();
     drop(program);
     let checked = Program::parse(&text)?.check(&layers, frame, &settings);
-    let checked = checked.context("the G-code does not print the plan; this is a fault of beadwork")?;
+    let checked =
+        checked.context("the G-code does not print the plan; this is a fault of beadwork")?;
     Ok(Printed { text, totals, checked, settings })
 }

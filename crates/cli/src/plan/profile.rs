@@ -61,8 +61,9 @@ impl std::str::FromStr for TowerPlace {
             "auto" => Ok(Self::Auto),
             "none" => Ok(Self::None),
             _ => {
-                let Numbers([left_mm, front_mm, width_mm, depth_mm]) =
-                    text.parse().map_err(|_| "give auto, none, or LEFT,FRONT,WIDTH,DEPTH".to_owned())?;
+                let Numbers([left_mm, front_mm, width_mm, depth_mm]) = text
+                    .parse()
+                    .map_err(|_| "give auto, none, or LEFT,FRONT,WIDTH,DEPTH".to_owned())?;
                 Ok(Self::At(Tower { left_mm, front_mm, width_mm, depth_mm }))
             }
         }
@@ -183,16 +184,21 @@ impl Profile {
             settings.purge.iter_mut().for_each(|purge| purge.tower = Some(tower));
             match Print::new(title, layers, frame, &settings) {
                 Ok(print) => return Ok((print, settings)),
-                Err(error @ (SettingsError::TowerDepth { .. } | SettingsError::TowerWidth { .. })) => {
+                Err(
+                    error @ (SettingsError::TowerDepth { .. } | SettingsError::TowerWidth { .. }),
+                ) => {
                     refusal = Some(error);
                 }
                 Err(error) => return Err(error.into()),
             }
         }
         match refusal {
-            Some(error) => Err(error)
-                .context("no side of the part has room for a purge tower; --tower none does without"),
-            None => bail!("no side of the part has room for a purge tower; --tower none does without"),
+            Some(error) => Err(error).context(
+                "no side of the part has room for a purge tower; --tower none does without",
+            ),
+            None => {
+                bail!("no side of the part has room for a purge tower; --tower none does without")
+            }
         }
     }
 }
@@ -204,7 +210,8 @@ fn places(frame: &Frame, [bed_x, bed_y, _]: [f64; 3]) -> Vec<Tower> {
     let (front, back) = (front - TOWER_GAP_MM, back + TOWER_GAP_MM);
     let mut towers = Vec::new();
     for size in [20.0, 40.0, 60.0, 90.0, 130.0, 180.0, 250.0, 400.0] {
-        let beside = |left_mm: f64| Tower { left_mm, front_mm: 0.0, width_mm: size, depth_mm: bed_y };
+        let beside =
+            |left_mm: f64| Tower { left_mm, front_mm: 0.0, width_mm: size, depth_mm: bed_y };
         let before = |front_mm: f64, depth_mm: f64| Tower {
             left_mm: (bed_x - size) / 2.0,
             front_mm,
@@ -215,8 +222,11 @@ fn places(frame: &Frame, [bed_x, bed_y, _]: [f64; 3]) -> Vec<Tower> {
         let shallow = |tower: Tower| {
             let depth_mm = tower.depth_mm.min(2.0 * size);
             let free = tower.depth_mm - depth_mm;
-            let front_mm =
-                if free > 0.0 && tower.front_mm == 0.0 { (free / 2.0).max(0.0) } else { tower.front_mm };
+            let front_mm = if free > 0.0 && tower.front_mm == 0.0 {
+                (free / 2.0).max(0.0)
+            } else {
+                tower.front_mm
+            };
             Tower { depth_mm, front_mm, ..tower }
         };
         if right + size <= bed_x {
@@ -246,8 +256,9 @@ fn places(frame: &Frame, [bed_x, bed_y, _]: [f64; 3]) -> Vec<Tower> {
 
 /// What changes of tools cost: the volume they purge in whole mm³, but at least 1 each, for every change takes time.
 pub(crate) fn tool_costs(purge: &Purge) -> anyhow::Result<ToolCosts> {
-    let cost =
-        |from: usize, to: usize, volume: f64| if from == to { 0 } else { (volume.round() as u32).max(1) };
+    let cost = |from: usize, to: usize, volume: f64| {
+        if from == to { 0 } else { (volume.round() as u32).max(1) }
+    };
     let row = |(from, row): (usize, &Vec<f64>)| {
         row.iter().enumerate().map(|(to, &volume)| cost(from, to, volume)).collect::<Vec<u32>>()
     };

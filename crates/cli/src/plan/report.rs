@@ -126,8 +126,10 @@ impl Report<'_> {
         )?;
         if let Some(gcode) = files.gcode {
             let cells = printed.checked.cells;
-            let beside =
-                files.totals.as_ref().map_or_else(String::new, |totals| format!(" and {}", totals.display()));
+            let beside = files
+                .totals
+                .as_ref()
+                .map_or_else(String::new, |totals| format!(" and {}", totals.display()));
             writeln!(
                 text,
                 "wrote {} (read again and checked: {cells} cells, each once, with the tool of its material){beside}",
@@ -135,7 +137,10 @@ impl Report<'_> {
             )?;
         }
         let Seconds { slice, plan, print } = seconds;
-        writeln!(text, "{slice:.2} s to slice, {plan:.2} s to plan, {print:.2} s to write and check")
+        writeln!(
+            text,
+            "{slice:.2} s to slice, {plan:.2} s to plan, {print:.2} s to write and check"
+        )
     }
 }
 

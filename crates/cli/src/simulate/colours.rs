@@ -73,7 +73,8 @@ pub(super) fn colour(share: f64) -> [u8; 3] {
 pub(super) fn ticks(low: f64, high: f64, about: f64) -> (Vec<f64>, usize) {
     let rough = (high - low) / about;
     let power = 10_f64.powf(rough.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter().find(|&step| step >= rough);
+    let step =
+        [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter().find(|&step| step >= rough);
     let step = step.unwrap_or(10.0 * power);
     let decimals = (-step.log10().floor()).max(0.0) as usize;
     let first = (low / step - 1e-9).ceil() as i64;
@@ -94,7 +95,9 @@ mod tests {
             let [red, green, blue] = colour(share).map(f64::from);
             0.2126 * red + 0.7152 * green + 0.0722 * blue
         };
-        assert!((0..100).all(|i| light(f64::from(i) / 100.0) <= light(f64::from(i + 1) / 100.0) + 0.5));
+        assert!(
+            (0..100).all(|i| light(f64::from(i) / 100.0) <= light(f64::from(i + 1) / 100.0) + 0.5)
+        );
         assert_eq!((colour(-1.0), colour(2.0)), (STOPS[0], STOPS[8]));
     }
 
@@ -112,7 +115,14 @@ mod tests {
 
     #[test]
     fn a_few_hot_voxels_do_not_stretch_the_scale() {
-        let frame = Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 1.0, layer_mm: 1.0, width: 1000, height: 1 };
+        let frame = Frame {
+            left_mm: 0.0,
+            back_mm: 0.0,
+            cell_mm: 1.0,
+            layer_mm: 1.0,
+            width: 1000,
+            height: 1,
+        };
         let map = |hot: f64| {
             let value = |x: u32| Some(if x == 0 { hot } else { 80.0 + f64::from(x) / 100.0 });
             let celsius = (0..1000).map(value).collect();

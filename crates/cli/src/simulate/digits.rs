@@ -41,7 +41,12 @@ impl Canvas {
     }
 
     /// Fills a rectangle, as far as it lies on the picture.
-    pub(super) fn fill(&mut self, [x, y]: [usize; 2], [wide, high]: [usize; 2], [red, green, blue]: [u8; 3]) {
+    pub(super) fn fill(
+        &mut self,
+        [x, y]: [usize; 2],
+        [wide, high]: [usize; 2],
+        [red, green, blue]: [u8; 3],
+    ) {
         let [width, height] = self.size;
         for row in y..(y + high).min(height) {
             let line = &mut self.pixels[4 * row * width..4 * (row + 1) * width];
@@ -54,7 +59,8 @@ impl Canvas {
     /// Writes numbers, °C and > in black, the upper left corner at a place; other letters stay blank.
     pub(super) fn write(&mut self, [x, y]: [usize; 2], text: &str) {
         for (number, letter) in text.chars().enumerate() {
-            let dots = LETTERS.iter().find(|(known, _)| *known == letter).map_or(0, |(_, dots)| *dots);
+            let dots =
+                LETTERS.iter().find(|(known, _)| *known == letter).map_or(0, |(_, dots)| *dots);
             for dot in (0..15).filter(|dot| dots >> (14 - dot) & 1 == 1) {
                 let place = [x + (4 * number + dot % 3) * DOT, y + dot / 3 * DOT];
                 self.fill(place, [DOT; 2], [0; 3]);
@@ -71,7 +77,8 @@ mod tests {
     fn letters_and_edges() {
         let mut canvas = Canvas::white([20, 20]);
         canvas.write([0, 0], "1x1");
-        let dark = |canvas: &Canvas| canvas.pixels().chunks(4).filter(|pixel| pixel[0] == 0).count();
+        let dark =
+            |canvas: &Canvas| canvas.pixels().chunks(4).filter(|pixel| pixel[0] == 0).count();
         // The second 1 lies beyond the picture.
         assert_eq!(dark(&canvas), 8 * DOT * DOT);
         canvas.fill([15, 15], [100, 100], [0; 3]);

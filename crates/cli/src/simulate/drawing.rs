@@ -33,8 +33,14 @@ pub(super) fn draw(title: &str, layers: &[Measure], maps: &[Map]) -> anyhow::Res
         stroke,
         points: layers.iter().map(|layer| (layer.layer as f64, value(layer))).collect(),
     };
-    let plain = |label: &'static str, shown: &'static [f64]| Axis { label, logarithmic: false, shown };
-    let chart = |title: &str, y, series| Chart { title: title.to_owned(), x: plain("layer", &[]), y, series };
+    let plain =
+        |label: &'static str, shown: &'static [f64]| Axis { label, logarithmic: false, shown };
+    let chart = |title: &str, y, series| Chart {
+        title: title.to_owned(),
+        x: plain("layer", &[]),
+        y,
+        series,
+    };
     let drawn = charts(
         &[
             chart(
@@ -111,9 +117,14 @@ mod tests {
             ground_mean_c: Some(85.0),
             ground_min_c: Some(80.0),
         };
-        let section =
-            Section { plane: Plane::Layer(0), rows: 1, columns: 2, celsius: vec![Some(80.0), Some(90.0)] };
-        let frame = Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width: 2, height: 1 };
+        let section = Section {
+            plane: Plane::Layer(0),
+            rows: 1,
+            columns: 2,
+            celsius: vec![Some(80.0), Some(90.0)],
+        };
+        let frame =
+            Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width: 2, height: 1 };
         let map = Map::of(&section, &frame, "layer 1".to_owned());
         let text = draw("a & b", &[measure(1), measure(2)], &[map]).unwrap();
         assert!(text.contains("a &amp; b") && text.matches("<svg").count() == 3);

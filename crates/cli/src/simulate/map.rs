@@ -30,8 +30,10 @@ impl Map {
             Plane::Y(_) => (["x", "z"], frame.layer_mm),
             Plane::Layer(_) => (["x", "y"], frame.cell_mm),
         };
-        let celsius =
-            section.celsius.iter().map(|celsius| celsius.map_or(f32::NAN, |celsius| celsius as f32));
+        let celsius = section
+            .celsius
+            .iter()
+            .map(|celsius| celsius.map_or(f32::NAN, |celsius| celsius as f32));
         // Rows run from the back or from the bottom, columns from the left or from the back.
         let values = match section.plane {
             Plane::Layer(_) => celsius.collect(),
@@ -57,7 +59,8 @@ impl Map {
     /// One pixel a voxel; transparent where nothing is deposited.
     fn pixels(&self, scale: Scale) -> Vec<u8> {
         let pixel = |&celsius: &f32| {
-            let [red, green, blue] = if celsius.is_finite() { scale.colour(celsius.into()) } else { [0; 3] };
+            let [red, green, blue] =
+                if celsius.is_finite() { scale.colour(celsius.into()) } else { [0; 3] };
             [red, green, blue, if celsius.is_finite() { u8::MAX } else { 0 }]
         };
         self.values.iter().flat_map(pixel).collect()
@@ -110,7 +113,13 @@ fn write(text: &mut String, maps: &[Map], columns: usize, scale: Scale) -> std::
     writeln!(text, "</svg>")
 }
 
-fn panel_of(text: &mut String, map: &Map, scale: Scale, [x, y]: [f64; 2], per_mm: f64) -> std::fmt::Result {
+fn panel_of(
+    text: &mut String,
+    map: &Map,
+    scale: Scale,
+    [x, y]: [f64; 2],
+    per_mm: f64,
+) -> std::fmt::Result {
     let [wide, high] = map.size_mm().map(|mm| mm * per_mm);
     let title = escaped(&map.title);
     writeln!(
@@ -193,8 +202,10 @@ fn scale_of(text: &mut String, scale: Scale, [x, y]: [f64; 2]) -> std::fmt::Resu
 fn labels(scale: Scale) -> Vec<(String, f64)> {
     let (marks, decimals) = scale.ticks();
     let share = |celsius: f64| (celsius - scale.low_c) / (scale.high_c - scale.low_c);
-    let mut labels: Vec<_> =
-        marks.into_iter().map(|celsius| (format!("{celsius:.decimals$}"), share(celsius))).collect();
+    let mut labels: Vec<_> = marks
+        .into_iter()
+        .map(|celsius| (format!("{celsius:.decimals$}"), share(celsius)))
+        .collect();
     if scale.is_exceeded {
         labels.retain(|(_, share)| *share < 0.93);
         labels.push((format!("> {:.decimals$}", scale.high_c), 1.0));
@@ -226,7 +237,9 @@ pub(super) fn png(map: &Map, scale: Scale) -> Vec<u8> {
     let size = [MARGIN + wide + GAP + BAR + LABEL, 2 * MARGIN + high.max(HEAD + bar)];
     let mut canvas = digits::Canvas::white(size);
     for (row, values) in map.values.chunks(columns.max(1)).enumerate() {
-        for (column, &celsius) in values.iter().enumerate().filter(|(_, celsius)| celsius.is_finite()) {
+        for (column, &celsius) in
+            values.iter().enumerate().filter(|(_, celsius)| celsius.is_finite())
+        {
             let place = [MARGIN + column * zoom_x, MARGIN + row * zoom_y];
             canvas.fill(place, [zoom_x, zoom_y], scale.colour(celsius.into()));
         }
@@ -295,8 +308,12 @@ mod tests {
     #[test]
     fn planes_are_seen_from_the_right_from_the_front_and_from_above() {
         let seen = |plane| {
-            let section =
-                Section { plane, rows: 2, columns: 2, celsius: [1.0, 2.0, 3.0, 4.0].map(Some).to_vec() };
+            let section = Section {
+                plane,
+                rows: 2,
+                columns: 2,
+                celsius: [1.0, 2.0, 3.0, 4.0].map(Some).to_vec(),
+            };
             Map::of(&section, &FRAME, String::new()).values
         };
         assert_eq!(seen(Plane::X(0)), [4.0, 3.0, 2.0, 1.0]);

@@ -64,7 +64,12 @@ pub(crate) struct Args {
     printer: PrinterArgs,
     /// The order of every layer's voxels: one of the 38 patterns, such as zigzag-y-1, raster-x-0, spiral-in-2, spiral-out-3,
     /// contour-raster-y-3 and diagonal-1.
-    #[arg(long, value_name = "NAME", default_value = "contour-zigzag-x-0", conflicts_with = "gcode")]
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "contour-zigzag-x-0",
+        conflicts_with = "gcode"
+    )]
     pattern: Pattern,
     /// A program that prints the part, in place of a pattern. Without PART, the part is what its beads fill.
     #[arg(long, value_name = "FILE")]
@@ -210,7 +215,9 @@ impl FromStr for OrNone {
         if text == "none" {
             return Ok(Self(None));
         }
-        text.parse().map(|number| Self(Some(number))).map_err(|_| "give a number or none".to_owned())
+        text.parse()
+            .map(|number| Self(Some(number)))
+            .map_err(|_| "give a number or none".to_owned())
     }
 }
 
@@ -236,7 +243,8 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     for section in &args.section {
         section.check(size_mm(part))?;
     }
-    let probes = args.probe.iter().map(|probe| probe.voxel(part)).collect::<anyhow::Result<Vec<_>>>()?;
+    let probes =
+        args.probe.iter().map(|probe| probe.voxel(part)).collect::<anyhow::Result<Vec<_>>>()?;
     let material = match args.material {
         MaterialName::Abs => Material::abs(),
         MaterialName::Pla => Material::pla(),
@@ -327,7 +335,10 @@ impl Args {
                 bail!("'{}' is a folder", path.display());
             }
             if files[..number].contains(path) {
-                output::wrong_use(&format!("two results would go to the same file '{}'", path.display()));
+                output::wrong_use(&format!(
+                    "two results would go to the same file '{}'",
+                    path.display()
+                ));
             }
         }
         Ok(target)
@@ -337,7 +348,9 @@ impl Args {
         match self.method {
             MethodName::Naive => Method::Naive,
             MethodName::Reference => Method::Reference { steps: 4 },
-            MethodName::Fast => Method::Fast(self.accuracy.map_or_else(Accuracy::default, Into::into)),
+            MethodName::Fast => {
+                Method::Fast(self.accuracy.map_or_else(Accuracy::default, Into::into))
+            }
         }
     }
 

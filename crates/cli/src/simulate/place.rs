@@ -5,7 +5,8 @@ use beadwork_part::slice::Voxels;
 /// Width, depth and height of the box around a part, mm.
 pub(super) fn size_mm(part: &Voxels) -> [f64; 3] {
     let frame = &part.frame;
-    let (width, height, depth) = (f64::from(frame.width), f64::from(frame.height), part.depth as f64);
+    let (width, height, depth) =
+        (f64::from(frame.width), f64::from(frame.height), part.depth as f64);
     [width * frame.cell_mm, height * frame.cell_mm, depth * frame.layer_mm]
 }
 
@@ -20,7 +21,11 @@ pub(super) fn voxel_at(part: &Voxels, mm: [f64; 3]) -> Option<[u32; 3]> {
     inside.then(|| {
         // Rows are counted from the back.
         let y = frame.height - 1 - number(y_mm, frame.cell_mm, frame.height);
-        [number(x_mm, frame.cell_mm, frame.width), y, number(z_mm, frame.layer_mm, part.depth as u32)]
+        [
+            number(x_mm, frame.cell_mm, frame.width),
+            y,
+            number(z_mm, frame.layer_mm, part.depth as u32),
+        ]
     })
 }
 
@@ -32,7 +37,8 @@ mod tests {
 
     #[test]
     fn sides_belong_to_the_voxel_behind_them() {
-        let frame = Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width: 6, height: 4 };
+        let frame =
+            Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width: 6, height: 4 };
         let part = Voxels::new(frame, 2, vec![0; 6 * 4 * 2]);
         assert_eq!(voxel_at(&part, [0.0; 3]), Some([0, 3, 0]));
         assert_eq!(voxel_at(&part, [0.5, 0.5, 0.25]), Some([1, 2, 1]));

@@ -36,7 +36,9 @@ impl Probe {
     pub(super) fn voxel(self, part: &Voxels) -> anyhow::Result<[u32; 3]> {
         let Some([x, y, z]) = voxel_at(part, self.0) else {
             let [width, depth, height] = size_mm(part);
-            bail!("the probe {self} lies outside of the part, which is {width} x {depth} x {height} mm");
+            bail!(
+                "the probe {self} lies outside of the part, which is {width} x {depth} x {height} mm"
+            );
         };
         if part.material(x, y, z as usize).is_none() {
             bail!("the part has no voxel at the probe {self}");
@@ -56,7 +58,8 @@ pub(super) fn csv(places: &[Probe], probes: &Probes) -> String {
         // To the microsecond: what rounding leaves of a sum of slots would read as if it meant something.
         write!(text, "\n{}", (seconds * 1e6).round() / 1e6).expect("a string takes all text");
         for column in &mut columns {
-            let celsius = column.next().flatten().map_or_else(String::new, |celsius| celsius.to_string());
+            let celsius =
+                column.next().flatten().map_or_else(String::new, |celsius| celsius.to_string());
             write!(text, ",{celsius}").expect("a string takes all text");
         }
     }

@@ -98,10 +98,20 @@ impl Report<'_> {
         let mut text =
             "layer,voxels,mean_c,std_c,min_c,max_c,print_seconds,hot_spots,ground_mean_c,ground_min_c\n"
                 .to_owned();
-        let told = |celsius: Option<f64>| celsius.map_or_else(String::new, |celsius| celsius.to_string());
+        let told =
+            |celsius: Option<f64>| celsius.map_or_else(String::new, |celsius| celsius.to_string());
         for measure in self.layers {
-            let Measure { layer, voxels, mean_c, std_c, min_c, max_c, print_seconds, hot_spots, .. } =
-                measure;
+            let Measure {
+                layer,
+                voxels,
+                mean_c,
+                std_c,
+                min_c,
+                max_c,
+                print_seconds,
+                hot_spots,
+                ..
+            } = measure;
             let [mean, min] = [measure.ground_mean_c, measure.ground_min_c].map(told);
             writeln!(
                 text,
@@ -139,12 +149,14 @@ impl Report<'_> {
             text,
             "  layer     mean   std dev    least  greatest    print s  hot spots   ground  coldest"
         )?;
-        let told =
-            |celsius: Option<f64>| celsius.map_or_else(|| "-".to_owned(), |celsius| format!("{celsius:.2}"));
+        let told = |celsius: Option<f64>| {
+            celsius.map_or_else(|| "-".to_owned(), |celsius| format!("{celsius:.2}"))
+        };
         let shown = ROWS.min(layers.len());
         for row in 0..shown {
             let at = if shown > 1 { row * (layers.len() - 1) / (shown - 1) } else { row };
-            let Measure { layer, mean_c, std_c, min_c, max_c, print_seconds, hot_spots, .. } = layers[at];
+            let Measure { layer, mean_c, std_c, min_c, max_c, print_seconds, hot_spots, .. } =
+                layers[at];
             let [mean, min] = [layers[at].ground_mean_c, layers[at].ground_min_c].map(told);
             write!(
                 text,
@@ -160,7 +172,11 @@ impl Report<'_> {
             text,
             "\nhot spots: groups of the layer's voxels above {above_c} °C; ground: what its beads landed on, mean and coldest"
         )?;
-        writeln!(text, "reward {:.2}: minus the sum of all layers' standard deviations", self.reward())?;
+        writeln!(
+            text,
+            "reward {:.2}: minus the sum of all layers' standard deviations",
+            self.reward()
+        )?;
         if let Some((seconds, Spread { mean_c, std_c, min_c, max_c, .. })) = self.end {
             writeln!(
                 text,
@@ -179,6 +195,11 @@ impl Report<'_> {
                 "warpage: corners lift by {corner_lift_mm:.3} mm, curvature {curvature_1_m:.3} 1/m; it ranks plans, does not predict"
             )?;
         }
-        writeln!(text, "{} to print, simulated in {:.2} s", duration(self.print_seconds), self.seconds)
+        writeln!(
+            text,
+            "{} to print, simulated in {:.2} s",
+            duration(self.print_seconds),
+            self.seconds
+        )
     }
 }

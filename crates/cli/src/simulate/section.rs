@@ -35,9 +35,13 @@ impl FromStr for Section {
             "z" | "Z" => Some(Axis::Z),
             _ => None,
         };
-        let found = text.split_once('=').and_then(|(name, mm)| Some((axis(name)?, mm.trim().parse().ok()?)));
+        let found = text
+            .split_once('=')
+            .and_then(|(name, mm)| Some((axis(name)?, mm.trim().parse().ok()?)));
         let found = found.filter(|(_, mm): &(Axis, f64)| mm.is_finite());
-        found.map(|(axis, mm)| Self { axis, mm }).ok_or_else(|| "give x, y or z and mm, as x=30".to_owned())
+        found
+            .map(|(axis, mm)| Self { axis, mm })
+            .ok_or_else(|| "give x, y or z and mm, as x=30".to_owned())
     }
 }
 
@@ -113,7 +117,9 @@ impl Target {
         let scale = Scale::of(sections.iter().map(|(_, map)| map));
         for (section, map) in sections {
             match self {
-                Self::File(path) if has_extension(path, "png") => output::file(path, png(map, scale))?,
+                Self::File(path) if has_extension(path, "png") => {
+                    output::file(path, png(map, scale))?
+                }
                 Self::File(path) => output::file(path, svg(std::slice::from_ref(map), 1, scale))?,
                 Self::Folder(folder) => {
                     std::fs::create_dir_all(folder)?;

@@ -53,8 +53,8 @@ impl Source {
             limits: settings.printer.limits(),
             tolerated_share: args.left_out.unwrap_or(0.0),
         };
-        let slots =
-            program_slots(&program, &part, &how).map_err(|error| explain(error.into(), &program, &part));
+        let slots = program_slots(&program, &part, &how)
+            .map_err(|error| explain(error.into(), &program, &part));
         let slots = slots.with_context(in_file)?;
         let mut part = part;
         if !slots.missed.is_empty() {
@@ -98,8 +98,12 @@ impl Source {
             }
             Course::Program(program) => {
                 // Parts that are printed one after the other don't complete their layers from the bed up.
-                let mut ends: Vec<(usize, usize)> =
-                    program.layer_ends.iter().enumerate().map(|(layer, &end)| (end, layer)).collect();
+                let mut ends: Vec<(usize, usize)> = program
+                    .layer_ends
+                    .iter()
+                    .enumerate()
+                    .map(|(layer, &end)| (end, layer))
+                    .collect();
                 ends.sort_unstable();
                 let mut begin = 0;
                 for (end, layer) in ends.into_iter().filter(|&(end, _)| end > 0) {
@@ -116,7 +120,8 @@ impl Source {
 }
 
 fn stem(path: &Path) -> String {
-    path.file_stem().map_or_else(|| path.display().to_string(), |stem| stem.to_string_lossy().into_owned())
+    path.file_stem()
+        .map_or_else(|| path.display().to_string(), |stem| stem.to_string_lossy().into_owned())
 }
 
 fn load_part(args: &Args, settings: &gcode::Settings) -> anyhow::Result<(String, Voxels)> {
@@ -131,7 +136,9 @@ fn load_part(args: &Args, settings: &gcode::Settings) -> anyhow::Result<(String,
     let below = part.layers.empty_below();
     if below > 0 {
         let layers = count(below as u64, "layer");
-        eprintln!("beadwork: the part is lowered by {layers} without cells: its tip is thinner than a bead");
+        eprintln!(
+            "beadwork: the part is lowered by {layers} without cells: its tip is thinner than a bead"
+        );
     }
     let last = part.layers.layers.iter().rposition(Option::is_some).unwrap_or(0);
     let layers = part.layers.layers[below..=last].to_vec();
@@ -167,7 +174,9 @@ fn explain(error: anyhow::Error, program: &Program, part: &Voxels) -> anyhow::Er
     let differs = |stated: Option<f64>, given: f64| stated.filter(|mm| (mm - given).abs() > 1e-6);
     let [bead, layer] = stated_mm(program);
     if let Some(mm) = differs(bead, cell_mm) {
-        return anyhow!("its beads are {mm} mm wide, the part's cells {cell_mm} mm: give --bead {mm}");
+        return anyhow!(
+            "its beads are {mm} mm wide, the part's cells {cell_mm} mm: give --bead {mm}"
+        );
     }
     if let Some(mm) = differs(layer, layer_mm) {
         return anyhow!("its layers are {mm} mm high, the part's {layer_mm} mm: give --layer {mm}");

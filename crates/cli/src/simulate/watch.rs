@@ -68,9 +68,15 @@ impl Watch {
     }
 
     /// Runs through slots; in one piece if there is nothing to look at, as looks cut the long steps of the fast method.
-    pub(super) fn run(&mut self, simulation: &mut Simulation, slots: &[Slot]) -> Result<(), DepositError> {
+    pub(super) fn run(
+        &mut self,
+        simulation: &mut Simulation,
+        slots: &[Slot],
+    ) -> Result<(), DepositError> {
         match self.every_s {
-            Some(every_s) => simulation.run_watched(slots, every_s, |simulation| self.look(simulation)),
+            Some(every_s) => {
+                simulation.run_watched(slots, every_s, |simulation| self.look(simulation))
+            }
             None => simulation.run(slots),
         }
     }
@@ -140,8 +146,9 @@ mod tests {
     #[test]
     fn looks_are_due_once_an_interval() {
         let mut rhythm = Rhythm::new(1.0);
-        let due: Vec<bool> =
-            [0.5, 1.0 - 1e-12, 1.5, 2.25, 2.5, 5.5, 5.9, 6.0].map(|now_s| rhythm.is_due(now_s)).to_vec();
+        let due: Vec<bool> = [0.5, 1.0 - 1e-12, 1.5, 2.25, 2.5, 5.5, 5.9, 6.0]
+            .map(|now_s| rhythm.is_due(now_s))
+            .to_vec();
         assert_eq!(due, [false, true, false, true, false, true, false, true]);
     }
 }

@@ -78,7 +78,8 @@ impl Source {
             return Ok(toml::from_str(text).expect("the configurations are tested"));
         }
         let path = self.config.as_ref().expect("clap asks for one of the two");
-        let text = fs::read_to_string(path).with_context(|| format!("cannot read '{}'", path.display()))?;
+        let text = fs::read_to_string(path)
+            .with_context(|| format!("cannot read '{}'", path.display()))?;
         toml::from_str(&text)
             .with_context(|| format!("'{}' is no configuration of a training", path.display()))
     }
@@ -88,7 +89,11 @@ impl Source {
 fn check_folder(out: &Path, resume: bool) -> anyhow::Result<()> {
     let checkpoint = last_checkpoint(out);
     if checkpoint.exists() {
-        ensure!(resume, "'{}' holds a run: go on with --resume, or choose another folder", out.display());
+        ensure!(
+            resume,
+            "'{}' holds a run: go on with --resume, or choose another folder",
+            out.display()
+        );
         return Ok(());
     }
     for file in [Model::config_file(out), Model::weights_file(out)] {
@@ -120,7 +125,8 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let device = device(&args.device)?;
     let dataset = Dataset::open(&args.data)?;
     check_folder(&args.out, args.resume)?;
-    fs::create_dir_all(&args.out).with_context(|| format!("cannot make '{}'", args.out.display()))?;
+    fs::create_dir_all(&args.out)
+        .with_context(|| format!("cannot make '{}'", args.out.display()))?;
 
     let begin = Instant::now();
     let mut log = Log::open(&args.out, args.resume)?;

@@ -24,8 +24,11 @@ pub(super) struct Log {
 impl Log {
     /// New logs, or those of the run that goes on.
     pub(super) fn open(folder: &Path, resume: bool) -> anyhow::Result<Self> {
-        let events =
-            OpenOptions::new().create(true).write(true).truncate(true).open(folder.join(events_name()));
+        let events = OpenOptions::new()
+            .create(true)
+            .write(true)
+            .truncate(true)
+            .open(folder.join(events_name()));
         let events = events.with_context(|| format!("cannot write to '{}'", folder.display()))?;
         Ok(Self {
             steps: table(&folder.join("steps.csv"), STEPS, resume)?,
@@ -41,7 +44,8 @@ impl Log {
             Event::Step { step, examples, loss, rate, gradient } => {
                 writeln!(self.steps, "{step},{examples},{loss},{rate},{gradient}")?;
                 self.steps.flush()?;
-                let scalars = [("train/loss", *loss), ("train/rate", *rate), ("train/gradient", *gradient)];
+                let scalars =
+                    [("train/loss", *loss), ("train/rate", *rate), ("train/gradient", *gradient)];
                 self.events.write(*step, &scalars, now())?;
             }
             Event::Evaluated { step, evaluation, .. } => {
@@ -77,7 +81,9 @@ impl Log {
 
     /// Drops what was written of steps that will be made once more, and a line that was cut short.
     fn forget_after(&mut self, steps: u64) -> anyhow::Result<()> {
-        for (name, table) in [("steps.csv", &mut self.steps), ("evaluations.csv", &mut self.evaluations)] {
+        for (name, table) in
+            [("steps.csv", &mut self.steps), ("evaluations.csv", &mut self.evaluations)]
+        {
             table.flush()?;
             let path = self.folder.join(name);
             let text = fs::read_to_string(&path)?;

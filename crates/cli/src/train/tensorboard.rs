@@ -120,6 +120,9 @@ mod tests {
     fn checksums_are_those_of_crc_32c_masked() {
         // RFC 3720, section B.4: 32 bytes of zeros.
         assert_eq!(crc32c::crc32c(&[0; 32]), 0x8A91_36AA);
-        assert_eq!(masked_checksum(&[0; 32]), 0x8A91_36AA_u32.rotate_right(15).wrapping_add(0xA282_EAD8));
+        assert_eq!(
+            masked_checksum(&[0; 32]),
+            0x8A91_36AA_u32.rotate_right(15).wrapping_add(0xA282_EAD8)
+        );
     }
 }

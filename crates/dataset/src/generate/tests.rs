@@ -13,16 +13,21 @@ fn factory(toml: &str) -> Factory {
 
 fn run(toml: &str, folder: &Path, slice: &str, threads: usize) -> Result<Generated, GenerateError> {
     let cancel = AtomicBool::new(false);
-    let settings =
-        GenerateSettings { slice: slice.parse().unwrap(), threads, cancel: &cancel, observer: &|_| {} };
+    let settings = GenerateSettings {
+        slice: slice.parse().unwrap(),
+        threads,
+        cancel: &cancel,
+        observer: &|_| {},
+    };
     generate(&factory(toml), folder, &settings)
 }
 
 /// Name and bytes of every file that belongs to the dataset.
 fn bytes(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let named =
-        files.map(|path| (path.file_name().unwrap().to_str().unwrap().to_owned(), fs::read(&path).unwrap()));
+    let named = files.map(|path| {
+        (path.file_name().unwrap().to_str().unwrap().to_owned(), fs::read(&path).unwrap())
+    });
     named.filter(|(name, _)| !name.ends_with(".ms.csv")).collect()
 }
 
@@ -41,7 +46,10 @@ fn the_dataset_holds_every_trajectory_in_order() {
     let dataset = Dataset::open(folder.path()).unwrap();
     let records: Vec<Trajectory> = dataset.records().collect::<Result<_, _>>().unwrap();
     assert_eq!(records.iter().map(|it| it.index).collect::<Vec<_>>(), (0..23).collect::<Vec<_>>());
-    assert_eq!(dataset.manifest().moves, records.iter().map(|it| it.moves.len() as u64).sum::<u64>());
+    assert_eq!(
+        dataset.manifest().moves,
+        records.iter().map(|it| it.moves.len() as u64).sum::<u64>()
+    );
     assert_eq!(dataset.manifest().strata["voronoi/9x8/short"], 12);
     assert_eq!(dataset.manifest().fingerprint(), factory(SMALL).fingerprint());
     records.iter().for_each(|it| drop(it.replay().unwrap()));
@@ -95,10 +103,15 @@ fn a_cancelled_run_goes_on() {
     for stop_after in [0, 1, 7, 12, 22] {
         let folder = tempfile::tempdir().unwrap();
         let cancel = AtomicBool::new(stop_after == 0);
-        let observer =
-            |progress: GenerateProgress| cancel.store(progress.done >= stop_after, Ordering::Relaxed);
-        let settings =
-            GenerateSettings { slice: Slice::WHOLE, threads: 2, cancel: &cancel, observer: &observer };
+        let observer = |progress: GenerateProgress| {
+            cancel.store(progress.done >= stop_after, Ordering::Relaxed)
+        };
+        let settings = GenerateSettings {
+            slice: Slice::WHOLE,
+            threads: 2,
+            cancel: &cancel,
+            observer: &observer,
+        };
         let generated = generate(&factory(SMALL), folder.path(), &settings).unwrap();
         assert!(generated.cancelled && generated.manifest.is_none());
         let kept = generated.made;
@@ -151,7 +164,10 @@ fn a_damaged_shard_is_named() {
     damaged[100] ^= 1;
     fs::write(&path, damaged).unwrap();
     let error = run(SMALL, folder.path(), "1/1", 1).unwrap_err().to_string();
-    assert!(error.starts_with("cannot go on from '") && error.contains("shard-00001.bws"), "{error}");
+    assert!(
+        error.starts_with("cannot go on from '") && error.contains("shard-00001.bws"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -165,8 +181,9 @@ fn a_folder_that_can_not_be_written_is_named() {
 
 #[test]
 fn blocks_are_cut_by_number_and_size() {
-    let lengths =
-        |sizes: &[usize]| chunks(sizes, |&size| size).iter().map(|chunk| chunk.len()).collect::<Vec<_>>();
+    let lengths = |sizes: &[usize]| {
+        chunks(sizes, |&size| size).iter().map(|chunk| chunk.len()).collect::<Vec<_>>()
+    };
     assert!(lengths(&[]).is_empty());
     assert_eq!(lengths(&[1; 70]), [32, 32, 6]);
     assert_eq!(lengths(&[BLOCK_BYTES, 1, BLOCK_BYTES - 1, 1, 1]), [1, 2, 2]);

@@ -86,7 +86,13 @@ impl Outline {
     }
 
     /// Appends a block; `None` when a number would overflow, which changes nothing.
-    pub(crate) fn push(&mut self, bytes: u32, raw_bytes: u32, records: u32, crc32: u32) -> Option<()> {
+    pub(crate) fn push(
+        &mut self,
+        bytes: u32,
+        raw_bytes: u32,
+        records: u32,
+        crc32: u32,
+    ) -> Option<()> {
         let first_record = self.header.first_record.checked_add(self.records)?;
         first_record.checked_add(u64::from(records))?;
         let index_offset = self.index_offset.checked_add(u64::from(bytes))?;

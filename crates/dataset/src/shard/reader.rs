@@ -7,8 +7,8 @@ use thiserror::Error;
 use zstd::bulk::Decompressor;
 
 use super::format::{
-    END_MAGIC, ENTRY_BYTES, FOOTER_BYTES, HEADER_BYTES, MAGIC, Outline, Record, ShardHeader, ShardSummary,
-    VERSION, crc32, parse_entry, parse_footer, parse_header,
+    END_MAGIC, ENTRY_BYTES, FOOTER_BYTES, HEADER_BYTES, MAGIC, Outline, Record, ShardHeader,
+    ShardSummary, VERSION, crc32, parse_entry, parse_footer, parse_header,
 };
 use crate::CodecError;
 use crate::codec::{self, MAX_BYTES};
@@ -76,7 +76,13 @@ impl<R: Read + Seek> ShardReader<R> {
     /// buffering: parts are read whole.
     pub fn open(mut input: R) -> Result<Self, ShardError> {
         let outline = read_outline(&mut input)?;
-        Ok(Self { input, outline, unpacker: Decompressor::new()?, packed: Vec::new(), raw: Vec::new() })
+        Ok(Self {
+            input,
+            outline,
+            unpacker: Decompressor::new()?,
+            packed: Vec::new(),
+            raw: Vec::new(),
+        })
     }
 
     /// What the header says.

@@ -115,8 +115,8 @@ fn a_shard_may_be_empty_but_a_block_may_not() {
 fn the_layout_is_the_documented_one() {
     let (bytes, summary) = small_shard();
     let header = [
-        0x89, 0x42, 0x57, 0x53, 0x0d, 0x0a, 0x1a, 0x0a, 1, 0, 0x84, 3, 3, 0, 0, 0, 0xef, 0xcd, 0xab, 0x89,
-        0x67, 0x45, 0x23, 0x01, 0xe8, 3, 0, 0, 0, 0, 0, 0,
+        0x89, 0x42, 0x57, 0x53, 0x0d, 0x0a, 0x1a, 0x0a, 1, 0, 0x84, 3, 3, 0, 0, 0, 0xef, 0xcd,
+        0xab, 0x89, 0x67, 0x45, 0x23, 0x01, 0xe8, 3, 0, 0, 0, 0, 0, 0,
     ];
     assert_eq!(bytes[..HEADER_BYTES], header);
     let footer = footer_at(&bytes);
@@ -132,12 +132,19 @@ fn the_layout_is_the_documented_one() {
     let (mut at, mut first, mut raw) = (HEADER_BYTES, 1000, 0);
     for (block, records) in [5, 1, 6].into_iter().enumerate() {
         let entry = index + block * ENTRY_BYTES;
-        assert_eq!((number(entry, 8), number(entry + 8, 8), number(entry + 24, 4)), (at, first, records));
+        assert_eq!(
+            (number(entry, 8), number(entry + 8, 8), number(entry + 24, 4)),
+            (at, first, records)
+        );
         let frame = &bytes[at..at + number(entry + 16, 4)];
         assert_eq!(number(entry + 28, 4), crc32fast::hash(frame) as usize);
         let unpacked = zstd::bulk::decompress(frame, 1 << 20).unwrap();
         assert_eq!(unpacked.len(), number(entry + 20, 4));
-        assert_eq!(usize::from(unpacked[0]), records, "a block is a `Vec`, which begins with its length");
+        assert_eq!(
+            usize::from(unpacked[0]),
+            records,
+            "a block is a `Vec`, which begins with its length"
+        );
         (at, first, raw) = (at + frame.len(), first + records, raw + unpacked.len());
     }
     assert_eq!((at, raw as u64), (index, summary.raw_bytes));
@@ -205,7 +212,10 @@ fn other_records_are_refused() {
     let error = reader.read_block::<OtherKind>(0).unwrap_err();
     assert!(matches!(error, ShardError::Kind { expected: 901, got: 900 }));
     assert_eq!(error.to_string(), "its records are of schema kind 900, not 901");
-    assert!(matches!(reader.read_block::<OtherFields>(1), Err(ShardError::Foreign { block: 1, .. })));
+    assert!(matches!(
+        reader.read_block::<OtherFields>(1),
+        Err(ShardError::Foreign { block: 1, .. })
+    ));
 }
 
 /// Rewrites the checksum of header, index and footer, as a writer with a fault or ill will would.

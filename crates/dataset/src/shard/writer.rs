@@ -99,7 +99,10 @@ impl<W: Write> ShardWriter<W> {
     /// If the block's records are of another kind than the header says, or the record numbers or the blocks exceed their range
     /// of 64 or 32 bits.
     pub fn block(&mut self, block: &Block) -> io::Result<()> {
-        assert_eq!(block.kind, self.outline.header.kind, "the block's schema kind must be the shard's");
+        assert_eq!(
+            block.kind, self.outline.header.kind,
+            "the block's schema kind must be the shard's"
+        );
         self.out.write_all(&block.bytes)?;
         self.hasher.update(&block.bytes);
         self.outline

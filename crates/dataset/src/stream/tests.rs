@@ -231,14 +231,18 @@ fn shards_are_opened_when_needed() {
         assert_eq!(records.next().unwrap().unwrap(), Number(number));
     }
     let error = records.next().unwrap().unwrap_err();
-    assert!(error.to_string().starts_with(&format!("cannot read '{}': ", path.display())), "{error}");
+    assert!(
+        error.to_string().starts_with(&format!("cannot read '{}': ", path.display())),
+        "{error}"
+    );
     assert!(records.next().is_none());
 }
 
 #[test]
 fn a_shard_of_another_dataset_is_refused() {
     let folder = dataset(&[vec![3], vec![3]]);
-    let [first, second] = ["shard-00000.bws", "shard-00001.bws"].map(|name| folder.path().join(name));
+    let [first, second] =
+        ["shard-00000.bws", "shard-00001.bws"].map(|name| folder.path().join(name));
     // The same length and shape, other numbers: only the place of its records tells.
     let bytes = fs::read(&first).unwrap();
     assert_eq!(bytes.len() as u64, fs::metadata(&second).unwrap().len());

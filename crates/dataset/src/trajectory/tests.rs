@@ -28,7 +28,9 @@ fn a_replay_gives_the_recorded_path() {
         let (region, zones) = trajectory.draw().unwrap();
         assert_eq!(verify(&region, path.order()), Ok(1));
         assert_eq!(Crossings::new(&region, &zones).count(&path), trajectory.best);
-        assert!(trajectory.best < trajectory.initial && trajectory.bound.unwrap() <= trajectory.best);
+        assert!(
+            trajectory.best < trajectory.initial && trajectory.bound.unwrap() <= trajectory.best
+        );
     }
 }
 
@@ -37,7 +39,10 @@ fn steps_link_up_and_mark_new_bests() {
     let trajectory = of_variants();
     let steps: Vec<Step> = trajectory.steps().collect();
     assert_eq!(steps.len(), trajectory.moves.len());
-    assert_eq!((steps[0].before, steps.last().unwrap().after), (trajectory.initial, trajectory.best));
+    assert_eq!(
+        (steps[0].before, steps.last().unwrap().after),
+        (trajectory.initial, trajectory.best)
+    );
     assert!(steps.windows(2).all(|pair| pair[0].after == pair[1].before));
     let mut best = trajectory.initial;
     for step in steps {
@@ -60,7 +65,10 @@ fn forged_numbers_are_found() {
     assert!(number(&forge(&|it| it.pieces = 2)));
     assert!(number(&forge(&|it| it.bound = Some(3))));
     assert!(matches!(forge(&|it| it.width = 0), ReplayError::Draw(_)));
-    assert!(matches!(forge(&|it| it.width += 1), ReplayError::Number { .. } | ReplayError::Refused { .. }));
+    assert!(matches!(
+        forge(&|it| it.width += 1),
+        ReplayError::Number { .. } | ReplayError::Refused { .. }
+    ));
 }
 
 #[test]
@@ -95,7 +103,9 @@ fn forged_moves_are_found() {
 #[test]
 fn columns_of_different_lengths_and_moves_past_the_best_are_found() {
     let mut forged = of_pairs();
-    let Moves::Pairs { first, .. } = &mut forged.moves else { panic!("the free annealer uses pairs") };
+    let Moves::Pairs { first, .. } = &mut forged.moves else {
+        panic!("the free annealer uses pairs")
+    };
     let last = first.len() - 1;
     first.pop();
     assert_eq!(forged.replay().unwrap_err(), ReplayError::NoMove { index: last });

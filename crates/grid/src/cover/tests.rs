@@ -11,7 +11,10 @@ fn fewest_pieces(region: &Region) -> u32 {
     let links: Vec<(usize, usize)> = cells
         .iter()
         .flat_map(|&cell| {
-            region.neighbours(cell).filter(move |&other| other > cell).map(move |other| (cell, other))
+            region
+                .neighbours(cell)
+                .filter(move |&other| other > cell)
+                .map(move |other| (cell, other))
         })
         .map(|(a, b)| (place(a), place(b)))
         .collect();
@@ -21,14 +24,21 @@ fn fewest_pieces(region: &Region) -> u32 {
 }
 
 /// Takes or leaves each link in turn; links within one path would close a cycle.
-fn grow(links: &[(usize, usize)], degree: &mut [u8], strand: Vec<usize>, taken: u32, most: &mut u32) {
+fn grow(
+    links: &[(usize, usize)],
+    degree: &mut [u8],
+    strand: Vec<usize>,
+    taken: u32,
+    most: &mut u32,
+) {
     *most = taken.max(*most);
     let Some((&(a, b), rest)) = links.split_first() else { return };
     if taken + links.len() as u32 <= *most {
         return;
     }
     if degree[a] < 2 && degree[b] < 2 && strand[a] != strand[b] {
-        let joined = strand.iter().map(|&it| if it == strand[b] { strand[a] } else { it }).collect();
+        let joined =
+            strand.iter().map(|&it| if it == strand[b] { strand[a] } else { it }).collect();
         degree[a] += 1;
         degree[b] += 1;
         grow(rest, degree, joined, taken + 1, most);
@@ -40,8 +50,8 @@ fn grow(links: &[(usize, usize)], degree: &mut [u8], strand: Vec<usize>, taken: 
 
 fn mask(width: u32, height: u32, inside: impl Fn(f64, f64) -> bool) -> Region {
     let centre = |at: u32, side: u32| f64::from(at) + 0.5 - f64::from(side) / 2.0;
-    let cells =
-        (0..width * height).map(|cell| inside(centre(cell % width, width), centre(cell / width, height)));
+    let cells = (0..width * height)
+        .map(|cell| inside(centre(cell % width, width), centre(cell / width, height)));
     Region::from_mask(width, height, cells.collect()).unwrap()
 }
 
@@ -98,7 +108,9 @@ fn parts_need_few_pieces() {
         ("ring", mask(60, 60, |x, y| (12.0..30.0).contains(&x.hypot(y)))),
         (
             "rotated square",
-            mask(60, 60, |x, y| (0.8 * x + 0.6 * y).abs() < 20.0 && (0.6 * x - 0.8 * y).abs() < 20.0),
+            mask(60, 60, |x, y| {
+                (0.8 * x + 0.6 * y).abs() < 20.0 && (0.6 * x - 0.8 * y).abs() < 20.0
+            }),
         ),
         ("star", mask(60, 60, |x, y| x.hypot(y) < 20.0 + 8.0 * (5.0 * y.atan2(x)).cos())),
         ("two discs", mask(90, 50, |x, y| (x.abs() - 22.0).hypot(y) < 21.0)),
@@ -114,5 +126,8 @@ fn thin_regions() {
     assert_eq!(cover(&Region::rectangle(1, 9).unwrap()).pieces(), 1);
     let column = Region::from_mask(1, 5, vec![true, true, false, true, true]).unwrap();
     assert_eq!((cover(&column).pieces(), piece_bound(&column)), (2, 2));
-    assert_eq!(cover(&Region::from_mask(2, 2, vec![true, false, false, true]).unwrap()).pieces(), 2);
+    assert_eq!(
+        cover(&Region::from_mask(2, 2, vec![true, false, false, true]).unwrap()).pieces(),
+        2
+    );
 }

@@ -59,7 +59,9 @@ impl Walker {
         }
         let mut order = vec![self.first];
         let (mut before, mut at) = (Cell::MAX, self.first);
-        while let Some(&on) = next.get(&at).and_then(|others| others.iter().find(|&&other| other != before)) {
+        while let Some(&on) =
+            next.get(&at).and_then(|others| others.iter().find(|&&other| other != before))
+        {
             order.push(on);
             (before, at) = (at, on);
             assert!(order.len() <= self.cells, "a path of links can't return to its first cell");
@@ -70,7 +72,11 @@ impl Walker {
     /// What the switches should lead to.
     fn expect(path: &Path, region: &Region, switches: &[Switch]) -> Option<Vec<Cell>> {
         let mut walker = Self::new(path);
-        switches.iter().all(|&switch| walker.switch(region, switch)).then(|| walker.walk()).flatten()
+        switches
+            .iter()
+            .all(|&switch| walker.switch(region, switch))
+            .then(|| walker.walk())
+            .flatten()
     }
 }
 
@@ -85,11 +91,13 @@ fn random_region(rng: &mut ChaCha8Rng) -> Region {
                 let hole = rng.random_range(0..inside.len());
                 inside[hole] = false;
             }
-            Region::from_mask(width, height, inside).unwrap_or_else(|_| Region::rectangle(1, 1).unwrap())
+            Region::from_mask(width, height, inside)
+                .unwrap_or_else(|_| Region::rectangle(1, 1).unwrap())
         }
         _ => {
             let inside = (0..width * height).map(|_| rng.random_range(0..10) < 7).collect();
-            Region::from_mask(width, height, inside).unwrap_or_else(|_| Region::rectangle(1, 1).unwrap())
+            Region::from_mask(width, height, inside)
+                .unwrap_or_else(|_| Region::rectangle(1, 1).unwrap())
         }
     }
 }
@@ -107,7 +115,8 @@ fn random_path(region: &Region, rng: &mut ChaCha8Rng) -> Path {
 /// Two switches, near each other more often than not, that apply more often than random ones.
 fn random_pair(path: &Path, rng: &mut ChaCha8Rng) -> [Switch; 2] {
     let cells = path.width() * path.height();
-    let likely = (0..20).map(|_| rng.random_range(0..cells)).find(|&corner| path.sides(corner).is_some());
+    let likely =
+        (0..20).map(|_| rng.random_range(0..cells)).find(|&corner| path.sides(corner).is_some());
     let first = likely.unwrap_or_else(|| rng.random_range(0..cells));
     let near = |rng: &mut ChaCha8Rng| {
         let steps = [1, path.width(), path.width() + 1, path.width().wrapping_sub(1), 2, 0];
@@ -118,7 +127,10 @@ fn random_pair(path: &Path, rng: &mut ChaCha8Rng) -> [Switch; 2] {
     let second = if rng.random_range(0..4) > 0 { near(rng) } else { rng.random_range(0..cells) };
     [first, second].map(|corner| {
         let likely = path.sides(corner.min(cells - 1)).filter(|_| rng.random_range(0..4) > 0);
-        Switch::new(corner, likely.unwrap_or(if rng.random() { Sides::Horizontal } else { Sides::Vertical }))
+        Switch::new(
+            corner,
+            likely.unwrap_or(if rng.random() { Sides::Horizontal } else { Sides::Vertical }),
+        )
     })
 }
 
@@ -169,12 +181,19 @@ fn sweep(seed: u64, sites: usize, met: &mut Met) {
             };
             met.pairs[near][usize::from(expected.is_none())] += 1;
         }
-        assert_eq!(path.allows_pair(pair[0], pair[1]), expected.is_some(), "{pair:?} on {:?}", path.order());
+        assert_eq!(
+            path.allows_pair(pair[0], pair[1]),
+            expected.is_some(),
+            "{pair:?} on {:?}",
+            path.order()
+        );
         assert_eq!(path.allows(&pair), expected.is_some());
         check(&path, &region, &pair, expected);
 
-        let (x, y) =
-            (rng.random_range(0..region.width()) as u16, rng.random_range(0..region.height()) as u16);
+        let (x, y) = (
+            rng.random_range(0..region.width()) as u16,
+            rng.random_range(0..region.height()) as u16,
+        );
         let blind = Placed { variant: Variant::ALL[rng.random_range(0..12)], x, y };
         let matching = Variant::ALL
             .into_iter()
@@ -195,8 +214,9 @@ fn check_variant(path: &Path, region: &Region, placed: Placed) -> bool {
         .then(|| {
             let cell = |n: u32| region.cell(x + n % columns, y + n / columns);
             let number = |c: Cell| (0..columns * rows).find(|&n| cell(n) == c);
-            let inside =
-                |&(a, b): &(Cell, Cell)| Some((number(a)?, number(b)?)).filter(|_| region.adjacent(a, b));
+            let inside = |&(a, b): &(Cell, Cell)| {
+                Some((number(a)?, number(b)?)).filter(|_| region.adjacent(a, b))
+            };
             let mut walker = Walker::new(path);
             let mut present: Vec<_> = walker.links.iter().filter_map(inside).collect();
             present.sort_unstable();

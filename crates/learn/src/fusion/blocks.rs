@@ -96,7 +96,10 @@ pub(super) struct Down {
 
 impl Down {
     pub(super) fn new(vs: &Path<'_>, from: i64, to: i64) -> Self {
-        Self { project: project(&(vs / "proj"), from, to), residual: Residual::new(&(vs / "res"), to) }
+        Self {
+            project: project(&(vs / "proj"), from, to),
+            residual: Residual::new(&(vs / "res"), to),
+        }
     }
 
     pub(super) fn forward(&self, x: &Tensor) -> Tensor {
@@ -141,7 +144,8 @@ impl Attention {
         // As PyTorch begins: Xavier's range for the three of them as one, and no biases.
         let bound = (6.0 / (4 * channels) as f64).sqrt();
         let start = nn::Init::Uniform { lo: -bound, up: bound };
-        let out = nn::LinearConfig { bs_init: Some(nn::Init::Const(0.0)), ..nn::LinearConfig::default() };
+        let out =
+            nn::LinearConfig { bs_init: Some(nn::Init::Const(0.0)), ..nn::LinearConfig::default() };
         Self {
             in_weight: inner.var("in_proj_weight", &[3 * channels, channels], start),
             in_bias: inner.var("in_proj_bias", &[3 * channels], nn::Init::Const(0.0)),
@@ -156,7 +160,8 @@ impl Attention {
         let cells = x.to_kind(KIND).flatten(2, 3).transpose(1, 2);
         let heads = |x: Tensor| x.reshape([batch, -1, HEADS, channels / HEADS]).transpose(1, 2);
         let all = cells.linear(&self.in_weight, Some(&self.in_bias)).chunk(3, -1);
-        let [query, key, value] = <[Tensor; 3]>::try_from(all).expect("three chunks of three").map(heads);
+        let [query, key, value] =
+            <[Tensor; 3]>::try_from(all).expect("three chunks of three").map(heads);
         let scale = 1.0 / ((channels / HEADS) as f64).sqrt();
         let shares = (query * scale).matmul(&key.transpose(-2, -1)).softmax(-1, KIND);
         let seen = shares.matmul(&value).transpose(1, 2).reshape([batch, -1, channels]);

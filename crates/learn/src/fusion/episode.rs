@@ -87,7 +87,8 @@ fn needed(made: &[Made], best: &[bool], (width, height): (u32, u32)) -> Vec<usiz
 pub(super) fn depth_quarter(placed: Placed, (width, height): (u32, u32)) -> usize {
     let (columns, rows) = placed.variant.window();
     let (x, y) = (u32::from(placed.x), u32::from(placed.y));
-    let depth = x.min(y).min((width - columns).saturating_sub(x)).min((height - rows).saturating_sub(y));
+    let depth =
+        x.min(y).min((width - columns).saturating_sub(x)).min((height - rows).saturating_sub(y));
     (8 * depth / width.min(height).max(1)).min(3) as usize
 }
 

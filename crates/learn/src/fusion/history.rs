@@ -42,9 +42,11 @@ pub(super) struct HistoryEncoder {
 
 impl HistoryEncoder {
     pub(super) fn new(vs: &Path<'_>, hidden: i64, places: i64) -> Self {
-        let embed =
-            |name: &str, count| nn::embedding(vs / name, count, EMBEDDED, nn::EmbeddingConfig::default());
-        let linear = |name: &str| nn::linear(vs / name / 0, 1, EMBEDDED, nn::LinearConfig::default());
+        let embed = |name: &str, count| {
+            nn::embedding(vs / name, count, EMBEDDED, nn::EmbeddingConfig::default())
+        };
+        let linear =
+            |name: &str| nn::linear(vs / name / 0, 1, EMBEDDED, nn::LinearConfig::default());
         let inner = vs / "gru";
         let bound = 1.0 / (hidden as f64).sqrt();
         let mut gru = Vec::new();
@@ -57,7 +59,11 @@ impl HistoryEncoder {
                 ("bias_hh", &[3 * hidden]),
             ];
             gru.extend(shapes.map(|(name, shape)| {
-                inner.var(&format!("{name}_l{layer}"), shape, nn::Init::Uniform { lo: -bound, up: bound })
+                inner.var(
+                    &format!("{name}_l{layer}"),
+                    shape,
+                    nn::Init::Uniform { lo: -bound, up: bound },
+                )
             }));
         }
         Self {
@@ -74,7 +80,8 @@ impl HistoryEncoder {
     /// The upper layer's state after the last move, `[batch, hidden]`; 0 where there is none.
     pub(super) fn forward(&self, history: &History, train: bool) -> Tensor {
         let History { action, y, x, before, after, mask } = history;
-        let crossings = |linear: &nn::Linear, share: &Tensor| linear.forward(&share.unsqueeze(-1)).relu();
+        let crossings =
+            |linear: &nn::Linear, share: &Tensor| linear.forward(&share.unsqueeze(-1)).relu();
         let moves = Tensor::cat(
             &[
                 self.action.forward(action),
@@ -89,7 +96,8 @@ impl HistoryEncoder {
         let start = Tensor::zeros([LAYERS, batch, self.hidden], (KIND, moves.device()));
         let (states, _) = moves.gru(&start, &self.gru, true, LAYERS, 0.15, train, false, true);
         let count = mask.sum_dim_intlist(1, false, Kind::Int64);
-        let last = (&count - 1).clamp_min(0).view([batch, 1, 1]).expand([batch, 1, self.hidden], false);
+        let last =
+            (&count - 1).clamp_min(0).view([batch, 1, 1]).expand([batch, 1, self.hidden], false);
         let known = count.gt(0).to_kind(KIND).unsqueeze(1);
         states.gather(1, &last, false).squeeze_dim(1) * known
     }

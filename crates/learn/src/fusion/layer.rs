@@ -242,7 +242,8 @@ impl Inputs {
     pub fn tensors(&self, device: Device) -> (Tensor, History) {
         let batch = self.count as i64;
         let size = [batch, i64::from(self.canvas.height), i64::from(self.canvas.width), CHANNELS];
-        let state = Tensor::from_slice(&self.state).view(size).to_device(device).permute([0, 3, 1, 2]);
+        let state =
+            Tensor::from_slice(&self.state).view(size).to_device(device).permute([0, 3, 1, 2]);
         let moves = [batch, self.history as i64];
         let whole = |numbers: &[i64]| Tensor::from_slice(numbers).view(moves).to_device(device);
         let share = |numbers: &[f32]| Tensor::from_slice(numbers).view(moves).to_device(device);

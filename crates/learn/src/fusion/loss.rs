@@ -83,7 +83,8 @@ fn action_loss(proposals: &Proposals, targets: &Targets, settings: &LossSettings
     let entropy = |logits: &Tensor, smoothing: f64| {
         logits.cross_entropy_loss::<Tensor>(&targets.action, None, Reduction::None, -100, smoothing)
     };
-    let own = entropy(&actions_at(proposals, &targets.position), settings.smoothing).mean(Kind::Float);
+    let own =
+        entropy(&actions_at(proposals, &targets.position), settings.smoothing).mean(Kind::Float);
     if settings.neighbours == 0.0 {
         return own;
     }
@@ -93,7 +94,8 @@ fn action_loss(proposals: &Proposals, targets: &Targets, settings: &LossSettings
     let mut count = Tensor::zeros([], (Kind::Float, device));
     for (dx, dy) in [(-1, 0), (1, 0), (0, -1), (0, 1)] {
         let (x, y) = (&x + dx, &y + dy);
-        let inside = x.ge(0).logical_and(&x.lt(width)).logical_and(&y.ge(0)).logical_and(&y.lt(height));
+        let inside =
+            x.ge(0).logical_and(&x.lt(width)).logical_and(&y.ge(0)).logical_and(&y.lt(height));
         let position = y.clamp(0, height - 1) * width + x.clamp(0, width - 1);
         let inside = inside.to_kind(Kind::Float);
         sum += (entropy(&actions_at(proposals, &position), settings.neighbour_smoothing) * &inside)
@@ -129,8 +131,10 @@ impl Hits {
         let scores = proposals.position.flatten(1, -1);
         let truth = scores.gather(1, &targets.position.unsqueeze(1), false);
         let above = scores.ge_tensor(&truth).logical_and(&targets.rivals);
-        let ranks = Vec::<i64>::try_from(above.sum_dim_intlist(1, false, Kind::Int64)).expect("one axis");
-        let likeliest = actions_at(proposals, &targets.position).argmax(1, false).eq_tensor(&targets.action);
+        let ranks =
+            Vec::<i64>::try_from(above.sum_dim_intlist(1, false, Kind::Int64)).expect("one axis");
+        let likeliest =
+            actions_at(proposals, &targets.position).argmax(1, false).eq_tensor(&targets.action);
         let right = Vec::<i64>::try_from(likeliest.to_kind(Kind::Int64)).expect("one axis");
         let hits = ranks.into_iter().zip(right).map(|(rank, right)| Self {
             count: 1,

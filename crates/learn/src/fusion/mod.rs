@@ -148,7 +148,10 @@ impl FusionNet {
     /// If a size is none that [`Config`] allows.
     pub fn new(vs: &Path<'_>, config: Config) -> Self {
         let Config { width: f, hidden, history, places, canvas, .. } = config;
-        assert!(f >= 2 && hidden > 0 && history > 0 && places > 0, "all sizes are positive: {config:?}");
+        assert!(
+            f >= 2 && hidden > 0 && history > 0 && places > 0,
+            "all sizes are positive: {config:?}"
+        );
         assert!(canvas > 0 && canvas % 16 == 0, "the canvas of {canvas} can be halved four times");
         let encoder = [
             Down::new(&(vs / "enc1"), CHANNELS, f),
@@ -210,7 +213,13 @@ impl FusionNet {
     ///
     /// # Panics
     /// If shapes do not agree, or y and x are no multiples of 16.
-    pub fn forward(&self, state: &Tensor, history: &History, precision: Precision, train: bool) -> Proposals {
+    pub fn forward(
+        &self,
+        state: &Tensor,
+        history: &History,
+        precision: Precision,
+        train: bool,
+    ) -> Proposals {
         let size = state.size();
         assert!(
             matches!(size[..], [_, CHANNELS, y, x] if y % 16 == 0 && x % 16 == 0),
@@ -225,7 +234,8 @@ impl FusionNet {
             skips.push(skip);
         }
         let x = self.bottleneck.forward(&x).feature_dropout(0.15, train);
-        let mut x = if self.config.without == Without::Attention { x } else { self.attention.forward(&x) };
+        let mut x =
+            if self.config.without == Without::Attention { x } else { self.attention.forward(&x) };
         let f = self.config.width;
         let film = self.film.forward(&self.history.forward(history, train)).dropout(0.1, train);
         let widths = [4 * f, 2 * f, f, f, 4 * f, 2 * f, f, f];
@@ -245,6 +255,11 @@ impl FusionNet {
 }
 
 /// What a network proposes, without what training would need; see [`FusionNet::forward`].
-pub fn ask(network: &FusionNet, state: &Tensor, history: &History, precision: Precision) -> Proposals {
+pub fn ask(
+    network: &FusionNet,
+    state: &Tensor,
+    history: &History,
+    precision: Precision,
+) -> Proposals {
     no_grad(|| network.forward(state, history, precision, false))
 }

@@ -97,7 +97,9 @@ impl Model {
     pub fn open(folder: &Path, device: Device) -> Result<Self, ModelError> {
         let path = Self::config_file(folder);
         let training: Training = read(&path)?;
-        training.check().map_err(|error| ModelError::Malformed { path, message: error.to_string() })?;
+        training
+            .check()
+            .map_err(|error| ModelError::Malformed { path, message: error.to_string() })?;
         let origin = read(&Self::origin_file(folder))?;
         let variables = VarStore::new(device);
         let network = FusionNet::new(&variables.root(), training.network());
@@ -107,9 +109,11 @@ impl Model {
 }
 
 fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ModelError> {
-    let text =
-        fs::read_to_string(path).map_err(|cause| ModelError::Unreadable { path: path.into(), cause })?;
-    let malformed =
-        |error: toml::de::Error| ModelError::Malformed { path: path.into(), message: error.to_string() };
+    let text = fs::read_to_string(path)
+        .map_err(|cause| ModelError::Unreadable { path: path.into(), cause })?;
+    let malformed = |error: toml::de::Error| ModelError::Malformed {
+        path: path.into(),
+        message: error.to_string(),
+    };
     toml::from_str(&text).map_err(malformed)
 }

@@ -37,7 +37,8 @@ impl Odds {
         let best = places.iter().filter(|&&(_, change)| change == least).count() as f64;
         let is_best = places.contains(&((truth.x, truth.y), least));
         let count = places.len() as f64;
-        let among = |five: f64, all: f64| if all > 0.0 { (five / all).clamp(0.0, 1.0) } else { 0.0 };
+        let among =
+            |five: f64, all: f64| if all > 0.0 { (five / all).clamp(0.0, 1.0) } else { 0.0 };
         Self {
             chance_1: among(1.0, count),
             chance_5: among(5.0, count),

@@ -82,5 +82,9 @@ fn find(
     axes: usize,
 ) -> Result<Tensor, ParityError> {
     let found = tensors.get(name).filter(|tensor| tensor.dim() == axes);
-    found.map(Tensor::shallow_clone).ok_or_else(|| ParityError::Lacks { path: path.into(), name, axes })
+    found.map(Tensor::shallow_clone).ok_or_else(|| ParityError::Lacks {
+        path: path.into(),
+        name,
+        axes,
+    })
 }

@@ -98,7 +98,13 @@ impl<'a> Asked<'a> {
     }
 
     /// The moves at the places that score most, each by its place's score and its own share of what applies there.
-    fn choose(&self, state: &State<'_>, canvas: Canvas, scores: &[f32], logits: &[f32]) -> Vec<Proposal> {
+    fn choose(
+        &self,
+        state: &State<'_>,
+        canvas: Canvas,
+        scores: &[f32],
+        logits: &[f32],
+    ) -> Vec<Proposal> {
         let mut places: Vec<(usize, Vec<Placed>)> = Vec::new();
         state.links.for_each_variant(|placed| {
             let cell = usize::from(placed.y) * canvas.width as usize + usize::from(placed.x);
@@ -111,7 +117,8 @@ impl<'a> Asked<'a> {
         places.truncate(self.places.max(1));
         let mut proposals = Vec::new();
         for (cell, moves) in places {
-            let logit = |placed: &Placed| logits[usize::from(placed.variant.class()) * scores.len() + cell];
+            let logit =
+                |placed: &Placed| logits[usize::from(placed.variant.class()) * scores.len() + cell];
             let most = moves.iter().map(logit).fold(f32::NEG_INFINITY, f32::max);
             let sum: f32 = moves.iter().map(|placed| (logit(placed) - most).exp()).sum();
             proposals.extend(moves.iter().map(|&placed| Proposal {

@@ -203,7 +203,11 @@ impl Batch {
         self.position.push(position as i64);
         self.action.push(i64::from(placed.variant.class()));
         self.layouts.push(example.layout.to_string());
-        self.odds.push(if settings.held_out { Odds::of(&state, made.placed) } else { Odds::default() });
+        self.odds.push(if settings.held_out {
+            Odds::of(&state, made.placed)
+        } else {
+            Odds::default()
+        });
     }
 
     /// Its targets as tensors.
@@ -241,7 +245,12 @@ const WINDOW: usize = 16;
 
 impl<'a> Batches<'a> {
     /// Those of one part of a dataset; each epoch has another order and other examples.
-    pub fn new(dataset: &'a Dataset, split: Split, settings: &'a SampleSettings, epoch: u64) -> Self {
+    pub fn new(
+        dataset: &'a Dataset,
+        split: Split,
+        settings: &'a SampleSettings,
+        epoch: u64,
+    ) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
         rng.set_stream(1 << 32 | epoch);
         Self {
@@ -274,13 +283,15 @@ impl<'a> Batches<'a> {
                 .iter()
                 .find(|(canvas, pool)| pool.len() >= waits_for * self.settings.batch(**canvas));
             let canvas = full.map(|(&canvas, _)| canvas);
-            let left = || self.pools.iter().find(|(_, pool)| !pool.is_empty()).map(|(&canvas, _)| canvas);
+            let left =
+                || self.pools.iter().find(|(_, pool)| !pool.is_empty()).map(|(&canvas, _)| canvas);
             if let Some(canvas) = canvas.or_else(|| if self.ended { left() } else { None }) {
                 let count = self.settings.batch(canvas);
                 let pool = self.pools.get_mut(&canvas).expect("just found");
                 let count = count.min(pool.len());
-                let drawn =
-                    (0..count).map(|_| pool.swap_remove(self.rng.random_range(0..pool.len()))).collect();
+                let drawn = (0..count)
+                    .map(|_| pool.swap_remove(self.rng.random_range(0..pool.len())))
+                    .collect();
                 return Ok(Some((canvas, drawn)));
             }
             if self.ended {
@@ -325,8 +336,12 @@ impl<'a> Batches<'a> {
             let symmetry = if self.settings.held_out { 0 } else { self.rng.random_range(0..8) };
             let symmetry = Symmetry::ALL[symmetry];
             let canvas = Canvas::holding(symmetry.size(size));
-            let example =
-                Example { episode: Arc::clone(&episode), layout: Arc::clone(&layout), move_index, symmetry };
+            let example = Example {
+                episode: Arc::clone(&episode),
+                layout: Arc::clone(&layout),
+                move_index,
+                symmetry,
+            };
             self.pools.entry(canvas).or_default().push(example);
         }
         Ok(())

@@ -253,7 +253,11 @@ impl Training {
     /// Whether all fields are in their ranges.
     pub fn check(&self) -> Result<(), TrainError> {
         let must = |holds: bool, field, value: &dyn Display, must| {
-            if holds { Ok(()) } else { Err(TrainError::Config { field, value: value.to_string(), must }) }
+            if holds {
+                Ok(())
+            } else {
+                Err(TrainError::Config { field, value: value.to_string(), must })
+            }
         };
         let width = self.width;
         let suits = matches!(width, 2 | 4 | 8) || width > 0 && width % 16 == 0;
@@ -300,7 +304,8 @@ impl Training {
         if step <= self.warm_up {
             return self.rate * step as f64 / self.warm_up as f64;
         }
-        let share = (step - self.warm_up) as f64 / (self.steps.saturating_sub(self.warm_up)).max(1) as f64;
+        let share =
+            (step - self.warm_up) as f64 / (self.steps.saturating_sub(self.warm_up)).max(1) as f64;
         let cosine = 0.5 * (1.0 + (std::f64::consts::PI * share.min(1.0)).cos());
         self.rate * (self.final_rate + (1.0 - self.final_rate) * cosine)
     }
@@ -327,7 +332,8 @@ pub fn train(dataset: &Dataset, training: &Training, run: Run<'_>) -> Result<End
     tch::manual_seed(training.seed as i64);
     let variables = VarStore::new(device);
     let network = FusionNet::new(&variables.root(), training.network());
-    let parameters = weights::named(&variables).into_iter().map(|(_, parameter)| parameter).collect();
+    let parameters =
+        weights::named(&variables).into_iter().map(|(_, parameter)| parameter).collect();
     let decay = AdamWSettings { weight_decay: training.weight_decay, ..AdamWSettings::default() };
     let mut optimiser = AdamW::new(parameters, decay);
     let (config, origin) = (in_toml(training), in_toml(&origin));
@@ -349,9 +355,12 @@ pub fn train(dataset: &Dataset, training: &Training, run: Run<'_>) -> Result<End
 
     let settings = training.samples();
     let held_out = training.held_out(training.valid_per_trajectory);
-    let valid: Vec<Batch> = Batches::new(dataset, Split::Valid, &held_out, 0).collect::<Result<_, _>>()?;
+    let valid: Vec<Batch> =
+        Batches::new(dataset, Split::Valid, &held_out, 0).collect::<Result<_, _>>()?;
     if valid.is_empty() {
-        return Err(TrainError::Empty("to evaluate with: each layout and size needs ten random instances"));
+        return Err(TrainError::Empty(
+            "to evaluate with: each layout and size needs ten random instances",
+        ));
     }
 
     let stop = AtomicBool::new(false);
@@ -368,7 +377,8 @@ pub fn train(dataset: &Dataset, training: &Training, run: Run<'_>) -> Result<End
                 checkpoint.save(&variables, &optimiser, progress)?;
                 return Ok(End::Cancelled);
             }
-            let (epoch, batches, batch) = receiver.recv().expect("the feeder sends until it fails")?;
+            let (epoch, batches, batch) =
+                receiver.recv().expect("the feeder sends until it fails")?;
             let step = progress.steps + 1;
             tch::manual_seed((training.seed << 32 ^ step) as i64);
             let rate = training.rate_at(step);
@@ -379,7 +389,13 @@ pub fn train(dataset: &Dataset, training: &Training, run: Run<'_>) -> Result<End
                 }
             }
             progress = Progress { steps: step, epoch, batches, ..progress };
-            observer(&Event::Step { step, examples: batch.inputs.len(), loss: value, rate, gradient });
+            observer(&Event::Step {
+                step,
+                examples: batch.inputs.len(),
+                loss: value,
+                rate,
+                gradient,
+            });
             if step.is_multiple_of(training.evaluate_every) || step == training.steps {
                 let evaluation = evaluate(&network, &valid, training, device);
                 let best = evaluation.loss < progress.best_loss;
@@ -424,7 +440,11 @@ fn learn(
 }
 
 /// Seconds of steps of training on one batch over and over, by a network of its own, on the processor.
-pub fn measure_steps(training: &Training, batch: &Batch, steps: usize) -> Result<Vec<f64>, TrainError> {
+pub fn measure_steps(
+    training: &Training,
+    batch: &Batch,
+    steps: usize,
+) -> Result<Vec<f64>, TrainError> {
     training.check()?;
     let variables = VarStore::new(Device::Cpu);
     let network = FusionNet::new(&variables.root(), training.network());
@@ -482,7 +502,12 @@ fn feed(
 }
 
 /// Evaluates a network on batches, without changing it.
-pub fn evaluate(network: &FusionNet, batches: &[Batch], training: &Training, device: Device) -> Evaluation {
+pub fn evaluate(
+    network: &FusionNet,
+    batches: &[Batch],
+    training: &Training,
+    device: Device,
+) -> Evaluation {
     let mut evaluation = Evaluation::default();
     for batch in batches {
         let (state, history) = batch.inputs.tensors(device);

@@ -127,8 +127,16 @@ struct Walk<'a> {
 ///
 /// # Panics
 /// If the temperature is not positive.
-pub fn walk(tasks: &[Task<'_>], proposer: &mut dyn Proposer, settings: &WalkSettings<'_>) -> Vec<Walked> {
-    assert!(settings.temperature > 0.0, "a temperature of {} is not positive", settings.temperature);
+pub fn walk(
+    tasks: &[Task<'_>],
+    proposer: &mut dyn Proposer,
+    settings: &WalkSettings<'_>,
+) -> Vec<Walked> {
+    assert!(
+        settings.temperature > 0.0,
+        "a temperature of {} is not positive",
+        settings.temperature
+    );
     let mut walks: Vec<_> = tasks.iter().map(Walk::new).collect();
     loop {
         if let Some(observer) = settings.observer {
@@ -137,7 +145,8 @@ pub fn walk(tasks: &[Task<'_>], proposer: &mut dyn Proposer, settings: &WalkSett
                 crossings: walks.iter().map(|walk| u64::from(walk.best)).sum(),
             });
         }
-        let mut active: Vec<_> = walks.iter_mut().filter(|walk| !walk.has_ended(settings)).collect();
+        let mut active: Vec<_> =
+            walks.iter_mut().filter(|walk| !walk.has_ended(settings)).collect();
         let cancelled = settings.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed));
         if active.is_empty() || cancelled {
             break;
@@ -235,7 +244,8 @@ impl<'a> Walk<'a> {
         self.links.for_each_variant(|placed| all.push((placed, self.task.layer.change(placed))));
         // The least that any adds is taken from all, which changes no ratio, so that not all chances are too small to tell.
         let least = all.iter().map(|&(_, change)| change.max(0)).min()?;
-        let chances = all.iter().map(|&(_, change)| (f64::from(least - change.max(0)) / temperature).exp());
+        let chances =
+            all.iter().map(|&(_, change)| (f64::from(least - change.max(0)) / temperature).exp());
         let chances = WeightedIndex::new(chances).expect("one of them at least is 1");
         Some(all[chances.sample(&mut self.rng)])
     }
@@ -269,8 +279,10 @@ impl<'a> Walk<'a> {
     }
 
     fn finish(self, settings: &WalkSettings<'_>) -> Walked {
-        let moves: Vec<_> =
-            self.trail[..self.moves_to_best].iter().map(|made| Move::Variant(made.placed)).collect();
+        let moves: Vec<_> = self.trail[..self.moves_to_best]
+            .iter()
+            .map(|made| Move::Variant(made.placed))
+            .collect();
         let mut path = self.task.start.clone();
         for step in &moves {
             assert!(step.apply(&mut path), "what applies to the links applies to the path");
@@ -317,8 +329,9 @@ mod tests {
         let start = Start::RowZigzag.path(&region).unwrap();
         let task = Task { layer: &layer, start: &start, target: 0, seed: 3 };
         let mut walk = Walk::new(&task);
-        (0..10)
-            .for_each(|_| walk.draw(5.0).into_iter().for_each(|(placed, change)| walk.make(placed, change)));
+        (0..10).for_each(|_| {
+            walk.draw(5.0).into_iter().for_each(|(placed, change)| walk.make(placed, change))
+        });
         let mut all = Vec::new();
         walk.links.for_each_variant(|placed| all.push((placed, layer.change(placed))));
         for temperature in [0.4, 2.0] {
@@ -338,7 +351,10 @@ mod tests {
             for change in drawn.keys().chain(accepted.keys()) {
                 let [ours, theirs] =
                     [&drawn, &accepted].map(|of| of.get(change).copied().unwrap_or(0) as f64);
-                assert!((ours - theirs).abs() < 5.0 * (ours + theirs).sqrt(), "{change}: {ours} {theirs}");
+                assert!(
+                    (ours - theirs).abs() < 5.0 * (ours + theirs).sqrt(),
+                    "{change}: {ours} {theirs}"
+                );
             }
         }
     }

@@ -36,7 +36,8 @@ layouts = [{ name = 'voronoi' }, { name = 'islands', side = 3 }]
 pub(crate) fn dataset(config: &str) -> (TempDir, Dataset) {
     let factory = Factory::new(Config::from_toml(config).unwrap(), Vec::new()).unwrap();
     let folder = tempdir().unwrap();
-    let settings = GenerateSettings { slice: Slice::WHOLE, threads: 2, cancel: &NEVER, observer: &|_| {} };
+    let settings =
+        GenerateSettings { slice: Slice::WHOLE, threads: 2, cancel: &NEVER, observer: &|_| {} };
     generate(&factory, folder.path(), &settings).unwrap();
     let dataset = Dataset::open(folder.path()).unwrap();
     (folder, dataset)

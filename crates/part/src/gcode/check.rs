@@ -148,8 +148,11 @@ impl<'a> Checker<'a> {
     /// Area across the filament of a tool, in mm².
     fn tool(&self, tool: u8, line: usize) -> Result<f64, CheckError> {
         let tools = &self.settings.tools;
-        let known =
-            tools.get(usize::from(tool)).ok_or(CheckError::Tool { line, tool, tools: tools.len() })?;
+        let known = tools.get(usize::from(tool)).ok_or(CheckError::Tool {
+            line,
+            tool,
+            tools: tools.len(),
+        })?;
         Ok(known.filament_mm2())
     }
 
@@ -195,8 +198,8 @@ impl<'a> Checker<'a> {
         }
         let expected_mm3 = motion.length_mm() * self.settings.process.bead_mm2(self.frame);
         // Both ends and the filament were rounded.
-        let rounding =
-            2.0 * PLACE_MM * self.settings.process.bead_mm2(self.frame) + FILAMENT_MM * filament_mm2;
+        let rounding = 2.0 * PLACE_MM * self.settings.process.bead_mm2(self.frame)
+            + FILAMENT_MM * filament_mm2;
         if (volume - expected_mm3).abs() > VOLUME * expected_mm3 + rounding {
             return Err(CheckError::Volume { line, expected_mm3, got_mm3: volume });
         }
@@ -235,7 +238,10 @@ impl<'a> Checker<'a> {
         }
         let number = (to_mm / self.frame.layer_mm - 1.0).round();
         let layer = number as usize;
-        if number < 0.0 || layer >= self.layers.len() || (self.frame.top_mm(layer) - to_mm).abs() > PLACE_MM {
+        if number < 0.0
+            || layer >= self.layers.len()
+            || (self.frame.top_mm(layer) - to_mm).abs() > PLACE_MM
+        {
             return Err(CheckError::Height { line, z_mm: to_mm });
         }
         // It is none below, or the head would be too low.
@@ -246,7 +252,8 @@ impl<'a> Checker<'a> {
     fn tower_stroke(&mut self, motion: &Motion, layer: usize) -> Result<(), CheckError> {
         let line = motion.line;
         let tower = self.settings.purge.as_ref().and_then(|purge| purge.tower);
-        let Tower { left_mm, front_mm, width_mm, depth_mm } = tower.ok_or(CheckError::Tower { line })?;
+        let Tower { left_mm, front_mm, width_mm, depth_mm } =
+            tower.ok_or(CheckError::Tower { line })?;
         let half = self.frame.cell_mm / 2.0 - PLACE_MM;
         let sides = [(left_mm, left_mm + width_mm), (front_mm, front_mm + depth_mm)];
         let is_within = |place: [f64; 3]| {
@@ -266,7 +273,8 @@ impl<'a> Checker<'a> {
     /// The part goes on: enough must have been purged.
     fn purged(&mut self, line: usize) -> Result<(), CheckError> {
         let Some((from, to)) = self.purge.take() else { return Ok(()) };
-        let asked_mm3 = self.settings.purge.as_ref().map_or(0.0, |purge| purge.into_tower_mm3(from, to));
+        let asked_mm3 =
+            self.settings.purge.as_ref().map_or(0.0, |purge| purge.into_tower_mm3(from, to));
         // Rounded filament may lack a thousandth.
         if self.purged_mm3 < asked_mm3 * 0.999 {
             return Err(CheckError::Purge { line, from, to, asked_mm3, got_mm3: self.purged_mm3 });
@@ -315,11 +323,12 @@ impl<'a> Checker<'a> {
         let half_mm = self.frame.cell_mm / 2.0;
         // A hundredth of a cell, and what rounding takes.
         let near = (0.01 * self.frame.cell_mm + PLACE_MM).min(0.4 * half_mm);
-        let halves =
-            [place_mm[0] - self.frame.left_mm, self.frame.back_mm - place_mm[1]].map(|way| way / half_mm);
+        let halves = [place_mm[0] - self.frame.left_mm, self.frame.back_mm - place_mm[1]]
+            .map(|way| way / half_mm);
         let whole = halves.map(f64::round);
         let fits = (0..2).all(|axis| {
-            (halves[axis] - whole[axis]).abs() * half_mm <= near && (-2.0..1e5).contains(&whole[axis])
+            (halves[axis] - whole[axis]).abs() * half_mm <= near
+                && (-2.0..1e5).contains(&whole[axis])
         });
         fits.then(|| whole.map(|value| value as i32))
     }

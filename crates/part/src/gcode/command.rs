@@ -226,7 +226,9 @@ impl Command {
             }
             Self::Home { x, y, z } => {
                 out.push_str("G28");
-                for (word, _) in [(" X", x), (" Y", y), (" Z", z)].into_iter().filter(|&(_, named)| named) {
+                for (word, _) in
+                    [(" X", x), (" Y", y), (" Z", z)].into_iter().filter(|&(_, named)| named)
+                {
                     out.push_str(word);
                 }
             }
@@ -281,7 +283,10 @@ impl Command {
             }
             Self::Jerk { x, y, z, e, junction_deviation } => {
                 out.push_str("M205");
-                push_words(out, [('X', x), ('Y', y), ('Z', z), ('E', e), ('J', junction_deviation)]);
+                push_words(
+                    out,
+                    [('X', x), ('Y', y), ('Z', z), ('E', e), ('J', junction_deviation)],
+                );
             }
             Self::Progress { percent, minutes } => {
                 out.push_str("M73");
@@ -332,8 +337,8 @@ mod tests {
             assert_eq!(Verbatim::new(text).unwrap().as_str(), text);
         }
         for text in [
-            "", " ", " M117", "M117 ", "M84;off", "M84\n", "G1 X1", "g1x1", "N5 M84", "(M84)", "G1 Xa",
-            "M84\r",
+            "", " ", " M117", "M117 ", "M84;off", "M84\n", "G1 X1", "g1x1", "N5 M84", "(M84)",
+            "G1 Xa", "M84\r",
         ] {
             assert_eq!(Verbatim::new(text), Err(VerbatimError(text.to_owned())), "{text}");
         }

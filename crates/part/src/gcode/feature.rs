@@ -72,8 +72,12 @@ impl Feature {
             Self::InnerWall
         } else if is(&["Prime tower", "Wipe tower", "PRIME-TOWER"]) {
             Self::PrimeTower
-        } else if is(&["Support material", "Support material interface", "Support", "Support interface"])
-            || is(&["SUPPORT-INTERFACE"])
+        } else if is(&[
+            "Support material",
+            "Support material interface",
+            "Support",
+            "Support interface",
+        ]) || is(&["SUPPORT-INTERFACE"])
         {
             Self::Support
         } else if is(&["Skirt", "Skirt/Brim", "Brim"]) {
@@ -112,7 +116,8 @@ impl Note {
             let number: i64 = number.trim().parse().ok()?;
             Some(Self::Layer(u32::try_from(number).ok()))
         } else {
-            let name = comment.strip_prefix("TYPE:").or_else(|| comment.strip_prefix("FEATURE:"))?;
+            let name =
+                comment.strip_prefix("TYPE:").or_else(|| comment.strip_prefix("FEATURE:"))?;
             Some(Self::Feature(Feature::from_name(name)))
         }
     }
@@ -124,8 +129,12 @@ mod tests {
 
     #[test]
     fn names_read_as_what_they_name() {
-        use Feature::{Custom, Infill, InnerWall, OuterWall, PrimeTower, Skirt, SolidInfill, Support};
-        for feature in [OuterWall, InnerWall, Infill, SolidInfill, Support, Skirt, PrimeTower, Custom] {
+        use Feature::{
+            Custom, Infill, InnerWall, OuterWall, PrimeTower, Skirt, SolidInfill, Support,
+        };
+        for feature in
+            [OuterWall, InnerWall, Infill, SolidInfill, Support, Skirt, PrimeTower, Custom]
+        {
             assert_eq!(Feature::from_name(feature.name()), feature);
         }
         for (name, feature) in [

@@ -6,7 +6,12 @@ use crate::Frame;
 
 /// The lines before the first command: what the print is, for people, and for those programs that list files by such comments; each looks for others,
 /// and none is promised to find all it could show.
-pub(super) fn header(title: Title<'_>, frame: &Frame, settings: &Settings, totals: &Totals) -> Vec<Line> {
+pub(super) fn header(
+    title: Title<'_>,
+    frame: &Frame,
+    settings: &Settings,
+    totals: &Totals,
+) -> Vec<Line> {
     let tools = || settings.tools.iter().zip(&totals.tools);
     let list = |separator: &str, each: &mut dyn FnMut((&Tool, &ToolUse)) -> String| {
         tools().map(each).collect::<Vec<_>>().join(separator)
@@ -26,8 +31,14 @@ pub(super) fn header(title: Title<'_>, frame: &Frame, settings: &Settings, total
         format!("estimated printing time (normal mode) = {}", duration(totals.print_seconds)),
         format!("first_layer_bed_temperature = {}", place(settings.process.bed_c)),
         format!("temperature = {}", list(",", &mut |(tool, _)| place(tool.nozzle_c).to_string())),
-        format!("filament_diameter = {}", list(",", &mut |(tool, _)| place(tool.filament_mm).to_string())),
-        format!("filament_density = {}", list(",", &mut |(tool, _)| place(tool.density_g_cm3).to_string())),
+        format!(
+            "filament_diameter = {}",
+            list(",", &mut |(tool, _)| place(tool.filament_mm).to_string())
+        ),
+        format!(
+            "filament_density = {}",
+            list(",", &mut |(tool, _)| place(tool.density_g_cm3).to_string())
+        ),
         format!(
             "filament used [mm] = {}",
             list(", ", &mut |(_, used)| hundredths(used.filament_mm).to_string())
@@ -36,7 +47,10 @@ pub(super) fn header(title: Title<'_>, frame: &Frame, settings: &Settings, total
             "filament used [cm3] = {}",
             list(", ", &mut |(_, used)| hundredths(used.volume_mm3 / 1000.0).to_string())
         ),
-        format!("filament used [g] = {}", list(", ", &mut |(_, used)| hundredths(used.grams).to_string())),
+        format!(
+            "filament used [g] = {}",
+            list(", ", &mut |(_, used)| hundredths(used.grams).to_string())
+        ),
         format!("filament_colour = {}", list(";", &mut |(tool, _)| colour(tool.colour))),
         format!("extruder_colour = {}", list(";", &mut |(tool, _)| colour(tool.colour))),
     ];
@@ -47,10 +61,18 @@ pub(super) fn header(title: Title<'_>, frame: &Frame, settings: &Settings, total
 /// Days, hours, minutes and seconds, as PrusaSlicer writes them.
 fn duration(seconds: f64) -> String {
     let seconds = seconds.round() as u64;
-    let parts =
-        [(seconds / 86_400, 'd'), (seconds / 3600 % 24, 'h'), (seconds / 60 % 60, 'm'), (seconds % 60, 's')];
+    let parts = [
+        (seconds / 86_400, 'd'),
+        (seconds / 3600 % 24, 'h'),
+        (seconds / 60 % 60, 'm'),
+        (seconds % 60, 's'),
+    ];
     let first = parts.iter().position(|&(count, _)| count > 0).unwrap_or(3);
-    parts[first..].iter().map(|(count, unit)| format!("{count}{unit}")).collect::<Vec<_>>().join(" ")
+    parts[first..]
+        .iter()
+        .map(|(count, unit)| format!("{count}{unit}"))
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 #[cfg(test)]

@@ -53,7 +53,11 @@ impl Run<'_> {
     /// The corners of the run's stroke in halves of a cell, where (1, 1) is the middle of cell (0, 0): from edge to edge, so that it is
     /// as long as it has cells. A bead of a single cell runs along x.
     pub(super) fn corners(&self, place: impl Fn(Cell) -> [i32; 2]) -> Vec<[i32; 2]> {
-        corners(self.before.map(&place), self.cells.iter().map(|&cell| place(cell)), self.after.map(&place))
+        corners(
+            self.before.map(&place),
+            self.cells.iter().map(|&cell| place(cell)),
+            self.after.map(&place),
+        )
     }
 }
 
@@ -90,14 +94,20 @@ pub(super) fn corners(
 }
 
 /// Checks that the layers fit each other, the frame and the tools.
-pub(super) fn check(layers: &[Layer<'_>], frame: &Frame, settings: &Settings) -> Result<(), SettingsError> {
+pub(super) fn check(
+    layers: &[Layer<'_>],
+    frame: &Frame,
+    settings: &Settings,
+) -> Result<(), SettingsError> {
     if layers.is_empty() {
         return Err(SettingsError::NoLayers);
     }
     if let Some(pair) = layers.windows(2).find(|pair| pair[0].number >= pair[1].number) {
         return Err(SettingsError::LayerOrder { layer: pair[1].number, before: pair[0].number });
     }
-    if let Some((layer, _)) = layers.iter().enumerate().find(|&(number, layer)| layer.number != number) {
+    if let Some((layer, _)) =
+        layers.iter().enumerate().find(|&(number, layer)| layer.number != number)
+    {
         return Err(SettingsError::Gap { layer: layers[layer].number });
     }
     for layer in layers {
@@ -156,7 +166,10 @@ mod tests {
     use super::*;
 
     fn length(corners: &[[i32; 2]]) -> u32 {
-        corners.windows(2).map(|pair| pair[0][0].abs_diff(pair[1][0]) + pair[0][1].abs_diff(pair[1][1])).sum()
+        corners
+            .windows(2)
+            .map(|pair| pair[0][0].abs_diff(pair[1][0]) + pair[0][1].abs_diff(pair[1][1]))
+            .sum()
     }
 
     #[test]
@@ -167,10 +180,18 @@ mod tests {
             corners
         };
         assert_eq!(stroke(None, &[[0, 0]], None), [[0, 1], [2, 1]], "along x");
-        assert_eq!(stroke(None, &[[3, 0], [2, 0], [1, 0]], None), [[8, 1], [2, 1]], "one straight line");
+        assert_eq!(
+            stroke(None, &[[3, 0], [2, 0], [1, 0]], None),
+            [[8, 1], [2, 1]],
+            "one straight line"
+        );
         assert_eq!(stroke(None, &[[0, 0], [0, 1], [1, 1]], None), [[1, 0], [1, 3], [4, 3]]);
         assert_eq!(stroke(None, &[[0, 0]], Some([0, 1])), [[1, 0], [1, 2]], "towards what follows");
-        assert_eq!(stroke(Some([0, 0]), &[[0, 1]], None), [[1, 2], [1, 4]], "on from what was before");
+        assert_eq!(
+            stroke(Some([0, 0]), &[[0, 1]], None),
+            [[1, 2], [1, 4]],
+            "on from what was before"
+        );
         assert_eq!(stroke(Some([0, 0]), &[[0, 1]], Some([1, 1])), [[1, 2], [1, 3], [2, 3]]);
     }
 
@@ -182,8 +203,11 @@ mod tests {
         let layer = Layer { number: 0, region: &region, zones: &zones, path: &path };
         let runs: Vec<_> =
             layer.runs().map(|run| (run.zone, run.cells.to_vec(), run.before, run.after)).collect();
-        let expected =
-            [(0, vec![0, 1], None, Some(2)), (1, vec![2, 5], Some(1), None), (1, vec![3, 4], None, None)];
+        let expected = [
+            (0, vec![0, 1], None, Some(2)),
+            (1, vec![2, 5], Some(1), None),
+            (1, vec![3, 4], None, None),
+        ];
         assert_eq!(runs, expected);
     }
 }

@@ -118,7 +118,8 @@ impl Number {
     /// The shortest text, written from its end: formatting through the general machinery would take most of the time of writing a file.
     fn text(self, buffer: &mut [u8; LONGEST]) -> &str {
         let scale = SCALE.unsigned_abs();
-        let (mut whole, mut decimals) = (self.0.unsigned_abs() / scale, self.0.unsigned_abs() % scale);
+        let (mut whole, mut decimals) =
+            (self.0.unsigned_abs() / scale, self.0.unsigned_abs() % scale);
         let mut at = buffer.len();
         if decimals > 0 {
             let mut count = DECIMALS;
@@ -188,7 +189,11 @@ mod tests {
             ("-9223372036854.775808", i64::MIN, "-9223372036854.775808"),
         ] {
             let number: Number = text.parse().unwrap();
-            assert_eq!((number.millionths(), number.to_string().as_str()), (millionths, shortest), "{text}");
+            assert_eq!(
+                (number.millionths(), number.to_string().as_str()),
+                (millionths, shortest),
+                "{text}"
+            );
         }
     }
 
@@ -197,14 +202,16 @@ mod tests {
         for text in ["", "-", "+", ".", "-.", "1.2.3", "1,5", "1e5", "x", "--1", " 1", "1 ", "٣"] {
             assert_eq!(text.parse::<Number>(), Err(NumberError::Junk), "{text}");
         }
-        for text in ["9223372036854.775808", "-9223372036854.7758085", "99999999999999999999999999"] {
+        for text in ["9223372036854.775808", "-9223372036854.7758085", "99999999999999999999999999"]
+        {
             assert_eq!(text.parse::<Number>(), Err(NumberError::TooLarge), "{text}");
         }
     }
 
     #[test]
     fn fractions_are_rounded_to_the_decimals_asked() {
-        let text = |value, decimals| Number::from_f64(value, decimals).map(|number| number.to_string());
+        let text =
+            |value, decimals| Number::from_f64(value, decimals).map(|number| number.to_string());
         assert_eq!(text(1.23456, 3), Ok("1.235".to_owned()));
         assert_eq!(text(-0.0005, 3), Ok("-0.001".to_owned()));
         assert_eq!(text(0.1 + 0.2, 5), Ok("0.3".to_owned()));

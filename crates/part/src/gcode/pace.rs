@@ -48,7 +48,8 @@ impl Pace {
     ///
     /// All of it while the head stands.
     pub fn seconds_to(&self, way_mm: f64) -> f64 {
-        let Some(Way { length, acceleration, begin, peak, end, ramps: [up, down] }) = self.way else {
+        let Some(Way { length, acceleration, begin, peak, end, ramps: [up, down] }) = self.way
+        else {
             return self.seconds;
         };
         let left = length - way_mm;

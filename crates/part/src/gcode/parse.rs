@@ -130,7 +130,8 @@ fn after_number(code: &str) -> Option<&str> {
     let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
     let rest = &rest[digits..];
     // A macro's name may begin like a line number.
-    let ends = rest.is_empty() || rest.starts_with(|next| is_blank(next) || "GgMmTt(*".contains(next));
+    let ends =
+        rest.is_empty() || rest.starts_with(|next| is_blank(next) || "GgMmTt(*".contains(next));
     (digits > 0 && ends).then_some(rest)
 }
 
@@ -144,7 +145,8 @@ fn typed<'a>(code: &'a str, asides: &mut Asides) -> Result<Option<Command>, Brok
     }
     let rest = &code[1 + digits..];
     if !rest.is_empty()
-        && !rest.starts_with(|next: char| is_blank(next) || next.is_ascii_alphabetic() || next == '(')
+        && !rest
+            .starts_with(|next: char| is_blank(next) || next.is_ascii_alphabetic() || next == '(')
     {
         return Ok(None);
     }
@@ -172,8 +174,9 @@ fn typed<'a>(code: &'a str, asides: &mut Asides) -> Result<Option<Command>, Brok
             let [x, y, z, e] = ['X', 'Y', 'Z', 'E'].map(|letter| words.value(letter));
             Some(Command::SetPosition { x, y, z, e })
         }
-        (b'G', 4) => read("SP", "")?
-            .only(|words| Some(Command::Dwell { seconds: words.value('S'), milliseconds: words.value('P') })),
+        (b'G', 4) => read("SP", "")?.only(|words| {
+            Some(Command::Dwell { seconds: words.value('S'), milliseconds: words.value('P') })
+        }),
         (b'G', 10) => read("", "")?.only(|_| Some(Command::Retract)),
         (b'G', 11) => read("", "")?.only(|_| Some(Command::Unretract)),
         (b'G', 90) => read("", "")?.only(|_| Some(Command::Absolute)),
@@ -191,10 +194,12 @@ fn typed<'a>(code: &'a str, asides: &mut Asides) -> Result<Option<Command>, Brok
             (false, true) => nozzle(words, 'R', Wait::Both),
             _ => None,
         }),
-        (b'M', 140 | 190) => read("S", "")?
-            .only(|words| Some(Command::BedTemperature { celsius: words.value('S')?, wait: number == 190 })),
+        (b'M', 140 | 190) => read("S", "")?.only(|words| {
+            Some(Command::BedTemperature { celsius: words.value('S')?, wait: number == 190 })
+        }),
         (b'M', 204) => read("PRTS", "")?.only(|words| {
-            let [print, retract, travel, all] = ['P', 'R', 'T', 'S'].map(|letter| words.value(letter));
+            let [print, retract, travel, all] =
+                ['P', 'R', 'T', 'S'].map(|letter| words.value(letter));
             Some(Command::Acceleration { print, travel, retract, all })
         }),
         (b'M', 205) => read("XYZEJ", "")?.only(|words| {
@@ -202,8 +207,9 @@ fn typed<'a>(code: &'a str, asides: &mut Asides) -> Result<Option<Command>, Brok
                 ['X', 'Y', 'Z', 'E', 'J'].map(|letter| words.value(letter));
             Some(Command::Jerk { x, y, z, e, junction_deviation })
         }),
-        (b'M', 73) => read("PR", "")?
-            .only(|words| Some(Command::Progress { percent: words.value('P'), minutes: words.value('R') })),
+        (b'M', 73) => read("PR", "")?.only(|words| {
+            Some(Command::Progress { percent: words.value('P'), minutes: words.value('R') })
+        }),
         // Some slicers count tools beyond any that exist, to say "none"; the printers of one take 255 so.
         (b'T', number) => match u8::try_from(number) {
             Ok(tool) if tool < u8::MAX => read("", "")?.only(|_| Some(Command::Tool(tool))),
@@ -247,7 +253,8 @@ impl VelocityWords {
             let known = [VELOCITY, ACCELERATION, SQUARE_CORNER_VELOCITY];
             match known.iter().position(|known| name.eq_ignore_ascii_case(known)) {
                 Some(at) => {
-                    read.values[at] = Some(value.parse().map_err(|error| (word, ParseFault::Number(error)))?);
+                    read.values[at] =
+                        Some(value.parse().map_err(|error| (word, ParseFault::Number(error)))?);
                 }
                 None => read.others = true,
             }

@@ -6,8 +6,8 @@
 use super::header::header;
 use super::tower::TowerPlan;
 use super::{
-    Command, Feature, Flavour, Layer, Line, Move, Nozzles, Number, Process, Program, Settings, SettingsError,
-    Tool, Totals, Wait, layer,
+    Command, Feature, Flavour, Layer, Line, Move, Nozzles, Number, Process, Program, Settings,
+    SettingsError, Tool, Totals, Wait, layer,
 };
 use crate::Frame;
 
@@ -205,9 +205,11 @@ impl<'a> Writer<'a> {
                 });
                 // Each Marlin knows one of the two, as it was built. The deviation gives the same corners as Klipper's square corner velocity.
                 let corner2 = printer.square_corner_mm_s * printer.square_corner_mm_s;
-                let deviation = corner2 * (std::f64::consts::SQRT_2 - 1.0) / printer.acceleration_mm_s2;
+                let deviation =
+                    corner2 * (std::f64::consts::SQRT_2 - 1.0) / printer.acceleration_mm_s2;
                 let [least, most] = JUNCTION_DEVIATIONS_MM;
-                let junction_deviation = Some(number(deviation.clamp(least, most), FILAMENT_DECIMALS));
+                let junction_deviation =
+                    Some(number(deviation.clamp(least, most), FILAMENT_DECIMALS));
                 self.command(Command::Jerk {
                     x: square_corner,
                     y: square_corner,
@@ -217,7 +219,11 @@ impl<'a> Writer<'a> {
                 });
             }
             Flavour::Klipper => {
-                self.command(Command::VelocityLimit { velocity: None, acceleration, square_corner });
+                self.command(Command::VelocityLimit {
+                    velocity: None,
+                    acceleration,
+                    square_corner,
+                });
             }
         }
     }
@@ -248,8 +254,11 @@ impl<'a> Writer<'a> {
         if let Some(tower) = tower {
             let purged = self.purged_rows(part, tower);
             self.tower_bead(tower, &tower.outline());
-            let rest =
-                if index == 0 { tower.solid(purged, tower.rows() - purged) } else { tower.sparse(purged) };
+            let rest = if index == 0 {
+                tower.solid(purged, tower.rows() - purged)
+            } else {
+                tower.sparse(purged)
+            };
             self.tower_bead(tower, &rest);
         }
         let mut rows = 0;
@@ -326,7 +335,12 @@ impl<'a> Writer<'a> {
     }
 
     /// Lays a bead along corners, which are given in halves of a cell.
-    fn bead(&mut self, feature: Feature, corners: &[[i32; 2]], place: impl Fn([i32; 2]) -> [f64; 2]) {
+    fn bead(
+        &mut self,
+        feature: Feature,
+        corners: &[[i32; 2]],
+        place: impl Fn([i32; 2]) -> [f64; 2],
+    ) {
         let Some(&first) = corners.first() else { return };
         self.travel(place(first));
         if feature != self.feature {
@@ -337,7 +351,8 @@ impl<'a> Writer<'a> {
         let mm_per_half = 0.5 * self.frame.cell_mm * self.bead_mm2 / self.selected().filament_mm2();
         for pair in corners.windows(2) {
             let halves = pair[0][0].abs_diff(pair[1][0]) + pair[0][1].abs_diff(pair[1][1]);
-            let owed = &mut self.owed_mm[usize::from(self.tool)][usize::from(feature == Feature::PrimeTower)];
+            let owed = &mut self.owed_mm[usize::from(self.tool)]
+                [usize::from(feature == Feature::PrimeTower)];
             *owed += f64::from(halves) * mm_per_half;
             let e = number(*owed, FILAMENT_DECIMALS);
             *owed -= e.to_f64();
@@ -416,7 +431,11 @@ impl<'a> Writer<'a> {
         self.go([None, None, Some(lifted)], None, self.process().travel_mm_s);
         match self.settings.printer.flavour {
             Flavour::Marlin => {
-                let off = |tool| Command::NozzleTemperature { celsius: Number::ZERO, tool, wait: Wait::No };
+                let off = |tool| Command::NozzleTemperature {
+                    celsius: Number::ZERO,
+                    tool,
+                    wait: Wait::No,
+                };
                 // A tool that was put aside may have a heater of its own; the last line is for printers that number their tools otherwise.
                 if self.used.len() > 1 {
                     for tool in self.used.clone() {
@@ -441,13 +460,15 @@ fn used(layers: &[Layer<'_>], settings: &Settings) -> Vec<u8> {
 
 /// A comment; line breaks and other control characters in names become blanks.
 pub(super) fn comment(text: String) -> Line {
-    let text = if text.contains(char::is_control) { text.replace(char::is_control, " ") } else { text };
+    let text =
+        if text.contains(char::is_control) { text.replace(char::is_control, " ") } else { text };
     Line::new(None, Some(text)).expect("it has no line break")
 }
 
 /// A value of the settings or made of them.
 pub(super) fn number(value: f64, decimals: u32) -> Number {
-    Number::from_f64(value, decimals).expect("checked settings and what a bed holds are far below the limit")
+    Number::from_f64(value, decimals)
+        .expect("checked settings and what a bed holds are far below the limit")
 }
 
 #[cfg(test)]

@@ -213,7 +213,8 @@ impl Purge {
 
     /// What a change between two tools takes, in mm³, and goes into the tower: 0 without one.
     pub fn into_tower_mm3(&self, from: u8, to: u8) -> f64 {
-        let row = self.volume_mm3.get(usize::from(from)).filter(|_| self.tower.is_some() && from != to);
+        let row =
+            self.volume_mm3.get(usize::from(from)).filter(|_| self.tower.is_some() && from != to);
         row.and_then(|row| row.get(usize::from(to))).copied().unwrap_or(0.0)
     }
 }
@@ -275,7 +276,9 @@ pub enum SettingsError {
         got: usize,
     },
     /// The plane of the part lies partly outside the bed.
-    #[error("the part reaches from ({left_mm}, {front_mm}) to ({right_mm}, {back_mm}) mm, beyond the bed")]
+    #[error(
+        "the part reaches from ({left_mm}, {front_mm}) to ({right_mm}, {back_mm}) mm, beyond the bed"
+    )]
     PartOutside {
         /// Least x in mm.
         left_mm: f64,
@@ -301,7 +304,9 @@ pub enum SettingsError {
     #[error("purge.tower overlaps the part")]
     TowerOverlaps,
     /// The tower has no room for what is purged.
-    #[error("purge.tower.depth_mm is {depth_mm}, and must be at least {needed_mm} for what one layer purges")]
+    #[error(
+        "purge.tower.depth_mm is {depth_mm}, and must be at least {needed_mm} for what one layer purges"
+    )]
     TowerDepth {
         /// Its depth in mm.
         depth_mm: f64,
@@ -384,23 +389,38 @@ impl Settings {
             ("process.retract_beyond_mm", process.retract_beyond_mm),
             ("process.z_hop_mm", process.z_hop_mm),
         ];
-        for (field, value) in [("printer.bed_mm[0]", x), ("printer.bed_mm[1]", y), ("printer.bed_mm[2]", z)] {
+        for (field, value) in
+            [("printer.bed_mm[0]", x), ("printer.bed_mm[1]", y), ("printer.bed_mm[2]", z)]
+        {
             within(field, value, 1.0, LARGEST_BED_MM, "from 1 to 10000")?;
         }
-        positive.iter().chain(&of_head).try_for_each(|&(field, value)| check_positive(field, value))?;
+        positive
+            .iter()
+            .chain(&of_head)
+            .try_for_each(|&(field, value)| check_positive(field, value))?;
         not_negative.iter().try_for_each(|&(field, value)| check_not_negative(field, value))?;
-        if let Some(&(field, value)) = of_head.iter().find(|(_, value)| *value > printer.greatest_mm_s) {
-            return Err(SettingsError::TooFast { field, value, greatest_mm_s: printer.greatest_mm_s });
+        if let Some(&(field, value)) =
+            of_head.iter().find(|(_, value)| *value > printer.greatest_mm_s)
+        {
+            return Err(SettingsError::TooFast {
+                field,
+                value,
+                greatest_mm_s: printer.greatest_mm_s,
+            });
         }
         within("process.fan", process.fan, 0.0, 1.0, "from 0 to 1")?;
-        for (field, value) in [("frame.cell_mm", frame.cell_mm), ("frame.layer_mm", frame.layer_mm)] {
+        for (field, value) in [("frame.cell_mm", frame.cell_mm), ("frame.layer_mm", frame.layer_mm)]
+        {
             within(field, value, THINNEST_MM, LARGEST_BED_MM, "from 0.01 to 10000")?;
         }
         for (field, value) in [("frame.left_mm", frame.left_mm), ("frame.back_mm", frame.back_mm)] {
             check_not_negative(field, value)?;
         }
         if process.cross_section == CrossSection::Oval && frame.layer_mm > frame.cell_mm {
-            return Err(SettingsError::HighBead { layer_mm: frame.layer_mm, cell_mm: frame.cell_mm });
+            return Err(SettingsError::HighBead {
+                layer_mm: frame.layer_mm,
+                cell_mm: frame.cell_mm,
+            });
         }
         for (number, tool) in tools.iter().enumerate() {
             let field = |name| format!("tools[{number}].{name}");
@@ -441,7 +461,13 @@ fn check_not_negative(field: &str, value: f64) -> Result<(), SettingsError> {
     within(field, value, 0.0, LARGEST, "at least 0 and at most a million")
 }
 
-fn within(field: &str, value: f64, low: f64, high: f64, wanted: &'static str) -> Result<(), SettingsError> {
+fn within(
+    field: &str,
+    value: f64,
+    low: f64,
+    high: f64,
+    wanted: &'static str,
+) -> Result<(), SettingsError> {
     if (low..=high).contains(&value) {
         return Ok(());
     }

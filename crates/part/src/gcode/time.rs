@@ -102,7 +102,8 @@ impl Stopwatch {
         let direction = [0, 1, 2].map(|axis| (motion.to_mm[axis] - motion.from_mm[axis]) / length);
         let cruise = motion.feed_mm_s.min(self.limits.greatest_mm_s);
         let acceleration = motion.acceleration_mm_s2.unwrap_or(self.limits.acceleration_mm_s2);
-        let mut leg = Leg { length, acceleration, cruise2: cruise * cruise, junction2: 0.0, direction };
+        let mut leg =
+            Leg { length, acceleration, cruise2: cruise * cruise, junction2: 0.0, direction };
         if let Some(before) = self.chain.last() {
             leg.junction2 = before.junction2_to(&leg, self.limits.square_corner_mm_s);
         }

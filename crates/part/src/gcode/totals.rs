@@ -49,8 +49,10 @@ impl Totals {
         settings: &Settings,
     ) -> Result<Self, TraceError> {
         let lifts = layers.iter().map(|layer| layer.path.pieces() as usize - 1).sum();
-        let tools = (0..settings.tools.len()).map(|tool| ToolUse { tool: tool as u8, ..ToolUse::default() });
-        let mut totals = Self { layers: layers.len(), lifts, tools: tools.collect(), ..Self::default() };
+        let tools = (0..settings.tools.len())
+            .map(|tool| ToolUse { tool: tool as u8, ..ToolUse::default() });
+        let mut totals =
+            Self { layers: layers.len(), lifts, tools: tools.collect(), ..Self::default() };
         let mut watch = Stopwatch::new(settings.printer.limits());
         for event in program.trace() {
             let event = event?;
@@ -58,7 +60,8 @@ impl Totals {
             match event {
                 Event::Motion(motion) if motion.is_stroke() => {
                     let in_tower = motion.feature == Feature::PrimeTower;
-                    let way = if in_tower { &mut totals.tower_mm } else { &mut totals.extrusion_mm };
+                    let way =
+                        if in_tower { &mut totals.tower_mm } else { &mut totals.extrusion_mm };
                     *way += motion.length_mm();
                     if let Some(tool) = totals.tools.get_mut(usize::from(motion.tool)) {
                         tool.filament_mm += motion.extruded_mm;
@@ -66,7 +69,9 @@ impl Totals {
                     }
                 }
                 Event::Motion(motion) => totals.travel_mm += motion.length_mm(),
-                Event::ToolChange { from, .. } => totals.tool_changes += usize::from(from.is_some()),
+                Event::ToolChange { from, .. } => {
+                    totals.tool_changes += usize::from(from.is_some())
+                }
                 _ => {}
             }
         }

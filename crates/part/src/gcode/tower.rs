@@ -37,7 +37,9 @@ impl TowerPlan {
         settings: &Settings,
     ) -> Result<Option<Self>, SettingsError> {
         let Some(purge) = &settings.purge else { return Ok(None) };
-        let Some(Tower { left_mm, front_mm, width_mm, depth_mm }) = purge.tower else { return Ok(None) };
+        let Some(Tower { left_mm, front_mm, width_mm, depth_mm }) = purge.tower else {
+            return Ok(None);
+        };
         let cell_mm = frame.cell_mm;
         let columns = (width_mm / cell_mm + SLACK).floor() - 2.0;
         let row_mm3 = columns * cell_mm * settings.process.bead_mm2(frame);
@@ -91,7 +93,8 @@ impl TowerPlan {
         let columns = self.columns;
         let cells = (begin..begin + rows).flat_map(|row| {
             let leftwards = (row - begin) % 2 == 1;
-            (0..columns).map(move |column| [if leftwards { columns - 1 - column } else { column }, row])
+            (0..columns)
+                .map(move |column| [if leftwards { columns - 1 - column } else { column }, row])
         });
         corners(None, cells, None)
     }
@@ -102,16 +105,19 @@ impl TowerPlan {
         if begin >= end {
             return Vec::new();
         }
-        let cells = (0..columns).step_by(SPACING as usize).enumerate().flat_map(|(line, column)| {
-            let inwards = line % 2 == 1;
-            let across =
-                (begin..end).map(move |row| [column, if inwards { begin + end - 1 - row } else { row }]);
-            // To the next line along the row where this one ends, unless it is the last.
-            let edge = if inwards { begin } else { end - 1 };
-            let next = column + SPACING;
-            let along = (column + 1..next).filter(move |_| next < columns).map(move |column| [column, edge]);
-            across.chain(along)
-        });
+        let cells =
+            (0..columns).step_by(SPACING as usize).enumerate().flat_map(|(line, column)| {
+                let inwards = line % 2 == 1;
+                let across = (begin..end)
+                    .map(move |row| [column, if inwards { begin + end - 1 - row } else { row }]);
+                // To the next line along the row where this one ends, unless it is the last.
+                let edge = if inwards { begin } else { end - 1 };
+                let next = column + SPACING;
+                let along = (column + 1..next)
+                    .filter(move |_| next < columns)
+                    .map(move |column| [column, edge]);
+                across.chain(along)
+            });
         corners(None, cells, None)
     }
 
@@ -170,10 +176,15 @@ mod tests {
             let mut found = halves(&tower.sparse(begin));
             found.sort_unstable();
             assert!(found.chunk_by(|a, b| a == b).all(|cell| cell.len() == 2), "each cell once");
-            assert!(found.iter().all(|&[x, y]| (0..columns).contains(&x) && (begin..rows).contains(&y)));
+            assert!(
+                found.iter().all(|&[x, y]| (0..columns).contains(&x) && (begin..rows).contains(&y))
+            );
             for row in begin..rows {
-                let on_it: Vec<_> = found.iter().filter(|cell| cell[1] == row).map(|cell| cell[0]).collect();
-                assert!(on_it.contains(&0) && on_it.windows(2).all(|pair| pair[1] - pair[0] <= SPACING));
+                let on_it: Vec<_> =
+                    found.iter().filter(|cell| cell[1] == row).map(|cell| cell[0]).collect();
+                assert!(
+                    on_it.contains(&0) && on_it.windows(2).all(|pair| pair[1] - pair[0] <= SPACING)
+                );
             }
         }
         assert!(plan(5, 5).sparse(5).is_empty());
@@ -183,7 +194,8 @@ mod tests {
     fn places_and_volumes() {
         let tower = plan(4, 2);
         let outline = tower.outline().map(|corner| tower.place(corner));
-        let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs() < 1e-9 && (a[1] - b[1]).abs() < 1e-9;
+        let near =
+            |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs() < 1e-9 && (a[1] - b[1]).abs() < 1e-9;
         assert!(near(outline[0], [10.25, 20.25]) && near(outline[2], [12.75, 21.75]));
         assert!(near(tower.place([0, 1]), [10.5, 20.75]));
         let rows = [0.0, 0.5, 1.0, 1.000_000_000_1, 1.1, 3.0].map(|volume| tower.rows_of(volume));

@@ -206,7 +206,8 @@ impl Iterator for Trace<'_> {
     fn next(&mut self) -> Option<Self::Item> {
         if let Some((motion, chords)) = &mut self.arc {
             if let Some((to, share)) = chords.next() {
-                let chord = Motion { to_mm: to, extruded_mm: motion.extruded_mm * share, ..*motion };
+                let chord =
+                    Motion { to_mm: to, extruded_mm: motion.extruded_mm * share, ..*motion };
                 motion.from_mm = to;
                 return Some(Ok(Event::Motion(chord)));
             }
@@ -216,7 +217,9 @@ impl Iterator for Trace<'_> {
             let (index, line) = self.lines.next()?;
             if let Some(note) = line.comment().and_then(Note::read) {
                 match note {
-                    Note::NextLayer => self.layer = Some(self.layer.map_or(0, |last| last.saturating_add(1))),
+                    Note::NextLayer => {
+                        self.layer = Some(self.layer.map_or(0, |last| last.saturating_add(1)))
+                    }
                     Note::Layer(layer) => self.layer = layer,
                     Note::Feature(feature) => self.feature = feature,
                 }
@@ -244,8 +247,8 @@ impl Trace<'_> {
             }
             Command::Arc(ref arc) => {
                 let motion = self.motion([arc.x, arc.y, arc.z], arc.e, arc.f, line)?;
-                let mut chords =
-                    Chords::new(motion.from_mm, motion.to_mm, arc).ok_or(TraceError::Arc { line })?;
+                let mut chords = Chords::new(motion.from_mm, motion.to_mm, arc)
+                    .ok_or(TraceError::Arc { line })?;
                 if let Some((to_mm, share)) = chords.next() {
                     let first = Motion { to_mm, extruded_mm: motion.extruded_mm * share, ..motion };
                     self.arc = Some((Motion { from_mm: to_mm, ..motion }, chords));
@@ -259,7 +262,9 @@ impl Trace<'_> {
             }
             Command::Home { x, y, z } => {
                 let all = !(x || y || z);
-                for (axis, _) in [x, y, z].into_iter().enumerate().filter(|&(_, named)| named || all) {
+                for (axis, _) in
+                    [x, y, z].into_iter().enumerate().filter(|&(_, named)| named || all)
+                {
                     self.at[axis] = 0.0;
                     self.origin[axis] = 0.0;
                 }
@@ -296,7 +301,12 @@ impl Trace<'_> {
             }
             Command::BedTemperature { celsius, wait } => {
                 let wait = if wait { Wait::Heating } else { Wait::No };
-                return Ok(Some(Event::Heat { heater: Heater::Bed, celsius: celsius.to_f64(), wait, line }));
+                return Ok(Some(Event::Heat {
+                    heater: Heater::Bed,
+                    celsius: celsius.to_f64(),
+                    wait,
+                    line,
+                }));
             }
             Command::Fan(_)
             | Command::Jerk { .. }
@@ -377,7 +387,11 @@ impl Trace<'_> {
             to_mm: self.at,
             extruded_mm,
             feed_mm_s: self.feed,
-            acceleration_mm_s2: if extruded_mm > 0.0 { self.acceleration } else { self.travel_acceleration },
+            acceleration_mm_s2: if extruded_mm > 0.0 {
+                self.acceleration
+            } else {
+                self.travel_acceleration
+            },
             tool: self.tool.unwrap_or(0),
             feature: self.feature,
             layer: self.layer,

@@ -51,8 +51,10 @@ impl Example {
         match self {
             Self::Rectangular => single(&Shape::Cuboid { size_mm: [60.0, 20.0, 3.0] }),
             Self::UShape => {
-                let corners = [[0, 0], [25, 0], [25, 30], [65, 30], [65, 0], [90, 0], [90, 50], [0, 50]];
-                let outline_mm = corners.map(|corner| corner.map(|halves| f64::from(halves) / 2.0)).to_vec();
+                let corners =
+                    [[0, 0], [25, 0], [25, 30], [65, 30], [65, 0], [90, 0], [90, 50], [0, 50]];
+                let outline_mm =
+                    corners.map(|corner| corner.map(|halves| f64::from(halves) / 2.0)).to_vec();
                 single(&Shape::Prism { outline_mm, z_mm: [0.0, 3.0] })
             }
             Self::Pyramid => single(&Shape::Frustum { sides_mm: [30.0, 2.0], height_mm: 19.25 }),
@@ -86,7 +88,10 @@ fn material(name: &str, colour: [u8; 3]) -> Material {
 }
 
 fn single(shape: &Shape) -> Model {
-    Model { bodies: vec![body("part", shape.mesh(), 0)], materials: vec![material("grey", [170, 174, 178])] }
+    Model {
+        bodies: vec![body("part", shape.mesh(), 0)],
+        materials: vec![material("grey", [170, 174, 178])],
+    }
 }
 
 /// The letter b: a bar, and a ring made of a disc and of the plate's material in its middle.

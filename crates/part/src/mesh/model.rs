@@ -211,13 +211,21 @@ impl Model {
     pub fn assign(&mut self, rule: Materials) {
         let stated = std::mem::take(&mut self.materials);
         let own = |number: usize, body: &Body| {
-            let name = if body.name.is_empty() { format!("body {}", number + 1) } else { body.name.clone() };
+            let name = if body.name.is_empty() {
+                format!("body {}", number + 1)
+            } else {
+                body.name.clone()
+            };
             Material { name, colour: None }
         };
         match rule {
             Materials::One => {
-                self.materials =
-                    vec![stated.first().cloned().unwrap_or(Material { name: "all".into(), colour: None })];
+                self.materials = vec![
+                    stated
+                        .first()
+                        .cloned()
+                        .unwrap_or(Material { name: "all".into(), colour: None }),
+                ];
                 for body in &mut self.bodies {
                     (body.material, body.paint) = (Some(0), Vec::new());
                 }
@@ -229,10 +237,15 @@ impl Model {
                 }
             }
             Materials::Stated => {
-                let painted =
-                    self.bodies.iter().flat_map(|body| body.paint.iter().map(|&paint| usize::from(paint)));
-                let filled =
-                    self.bodies.iter().filter(|body| body.paint.is_empty()).filter_map(|body| body.material);
+                let painted = self
+                    .bodies
+                    .iter()
+                    .flat_map(|body| body.paint.iter().map(|&paint| usize::from(paint)));
+                let filled = self
+                    .bodies
+                    .iter()
+                    .filter(|body| body.paint.is_empty())
+                    .filter_map(|body| body.material);
                 let mut used = vec![false; stated.len()];
                 painted.chain(filled).for_each(|material| used[material] = true);
                 let mut number_of = vec![0; stated.len()];
@@ -244,7 +257,9 @@ impl Model {
                     }
                 }
                 for (number, body) in self.bodies.iter_mut().enumerate() {
-                    body.paint.iter_mut().for_each(|paint| *paint = number_of[usize::from(*paint)] as u8);
+                    body.paint
+                        .iter_mut()
+                        .for_each(|paint| *paint = number_of[usize::from(*paint)] as u8);
                     body.material = match body.material {
                         // The paint says it all.
                         _ if !body.paint.is_empty() => None,

@@ -76,12 +76,16 @@ impl Reader {
                 }
                 self.faces.name = words.collect::<Vec<_>>().join(" ");
             }
-            Some("g") if self.faces.name.is_empty() => self.faces.name = words.collect::<Vec<_>>().join(" "),
+            Some("g") if self.faces.name.is_empty() => {
+                self.faces.name = words.collect::<Vec<_>>().join(" ")
+            }
             Some("usemtl") => {
                 self.material = Some(self.material(line, &words.collect::<Vec<_>>().join(" "))?);
             }
             // What a text file of another kind would begin with is no number of any OBJ keyword.
-            Some(word) if !word.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_') => {
+            Some(word)
+                if !word.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_') =>
+            {
                 let word: String = word.chars().take(20).collect();
                 return Err(ReadError::text(line, format!("unknown word {word:?}")));
             }
@@ -90,14 +94,21 @@ impl Reader {
         Ok(())
     }
 
-    fn face<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a str>) -> Result<(), ReadError> {
+    fn face<'a>(
+        &mut self,
+        line: usize,
+        words: impl Iterator<Item = &'a str>,
+    ) -> Result<(), ReadError> {
         let corners = words.map(|word| self.vertex(line, word)).collect::<Result<Vec<_>, _>>()?;
         if corners.len() < 3 {
             return Err(ReadError::text(line, format!("a face of {} vertices", corners.len())));
         }
         self.count += corners.len() - 2;
         if self.count > self.limits.triangles {
-            return Err(ReadError::TooLarge { most: self.limits.triangles as u64, what: "triangles" });
+            return Err(ReadError::TooLarge {
+                most: self.limits.triangles as u64,
+                what: "triangles",
+            });
         }
         for pair in corners[1..].windows(2) {
             self.faces.triangles.push([corners[0], pair[0], pair[1]]);
@@ -110,9 +121,13 @@ impl Reader {
     fn vertex(&self, line: usize, word: &str) -> Result<u32, ReadError> {
         let wrong = || {
             let word: String = word.chars().take(20).collect();
-            ReadError::text(line, format!("{word:?} names no vertex, of {} so far", self.vertices.len()))
+            ReadError::text(
+                line,
+                format!("{word:?} names no vertex, of {} so far", self.vertices.len()),
+            )
         };
-        let number: i64 = word.split('/').next().and_then(|number| number.parse().ok()).ok_or_else(wrong)?;
+        let number: i64 =
+            word.split('/').next().and_then(|number| number.parse().ok()).ok_or_else(wrong)?;
         let count = self.vertices.len() as i64;
         let vertex = if number < 0 { count.saturating_add(number) } else { number - 1 };
         if (0..count).contains(&vertex) { Ok(vertex as u32) } else { Err(wrong()) }
@@ -135,7 +150,8 @@ impl Reader {
             let is_one = faces.materials.iter().all(|&material| material == first);
             // Faces before the first `usemtl` are of the first material used after it.
             let fallback = faces.materials.iter().flatten().next().copied().unwrap_or_default();
-            let paint = faces.materials.iter().map(|material| material.unwrap_or(fallback)).collect();
+            let paint =
+                faces.materials.iter().map(|material| material.unwrap_or(fallback)).collect();
             model.bodies.push(Body {
                 mesh: used_only(&self.vertices, faces.triangles),
                 name: faces.name,

@@ -20,7 +20,9 @@ pub(super) struct Package<'a> {
 impl<'a> Package<'a> {
     pub(super) fn open(bytes: &'a [u8], limits: &Limits) -> Result<Self, ReadError> {
         let archive = ZipArchive::new(Cursor::new(bytes)).map_err(|source| match source {
-            ZipError::InvalidArchive(_) => ReadError::Kind("not a 3MF file, which is a ZIP archive"),
+            ZipError::InvalidArchive(_) => {
+                ReadError::Kind("not a 3MF file, which is a ZIP archive")
+            }
             source => ReadError::Archive { part: "the archive".into(), source },
         })?;
         let mut names = HashMap::new();
@@ -49,7 +51,9 @@ impl<'a> Package<'a> {
         let result = read(&mut BufReader::with_capacity(1 << 16, &mut limited));
         self.left = limited.left;
         match limited.failure {
-            Some(Failure::Limit) => Err(ReadError::TooLarge { most: self.most, what: "bytes unpacked" }),
+            Some(Failure::Limit) => {
+                Err(ReadError::TooLarge { most: self.most, what: "bytes unpacked" })
+            }
             Some(Failure::Archive(error)) => {
                 Err(ReadError::Archive { part: part.to_owned(), source: ZipError::Io(error) })
             }

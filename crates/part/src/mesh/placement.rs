@@ -148,13 +148,21 @@ impl Placement {
     pub fn apply(&self, model: &mut Model) -> Result<(), PlaceError> {
         let positive = |what, value: f64| {
             let is_right = value > 0.0 && value.is_finite();
-            if is_right { Ok(()) } else { Err(PlaceError::Value { what, value, must: "more than 0" }) }
+            if is_right {
+                Ok(())
+            } else {
+                Err(PlaceError::Value { what, value, must: "more than 0" })
+            }
         };
         positive("the scale", self.scale)?;
         self.bed_mm.iter().try_for_each(|&side| positive("a side of the bed", side))?;
         for &value in self.turn_degrees.iter().chain(self.centre_mm.iter().flatten()) {
             if !value.is_finite() {
-                return Err(PlaceError::Value { what: "an angle or a place", value, must: "a number" });
+                return Err(PlaceError::Value {
+                    what: "an angle or a place",
+                    value,
+                    must: "a number",
+                });
             }
         }
         let mut turned = Transform::scale(self.scale);
@@ -179,8 +187,9 @@ impl Placement {
         let least_mm = [centre[0] - size_mm[0] / 2.0, centre[1] - size_mm[1] / 2.0];
         // A part as large as the bed may miss it by the rounding of its coordinates.
         let slack = 1e-6;
-        let fits =
-            |axis: usize, least: f64| least >= -slack && least + size_mm[axis] <= self.bed_mm[axis] + slack;
+        let fits = |axis: usize, least: f64| {
+            least >= -slack && least + size_mm[axis] <= self.bed_mm[axis] + slack
+        };
         if !fits(0, least_mm[0]) || !fits(1, least_mm[1]) || !fits(2, 0.0) {
             return Err(PlaceError::TooLarge { size_mm, least_mm, bed_mm: self.bed_mm });
         }
@@ -216,15 +225,17 @@ mod tests {
 
     #[test]
     fn maps_are_applied_one_after_the_other() {
-        let both =
-            Transform::turn(2, 90.0).then(&Transform::shift([10.0, 0.0, 0.0])).then(&Transform::scale(2.0));
+        let both = Transform::turn(2, 90.0)
+            .then(&Transform::shift([10.0, 0.0, 0.0]))
+            .then(&Transform::scale(2.0));
         assert_eq!(both.point([1.0, 0.0, 0.0]), [20.0, 2.0, 0.0]);
     }
 
     #[test]
     fn a_mirrored_body_keeps_its_outside() {
         let mut mesh = Shape::Cuboid { size_mm: [1.0, 2.0, 3.0] }.mesh();
-        let mirror = Transform::from_rows([-1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+        let mirror =
+            Transform::from_rows([-1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
         mirror.apply(&mut mesh);
         assert!((mesh.volume_mm3() - 6.0).abs() < 1e-12);
     }
@@ -232,7 +243,8 @@ mod tests {
     #[test]
     fn a_part_stands_in_the_middle_of_the_bed() {
         let mut part = model([10.0, 20.0, 30.0]);
-        let placement = Placement { scale: 2.0, turn_degrees: [90.0, 0.0, 0.0], ..Placement::default() };
+        let placement =
+            Placement { scale: 2.0, turn_degrees: [90.0, 0.0, 0.0], ..Placement::default() };
         placement.apply(&mut part).unwrap();
         let bounds = part.bounds();
         assert_eq!((bounds.least, bounds.greatest), ([115.0, 75.0, 0.0], [135.0, 135.0, 40.0]));
@@ -256,9 +268,16 @@ mod tests {
         );
         let nan = Placement { turn_degrees: [0.0, f64::NAN, 0.0], ..Placement::default() };
         assert!(matches!(nan.apply(&mut model([5.0; 3])), Err(PlaceError::Value { .. })));
-        assert!(matches!(Placement::default().apply(&mut Model::default()), Err(PlaceError::Flat { .. })));
+        assert!(matches!(
+            Placement::default().apply(&mut Model::default()),
+            Err(PlaceError::Flat { .. })
+        ));
         // Beyond all numbers.
-        let beyond = Placement { scale: 1e308, turn_degrees: [0.0, 0.0, 45.0], ..Placement::default() };
-        assert!(matches!(beyond.apply(&mut model([1e3, 1e3, 1e-307])), Err(PlaceError::TooLarge { .. })));
+        let beyond =
+            Placement { scale: 1e308, turn_degrees: [0.0, 0.0, 45.0], ..Placement::default() };
+        assert!(matches!(
+            beyond.apply(&mut model([1e3, 1e3, 1e-307])),
+            Err(PlaceError::TooLarge { .. })
+        ));
     }
 }

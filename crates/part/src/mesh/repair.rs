@@ -184,8 +184,9 @@ impl Edges {
 
     /// All edges between the same two vertices: the lower vertex, and the higher with the halves.
     fn groups(&self) -> impl Iterator<Item = (u32, &[[u32; 2]])> {
-        let of_vertex =
-            |vertex: usize| &self.edges[self.starts[vertex] as usize..self.starts[vertex + 1] as usize];
+        let of_vertex = |vertex: usize| {
+            &self.edges[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
+        };
         (0..self.starts.len() - 1).flat_map(move |vertex| {
             of_vertex(vertex).chunk_by(|a, b| a[0] == b[0]).map(move |group| (vertex as u32, group))
         })
@@ -417,7 +418,8 @@ fn turn_outwards(mesh: &mut Mesh, parts: &mut Parts) -> usize {
         volumes.iter_mut().for_each(|volume| *volume = -*volume);
     }
     let mut flipped = if is_inverted { count } else { 0 };
-    let inverted: Vec<u32> = (0..count as u32).filter(|&root| volumes[root as usize] < 0.0).collect();
+    let inverted: Vec<u32> =
+        (0..count as u32).filter(|&root| volumes[root as usize] < 0.0).collect();
     if inverted.is_empty() {
         return flipped;
     }

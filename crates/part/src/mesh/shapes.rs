@@ -63,7 +63,8 @@ impl Shape {
 fn prism(bottom: &[[f64; 2]], top: Option<&[[f64; 2]]>, z_mm: [f64; 2]) -> Mesh {
     let count = bottom.len() as u32;
     assert!(count >= 3, "an outline needs 3 corners");
-    let ring = |outline: &[[f64; 2]], z: f64| outline.iter().map(|&[x, y]| [x, y, z]).collect::<Vec<_>>();
+    let ring =
+        |outline: &[[f64; 2]], z: f64| outline.iter().map(|&[x, y]| [x, y, z]).collect::<Vec<_>>();
     let mut vertices = ring(bottom, z_mm[0]);
     vertices.extend(ring(top.unwrap_or(bottom), z_mm[1]));
     let mut triangles = Vec::new();
@@ -117,7 +118,8 @@ mod tests {
         let frustum = Shape::Frustum { sides_mm: [4.0, 1.0], height_mm: 3.0 }.mesh();
         assert!((frustum.volume_mm3() - 21.0).abs() < 1e-9);
         // An L is not convex.
-        let outline_mm = vec![[2.0, 2.0], [2.0, 5.0], [0.0, 5.0], [0.0, 0.0], [5.0, 0.0], [5.0, 2.0]];
+        let outline_mm =
+            vec![[2.0, 2.0], [2.0, 5.0], [0.0, 5.0], [0.0, 0.0], [5.0, 0.0], [5.0, 2.0]];
         let prism = Shape::Prism { outline_mm, z_mm: [1.0, 2.0] }.mesh();
         assert!((prism.volume_mm3() - 16.0).abs() < 1e-9);
     }

@@ -18,7 +18,8 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
         None => 0,
     };
     let room = (bytes.len().saturating_sub(HEADER) / RECORD) as u64;
-    let fits = bytes.len() >= HEADER && bytes.len() as u64 == HEADER as u64 + RECORD as u64 * promised;
+    let fits =
+        bytes.len() >= HEADER && bytes.len() as u64 == HEADER as u64 + RECORD as u64 * promised;
     if !fits && begins_as_text(bytes) {
         return read_text(bytes, limits);
     }
@@ -46,7 +47,9 @@ fn read_binary(records: &[u8], count: usize, limits: &Limits) -> Result<Model, R
             let bytes = record[12 + 4 * at..][..4].try_into().expect("it has four bytes");
             f64::from(f32::from_le_bytes(bytes))
         };
-        welder.triangle([0, 3, 6].map(|corner| [value(corner), value(corner + 1), value(corner + 2)]));
+        welder.triangle(
+            [0, 3, 6].map(|corner| [value(corner), value(corner + 1), value(corner + 2)]),
+        );
     }
     let mut model = Model::default();
     push(&mut model, String::new(), welder)?;
@@ -62,7 +65,8 @@ fn check_count(count: usize, limits: &Limits) -> Result<(), ReadError> {
 
 fn push(model: &mut Model, name: String, welder: Welder) -> Result<(), ReadError> {
     let number = model.bodies.len();
-    let named = |name: &str| if name.is_empty() { (number + 1).to_string() } else { name.to_owned() };
+    let named =
+        |name: &str| if name.is_empty() { (number + 1).to_string() } else { name.to_owned() };
     let mesh = welder.mesh().map_err(|source| ReadError::Mesh { body: named(&name), source })?;
     model.bodies.push(Body { name, mesh, material: None, paint: Vec::new() });
     Ok(())
@@ -90,9 +94,13 @@ fn read_text(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
             "endsolid" => {
                 push(&mut model, std::mem::take(&mut name), std::mem::take(&mut welder))?;
             }
-            "facet" if in_facet => return Err(ReadError::text(line, "a facet begins within another")),
+            "facet" if in_facet => {
+                return Err(ReadError::text(line, "a facet begins within another"));
+            }
             "facet" => in_facet = true,
-            "vertex" if !in_facet => return Err(ReadError::text(line, "a vertex outside any facet")),
+            "vertex" if !in_facet => {
+                return Err(ReadError::text(line, "a vertex outside any facet"));
+            }
             "vertex" => corners.push(point(line, words)?),
             "endfacet" => {
                 let Ok(triangle) = <[_; 3]>::try_from(&corners[..]) else {
@@ -127,8 +135,9 @@ pub(super) fn point<'a>(
 ) -> Result<[f64; 3], ReadError> {
     let mut point = [0.0; 3];
     for value in &mut point {
-        let word =
-            words.next().ok_or_else(|| ReadError::text(line, "a vertex of less than 3 coordinates"))?;
+        let word = words
+            .next()
+            .ok_or_else(|| ReadError::text(line, "a vertex of less than 3 coordinates"))?;
         *value = number(word).map_err(|what| ReadError::text(line, what))?;
     }
     Ok(point)
@@ -152,7 +161,9 @@ mod tests {
         let corner = |[x, y, z]: &[f64; 3]| format!("      vertex {x} {y} {z}\n");
         let facet = |corners: &[[f64; 3]; 3]| {
             let corners: String = corners.iter().map(corner).collect();
-            format!("  facet normal nan nan nan\n    outer loop\n{corners}    endloop\n  endfacet\n")
+            format!(
+                "  facet normal nan nan nan\n    outer loop\n{corners}    endloop\n  endfacet\n"
+            )
         };
         let facets: String = triangles.iter().map(facet).collect();
         format!("solid {name}\n{facets}endsolid {name}\n")
@@ -191,8 +202,8 @@ mod tests {
 
     #[test]
     fn every_solid_is_a_body() {
-        let two =
-            text("left", &triangles()) + &text("right", &triangles()).to_uppercase().replace('\n', "\r\n");
+        let two = text("left", &triangles())
+            + &text("right", &triangles()).to_uppercase().replace('\n', "\r\n");
         let model = read(two.as_bytes(), &Limits::default()).unwrap();
         let names: Vec<_> = model.bodies.iter().map(|body| body.name.as_str()).collect();
         assert_eq!(names, ["left", "RIGHT"]);
@@ -224,9 +235,15 @@ mod tests {
         let mut nan = binary(&triangles());
         nan[HEADER + 12..HEADER + 16].copy_from_slice(&f32::NAN.to_le_bytes());
         let error = refused(&nan);
-        assert!(matches!(error, ReadError::Mesh { source: MeshError::NotFinite { .. }, .. }), "{error}");
+        assert!(
+            matches!(error, ReadError::Mesh { source: MeshError::NotFinite { .. }, .. }),
+            "{error}"
+        );
         let few = Limits { triangles: 11, ..Limits::default() };
-        assert!(matches!(read(&binary(&triangles()), &few), Err(ReadError::TooLarge { most: 11, .. })));
+        assert!(matches!(
+            read(&binary(&triangles()), &few),
+            Err(ReadError::TooLarge { most: 11, .. })
+        ));
         assert!(matches!(read(good.as_bytes(), &few), Err(ReadError::TooLarge { most: 11, .. })));
     }
 }

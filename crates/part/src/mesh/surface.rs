@@ -88,7 +88,8 @@ impl Mesh {
             }
         }
         for (triangle, corners) in triangles.iter().enumerate() {
-            if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= vertices.len()) {
+            if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= vertices.len())
+            {
                 return Err(MeshError::NoVertex { triangle, vertex, vertices: vertices.len() });
             }
         }
@@ -129,8 +130,9 @@ impl Mesh {
         // Seen from a point of the body, it is no difference of large numbers.
         let Some(&[first, ..]) = self.triangles.first() else { return 0.0 };
         let origin = self.vertices[first as usize];
-        let spat =
-            |&triangle: &[u32; 3]| spat_mm3(self.corners(triangle).map(|corner| minus(corner, origin)));
+        let spat = |&triangle: &[u32; 3]| {
+            spat_mm3(self.corners(triangle).map(|corner| minus(corner, origin)))
+        };
         self.triangles.iter().map(spat).sum()
     }
 

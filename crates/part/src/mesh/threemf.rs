@@ -126,7 +126,8 @@ impl Builder<'_> {
             return Ok(Rc::clone(known));
         }
         let limits = self.limits;
-        let read = Rc::new(self.package.read(part, |source| PartReader::read(part, source, limits))?);
+        let read =
+            Rc::new(self.package.read(part, |source| PartReader::read(part, source, limits))?);
         self.parts.insert(part.to_owned(), Rc::clone(&read));
         Ok(read)
     }
@@ -142,7 +143,9 @@ impl Builder<'_> {
     ) -> Result<(), ReadError> {
         let wrong = |what: String| ReadError::Part { part: part.to_owned(), byte: 0, what };
         if depth > DEEPEST {
-            return Err(wrong(format!("object {number} is made of itself, or of objects {DEEPEST} deep")));
+            return Err(wrong(format!(
+                "object {number} is made of itself, or of objects {DEEPEST} deep"
+            )));
         }
         let said = self.load(part)?;
         let object = said.objects.get(&number);
@@ -185,7 +188,8 @@ impl Builder<'_> {
             .map(|&property| Ok(self.material(part, property)?.or(material)))
             .collect::<Result<Vec<_>, ReadError>>()?;
         let mut body = Body { name, mesh, material, paint: Vec::new() };
-        let used: Vec<Option<usize>> = paint.iter().map(|&at| of_property[usize::from(at)]).collect();
+        let used: Vec<Option<usize>> =
+            paint.iter().map(|&at| of_property[usize::from(at)]).collect();
         if let Some(&first) = used.first() {
             if used.iter().all(|&other| other == first) {
                 body.material = first;
@@ -202,14 +206,21 @@ impl Builder<'_> {
     fn count(&mut self, triangles: usize) -> Result<(), ReadError> {
         self.triangles += triangles;
         if self.triangles > self.limits.triangles {
-            return Err(ReadError::TooLarge { most: self.limits.triangles as u64, what: "triangles" });
+            return Err(ReadError::TooLarge {
+                most: self.limits.triangles as u64,
+                what: "triangles",
+            });
         }
         Ok(())
     }
 
     /// The number in the model of a material of a part; `None` also for textures and other groups that are no
     /// materials.
-    fn material(&mut self, part: &str, property: Option<Property>) -> Result<Option<usize>, ReadError> {
+    fn material(
+        &mut self,
+        part: &str,
+        property: Option<Property>,
+    ) -> Result<Option<usize>, ReadError> {
         let Some(property @ (group, index)) = property else { return Ok(None) };
         let key = (part.to_owned(), property);
         if let Some(&known) = self.materials.get(&key) {
@@ -224,7 +235,10 @@ impl Builder<'_> {
                     what: format!("group {} has no material {index}", property.0),
                 })?;
                 if self.model.materials.len() == MOST_MATERIALS {
-                    return Err(ReadError::TooLarge { most: MOST_MATERIALS as u64, what: "materials" });
+                    return Err(ReadError::TooLarge {
+                        most: MOST_MATERIALS as u64,
+                        what: "materials",
+                    });
                 }
                 self.model.materials.push(material.clone());
                 Some(self.model.materials.len() - 1)
@@ -292,7 +306,9 @@ impl PartReader {
 
     fn open(&mut self, start: &BytesStart<'_>) -> Result<(), String> {
         match (start.local_name().as_ref(), &mut self.object) {
-            ("vertex", Some((_, Object { content: Content::Mesh { vertices, .. }, .. }))) if self.in_mesh => {
+            ("vertex", Some((_, Object { content: Content::Mesh { vertices, .. }, .. })))
+                if self.in_mesh =>
+            {
                 vertices.push(vertex(start)?);
             }
             ("triangle", Some((_, object))) if self.in_mesh => {
@@ -312,16 +328,17 @@ impl PartReader {
             }
             ("object", None) => {
                 let number = integer(start, "id")?.ok_or("an object without id")?;
-                let property =
-                    integer(start, "pid")?.map(|group| Ok((group, integer(start, "pindex")?.unwrap_or(0))));
+                let property = integer(start, "pid")?
+                    .map(|group| Ok((group, integer(start, "pindex")?.unwrap_or(0))));
                 let kind = attribute(start, "type")?;
                 self.property_numbers.clear();
                 self.object = Some((
                     number,
                     Object {
                         // Every instance has a copy.
-                        name: attribute(start, "name")?
-                            .map_or_else(String::new, |name| name.chars().take(LONGEST_NAME).collect()),
+                        name: attribute(start, "name")?.map_or_else(String::new, |name| {
+                            name.chars().take(LONGEST_NAME).collect()
+                        }),
                         is_model: kind.is_none_or(|kind| kind == "model" || kind == "solidsupport"),
                         property: property.transpose().map_err(|error: String| error)?,
                         content: Content::Mesh {
@@ -340,7 +357,8 @@ impl PartReader {
                 self.group = Some(number);
             }
             ("base" | "color", None) => {
-                if let Some(group) = self.group.and_then(|number| self.part.groups.get_mut(&number)) {
+                if let Some(group) = self.group.and_then(|number| self.part.groups.get_mut(&number))
+                {
                     let shown = attribute(start, "displaycolor")?.or(attribute(start, "color")?);
                     let name = attribute(start, "name")?.or(shown.clone()).map(Cow::into_owned);
                     group.push(Material {
@@ -351,7 +369,8 @@ impl PartReader {
             }
             ("model", None) => {
                 if let Some(unit) = attribute(start, "unit")? {
-                    self.part.mm = unit_mm(&unit).ok_or_else(|| format!("unknown unit {unit:?}"))?;
+                    self.part.mm =
+                        unit_mm(&unit).ok_or_else(|| format!("unknown unit {unit:?}"))?;
                 }
             }
             _ => {}
@@ -425,15 +444,20 @@ fn add_triangle(
             "p1" => &mut index,
             _ => continue,
         };
-        let value: u32 =
-            attribute.value.trim().parse().map_err(|_| format!("{:?} is no index", attribute.value))?;
+        let value: u32 = attribute
+            .value
+            .trim()
+            .parse()
+            .map_err(|_| format!("{:?} is no index", attribute.value))?;
         *target = Some(value);
     }
     let [Some(a), Some(b), Some(c)] = corners else {
         return Err("a triangle of less than 3 vertices".into());
     };
     let own = object.property.map(|(group, _)| group);
-    let Content::Mesh { triangles, paint, properties, .. } = &mut object.content else { return Ok(()) };
+    let Content::Mesh { triangles, paint, properties, .. } = &mut object.content else {
+        return Ok(());
+    };
     triangles.push([a, b, c]);
     // An index alone belongs to the group of the object.
     let property = group.or(own).and_then(|group| Some((group, index?)));
@@ -470,9 +494,11 @@ fn reference(start: &BytesStart<'_>) -> Result<Reference, String> {
     let transform = match attribute(start, "transform")? {
         None => Transform::IDENTITY,
         Some(text) => {
-            let values = text.split_ascii_whitespace().map(number).collect::<Result<Vec<_>, _>>()?;
+            let values =
+                text.split_ascii_whitespace().map(number).collect::<Result<Vec<_>, _>>()?;
             let count = values.len();
-            let values = values.try_into().map_err(|_| format!("a transform of {count} numbers, not 12"))?;
+            let values =
+                values.try_into().map_err(|_| format!("a transform of {count} numbers, not 12"))?;
             Transform::from_rows(values)
         }
     };
@@ -481,8 +507,9 @@ fn reference(start: &BytesStart<'_>) -> Result<Reference, String> {
 
 /// Colours are `#RRGGBB` or `#RRGGBBAA`.
 fn colour(text: &str) -> Option<[u8; 3]> {
-    let digits =
-        text.strip_prefix('#').filter(|digits| matches!(digits.len(), 6 | 8) && digits.is_ascii())?;
+    let digits = text
+        .strip_prefix('#')
+        .filter(|digits| matches!(digits.len(), 6 | 8) && digits.is_ascii())?;
     let channel = |at: usize| u8::from_str_radix(&digits[at..at + 2], 16).ok();
     Some([channel(0)?, channel(2)?, channel(4)?])
 }

@@ -19,7 +19,8 @@ pub(super) fn outlines(region: &Region, view: &View) -> Vec<Cell> {
     let nearness = |&(u, v): &Place| (u * u + v * v, v);
     let mut walks = walks(region, view);
     for walk in &mut walks {
-        let nearest = (0..walk.len()).min_by_key(|&at| nearness(&walk[at])).expect("a walk has a place");
+        let nearest =
+            (0..walk.len()).min_by_key(|&at| nearness(&walk[at])).expect("a walk has a place");
         walk.rotate_left(nearest);
     }
     // Stable: of a wall one cell wide, the outer outline was found before that of the hole, and stays so.

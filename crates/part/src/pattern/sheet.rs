@@ -66,7 +66,8 @@ fn write_sheet(out: &mut String) -> fmt::Result {
     write_defs(out, &region)?;
     for pattern in Pattern::ALL {
         let (row, column) = (pattern.number() / A_ROW, pattern.number() % A_ROW);
-        let (left, top) = (GAP + column as u32 * across, row as u32 * down + GAP / 2 + TITLE_HEIGHT);
+        let (left, top) =
+            (GAP + column as u32 * across, row as u32 * down + GAP / 2 + TITLE_HEIGHT);
         writeln!(
             out,
             r##"<text x="{left}" y="{}" {FONT} font-size="13"><tspan fill="#6b7480">{}</tspan> {pattern}</text>"##,
@@ -85,7 +86,8 @@ fn write_sheet(out: &mut String) -> fmt::Result {
 fn write_defs(out: &mut String, region: &Region) -> fmt::Result {
     let mut shape = String::new();
     for y in 0..region.height() {
-        let row: Vec<bool> = (0..region.width()).map(|x| region.contains(region.cell(x, y))).collect();
+        let row: Vec<bool> =
+            (0..region.width()).map(|x| region.contains(region.cell(x, y))).collect();
         let mut x = 0;
         for run in row.chunk_by(|a, b| a == b) {
             if run[0] {
@@ -119,11 +121,17 @@ fn write_pattern(out: &mut String, region: &Region, order: &[Cell]) -> fmt::Resu
             r#"<path fill="none" {dashes} stroke="{JUMP_COLOUR}" stroke-width="{JUMP_WIDTH}" d="{jumps}"/>"#
         )?;
     }
-    writeln!(out, r#"<path {STROKE} stroke="{PATH_COLOUR}" stroke-width="{LINE_WIDTH}" d="{line}"/>"#)?;
+    writeln!(
+        out,
+        r#"<path {STROKE} stroke="{PATH_COLOUR}" stroke-width="{LINE_WIDTH}" d="{line}"/>"#
+    )?;
     for (cell, colour) in [(order[0], START_COLOUR), (order[order.len() - 1], END_COLOUR)] {
         let mut mark = String::new();
         write_line(&mut mark, region, &[cell])?;
-        writeln!(out, r#"<path {STROKE} stroke="{colour}" stroke-width="{MARK_WIDTH}" d="{mark}h0"/>"#)?;
+        writeln!(
+            out,
+            r#"<path {STROKE} stroke="{colour}" stroke-width="{MARK_WIDTH}" d="{mark}h0"/>"#
+        )?;
     }
     Ok(())
 }
@@ -160,7 +168,11 @@ fn write_key(out: &mut String, y: u32) -> fmt::Result {
     let dot = MARK_WIDTH * f64::from(CELL);
     let mut x = GAP;
     for (label, colour) in [("first cell", START_COLOUR), ("last cell", END_COLOUR)] {
-        writeln!(out, r#"<path {STROKE} stroke="{colour}" stroke-width="{dot:.1}" d="M{} {y}h0"/>"#, x + 5)?;
+        writeln!(
+            out,
+            r#"<path {STROKE} stroke="{colour}" stroke-width="{dot:.1}" d="M{} {y}h0"/>"#,
+            x + 5
+        )?;
         writeln!(out, r#"<text x="{}" y="{baseline}" {text}>{label}</text>"#, x + 16)?;
         x += 100;
     }
@@ -183,7 +195,10 @@ mod tests {
             std::fs::write(file, &sheet).unwrap();
         }
         let committed = std::fs::read_to_string(file).unwrap().replace("\r\n", "\n");
-        assert!(committed == sheet, "docs/pictures/patterns.svg is out of date: see this test's comment");
+        assert!(
+            committed == sheet,
+            "docs/pictures/patterns.svg is out of date: see this test's comment"
+        );
     }
 
     #[test]

@@ -81,7 +81,8 @@ fn slow_spiral(pattern: Pattern, region: &Region, outward: bool) -> Vec<Cell> {
 
 /// The outlines from the corners of cells: directed edges in a map, glued at their ends with the sharpest left turn.
 fn slow_outlines(pattern: Pattern, region: &Region) -> Vec<Cell> {
-    let inside: BTreeSet<(i64, i64)> = region.cells().map(|cell| seen(pattern, region, cell)).collect();
+    let inside: BTreeSet<(i64, i64)> =
+        region.cells().map(|cell| seen(pattern, region, cell)).collect();
     // An edge from a corner point in a direction, the region on the left.
     let mut edges: BTreeSet<((i64, i64), (i64, i64))> = BTreeSet::new();
     for &(u, v) in &inside {
@@ -91,7 +92,9 @@ fn slow_outlines(pattern: Pattern, region: &Region) -> Vec<Cell> {
             ((u, v + 1), ((u, v + 1), (1, 0))),
             ((u + 1, v), ((u + 1, v + 1), (0, -1))),
         ];
-        edges.extend(sides.into_iter().filter(|(other, _)| !inside.contains(other)).map(|(_, edge)| edge));
+        edges.extend(
+            sides.into_iter().filter(|(other, _)| !inside.contains(other)).map(|(_, edge)| edge),
+        );
     }
     let left = |(du, dv): (i64, i64)| (dv, -du);
     let right = |(du, dv): (i64, i64)| (-dv, du);
@@ -121,7 +124,9 @@ fn slow_outlines(pattern: Pattern, region: &Region) -> Vec<Cell> {
             cells.push(here);
             point = (point.0 + heading.0, point.1 + heading.1);
             let ways = [left(heading), heading, right(heading)];
-            let turned = ways.into_iter().find(|&way| edges.contains(&(point, way)) || (point, way) == first);
+            let turned = ways
+                .into_iter()
+                .find(|&way| edges.contains(&(point, way)) || (point, way) == first);
             if turned == Some(right(heading)) {
                 cells.push((here.0 + heading.0, here.1 + heading.1));
             }
@@ -158,7 +163,8 @@ fn edge_cells(region: &Region) -> BTreeSet<Cell> {
     let is_edge = |&cell: &Cell| {
         let (x, y) = region.xy(cell);
         let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
-        let mut around = around.map(|(dx, dy)| (x.checked_add_signed(dx), y.checked_add_signed(dy)));
+        let mut around =
+            around.map(|(dx, dy)| (x.checked_add_signed(dx), y.checked_add_signed(dy)));
         around.any(|place| {
             let (Some(x), Some(y)) = place else { return true };
             x >= region.width() || y >= region.height() || !region.contains(region.cell(x, y))
@@ -190,12 +196,13 @@ fn drawn(rows: &[&str]) -> Region {
 
 fn mirrored(region: &Region, x: bool, y: bool) -> Region {
     let (width, height) = (region.width(), region.height());
-    let mask =
-        (0..height).flat_map(|row| (0..width).map(move |column| (column, row))).map(|(column, row)| {
+    let mask = (0..height).flat_map(|row| (0..width).map(move |column| (column, row))).map(
+        |(column, row)| {
             let column = if x { width - 1 - column } else { column };
             let row = if y { height - 1 - row } else { row };
             region.contains(region.cell(column, row))
-        });
+        },
+    );
     Region::from_mask(width, height, mask.collect()).unwrap()
 }
 
@@ -217,7 +224,9 @@ fn any_region() -> impl Strategy<Value = Region> {
     });
     let shape = (0..Shape::ALL.len(), 8..=14_u32, 8..=14_u32, any::<u64>());
     let shape = shape.prop_map(|(shape, width, height, seed)| {
-        Shape::ALL[shape].region(width, height, seed).unwrap_or(Region::rectangle(width, height).unwrap())
+        Shape::ALL[shape]
+            .region(width, height, seed)
+            .unwrap_or(Region::rectangle(width, height).unwrap())
     });
     prop_oneof![3 => mask, 1 => shape]
 }
@@ -292,7 +301,8 @@ fn shapes_of_parts() {
 fn all_orders_differ() {
     for (width, height) in [(5, 4), (4, 5), (6, 6), (7, 9)] {
         let region = Region::rectangle(width, height).unwrap();
-        let orders: BTreeSet<Vec<Cell>> = Pattern::ALL.into_iter().map(|one| one.order(&region)).collect();
+        let orders: BTreeSet<Vec<Cell>> =
+            Pattern::ALL.into_iter().map(|one| one.order(&region)).collect();
         assert_eq!(orders.len(), Pattern::COUNT, "{width} x {height}");
     }
 }
@@ -314,7 +324,8 @@ fn outlines_are_walked_around() {
     // Outer outlines first, each closed, then the hole's; the inner corner of the notch belongs to the walk.
     let ring = drawn(&["#####", "#####", "##.##", "#####", "#####"]);
     let order = Pattern::CONVENTIONAL.order(&ring);
-    let expected = [0, 5, 10, 15, 20, 21, 22, 23, 24, 19, 14, 9, 4, 3, 2, 1, 6, 7, 8, 13, 18, 17, 16, 11];
+    let expected =
+        [0, 5, 10, 15, 20, 21, 22, 23, 24, 19, 14, 9, 4, 3, 2, 1, 6, 7, 8, 13, 18, 17, 16, 11];
     assert_eq!(order, expected);
     let notch = drawn(&["####", "####", "##..", "##.."]);
     let order = Pattern::CONVENTIONAL.order(&notch);
@@ -323,12 +334,23 @@ fn outlines_are_walked_around() {
 
 #[test]
 fn closed_walks_take_unit_steps() {
-    let wide =
-        drawn(&["...####..", "..######.", ".########", ".########", "..#######", "..####...", "..####..."]);
-    for pattern in Pattern::ALL.into_iter().filter(|pattern| pattern.name().starts_with("contour")) {
+    let wide = drawn(&[
+        "...####..",
+        "..######.",
+        ".########",
+        ".########",
+        "..#######",
+        "..####...",
+        "..####...",
+    ]);
+    for pattern in Pattern::ALL.into_iter().filter(|pattern| pattern.name().starts_with("contour"))
+    {
         let order = pattern.order(&wide);
         let outline = &order[..edge_cells(&wide).len()];
-        assert!(outline.windows(2).all(|step| wide.adjacent(step[0], step[1])), "{pattern}: {outline:?}");
+        assert!(
+            outline.windows(2).all(|step| wide.adjacent(step[0], step[1])),
+            "{pattern}: {outline:?}"
+        );
         assert!(wide.adjacent(outline[0], outline[outline.len() - 1]), "{pattern}");
     }
 }
@@ -336,8 +358,12 @@ fn closed_walks_take_unit_steps() {
 #[test]
 fn the_outline_of_a_rectangle_leads_on_to_the_zigzag() {
     let region = Region::rectangle(8, 7).unwrap();
-    for pattern in Pattern::ALL.into_iter().filter(|pattern| words(*pattern).0 == "contour-zigzag") {
-        assert!(pattern.order(&region).windows(2).all(|step| region.adjacent(step[0], step[1])), "{pattern}");
+    for pattern in Pattern::ALL.into_iter().filter(|pattern| words(*pattern).0 == "contour-zigzag")
+    {
+        assert!(
+            pattern.order(&region).windows(2).all(|step| region.adjacent(step[0], step[1])),
+            "{pattern}"
+        );
     }
 }
 
@@ -364,7 +390,9 @@ fn names_and_numbers() {
     assert_eq!(Pattern::from_number(Pattern::COUNT), None);
     assert_eq!(Pattern::CONVENTIONAL, named("contour-zigzag-x-0"));
     let error = "zigzag-z-0".parse::<Pattern>().unwrap_err();
-    assert!(error.to_string().starts_with("'zigzag-z-0' is no pattern: names are like zigzag-x-0,"));
+    assert!(
+        error.to_string().starts_with("'zigzag-z-0' is no pattern: names are like zigzag-x-0,")
+    );
     // Records and learned models hold the numbers.
     for (name, number) in [
         ("zigzag-x-0", 0),

@@ -74,16 +74,20 @@ impl<'a> Sweep<'a> {
     fn new(mesh: &'a Mesh, layer_mm: f64, layers: Range<usize>) -> Self {
         let Range { start: first, end } = layers;
         let layers = end - first;
-        let mut sweep = Self { mesh, layer_mm, first, starts: vec![0; layers + 2], order: Vec::new() };
+        let mut sweep =
+            Self { mesh, layer_mm, first, starts: vec![0; layers + 2], order: Vec::new() };
         let triangles = 0..mesh.triangles().len() as u32;
-        let firsts: Vec<u32> = triangles.map(|triangle| sweep.first_layer(triangle, layers) as u32).collect();
+        let firsts: Vec<u32> =
+            triangles.map(|triangle| sweep.first_layer(triangle, layers) as u32).collect();
         firsts.iter().for_each(|&layer| sweep.starts[layer as usize + 1] += 1);
         for layer in 1..sweep.starts.len() {
             sweep.starts[layer] += sweep.starts[layer - 1];
         }
         sweep.order.resize(sweep.starts[layers] as usize, 0);
         let mut next = sweep.starts.clone();
-        for (triangle, &layer) in (0..).zip(&firsts).filter(|&(_, &layer)| (layer as usize) < layers) {
+        for (triangle, &layer) in
+            (0..).zip(&firsts).filter(|&(_, &layer)| (layer as usize) < layers)
+        {
             sweep.order[next[layer as usize] as usize] = triangle;
             next[layer as usize] += 1;
         }
@@ -107,7 +111,8 @@ impl<'a> Sweep<'a> {
 
     /// Least and greatest z of a triangle.
     fn range_mm(&self, triangle: u32) -> (f64, f64) {
-        let [a, b, c] = self.mesh.corners(self.mesh.triangles()[triangle as usize]).map(|corner| corner[2]);
+        let [a, b, c] =
+            self.mesh.corners(self.mesh.triangles()[triangle as usize]).map(|corner| corner[2]);
         (a.min(b).min(c), a.max(b).max(c))
     }
 
@@ -179,7 +184,9 @@ fn link(mesh: &Mesh, segments: &mut [Segment], paint: &[u8], plane: f64) -> Outl
         let mut is_new = false;
         loop {
             let first = first_from(at);
-            let Some(segment) = used.get(first).and_then(|&used| segments.get(first + used)) else { break };
+            let Some(segment) = used.get(first).and_then(|&used| segments.get(first + used)) else {
+                break;
+            };
             if segment.from != at {
                 break;
             }

@@ -115,7 +115,9 @@ pub enum SliceError {
     #[error("body {0} has no material, or one numbered beyond {max}", max = Zones::MAX - 1)]
     Material(usize),
     /// No layer has a cell: the part is thinner than a bead everywhere.
-    #[error("no layer has a cell: the part is thinner than {cell_mm} mm or lower than {layer_mm} mm")]
+    #[error(
+        "no layer has a cell: the part is thinner than {cell_mm} mm or lower than {layer_mm} mm"
+    )]
     NoCells {
         /// Width of a bead.
         cell_mm: f64,
@@ -151,8 +153,11 @@ pub fn slice(model: &Model, settings: &Settings<'_>) -> Result<Layers, SliceErro
             return None;
         }
         let bodies = model.bodies.iter().zip(&outlines);
-        let layer =
-            fill(bodies.filter_map(|(body, cuts)| Some((body, cuts.layer(number)?))), settings.rule, &frame);
+        let layer = fill(
+            bodies.filter_map(|(body, cuts)| Some((body, cuts.layer(number)?))),
+            settings.rule,
+            &frame,
+        );
         if let Some(observer) = settings.observer {
             observer(Progress { done: done.fetch_add(1, Ordering::Relaxed) + 1, layers: count });
         }
@@ -178,11 +183,13 @@ impl Cuts {
     fn new(body: &Body, settings: &Settings<'_>, layers: usize) -> Self {
         let bounds = body.mesh.bounds();
         // One more at either end, for the quotients are rounded.
-        let layer = |z: f64, more: f64| (z / settings.layer_mm + more).clamp(0.0, layers as f64) as usize;
+        let layer =
+            |z: f64, more: f64| (z / settings.layer_mm + more).clamp(0.0, layers as f64) as usize;
         let range = layer(bounds.least[2], -2.0)..layer(bounds.greatest[2], 2.0);
         let range = range.start.min(range.end)..range.end;
         let first = range.start;
-        let outlines = cut_between(&body.mesh, &body.paint, settings.layer_mm, range, settings.pool);
+        let outlines =
+            cut_between(&body.mesh, &body.paint, settings.layer_mm, range, settings.pool);
         Self { first, outlines }
     }
 
@@ -206,7 +213,8 @@ fn frame(model: &Model, settings: &Settings<'_>) -> Result<(Frame, usize), Slice
     for (number, body) in model.bodies.iter().enumerate() {
         let is_right = |material: usize| material < Zones::MAX as usize;
         let filled = body.material.is_some_and(is_right);
-        let painted = !body.paint.is_empty() && body.paint.iter().all(|&material| is_right(material.into()));
+        let painted =
+            !body.paint.is_empty() && body.paint.iter().all(|&material| is_right(material.into()));
         if !filled && !painted {
             return Err(SliceError::Material(number));
         }

@@ -131,7 +131,8 @@ mod tests {
 
     #[test]
     fn holes_belong_to_their_polygons() {
-        let outline = outline(&[square(0.0, 10.0, false), square(2.0, 5.0, true), square(3.0, 1.0, false)]);
+        let outline =
+            outline(&[square(0.0, 10.0, false), square(2.0, 5.0, true), square(3.0, 1.0, false)]);
         assert!((outline.area_mm2() - 76.0).abs() < 1e-12);
         let mut polygons = outline.polygons(FillRule::NonZero);
         polygons.sort_by_key(|polygon| polygon.holes.len());

@@ -21,8 +21,9 @@ pub(super) fn spread(outline: &Outline, rule: FillRule, frame: &Frame, materials
         let row = (row as usize - rows.start) * width;
         inside[row + first as usize - columns.start..row + end as usize - columns.start].fill(true);
     });
-    let of_plane =
-        |cell: usize| (rows.start + cell / width) * frame.width as usize + columns.start + cell % width;
+    let of_plane = |cell: usize| {
+        (rows.start + cell / width) * frame.width as usize + columns.start + cell % width
+    };
     let mut numbers = vec![0; inside.len()];
     let mut nearest = vec![f64::INFINITY; inside.len()];
     let mut first = None;
@@ -56,7 +57,8 @@ pub(super) fn spread(outline: &Outline, rule: FillRule, frame: &Frame, materials
             }
         }
     }
-    let mut queue: VecDeque<usize> = (0..inside.len()).filter(|&cell| nearest[cell].is_finite()).collect();
+    let mut queue: VecDeque<usize> =
+        (0..inside.len()).filter(|&cell| nearest[cell].is_finite()).collect();
     while let Some(cell) = queue.pop_front() {
         let x = cell % width;
         let right = (x + 1 < width).then_some(cell + 1);

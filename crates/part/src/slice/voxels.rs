@@ -56,7 +56,10 @@ impl Voxels {
 
     /// The filled voxels of one layer, by the numbers of their cells, rising.
     pub fn cells(&self, z: usize) -> impl Iterator<Item = Cell> {
-        (0..).zip(self.layer(z)).filter(|&(_, &material)| material != Self::EMPTY).map(|(cell, _)| cell)
+        (0..)
+            .zip(self.layer(z))
+            .filter(|&(_, &material)| material != Self::EMPTY)
+            .map(|(cell, _)| cell)
     }
 
     /// The filled voxels of one layer.

@@ -71,7 +71,8 @@ pub(super) fn run<C: Cost>(free: &Free, start: Path, cost: &C, settings: &Settin
             };
             let Some(switches) = second.map(|second| [first, second]) else { continue };
             let change = cost.change(switches);
-            let proposed = change != 0 || is_worth_its_span(&run.path, switches, free.span, &mut run.rng);
+            let proposed =
+                change != 0 || is_worth_its_span(&run.path, switches, free.span, &mut run.rng);
             if proposed && metropolis.takes(change, &mut run.rng) && run.path.apply(&switches) {
                 run.accept(Move::Pair(switches), change);
             }
@@ -124,7 +125,12 @@ fn on_the_cycle(path: &Path, first: Switch, rng: &mut Xoshiro256PlusPlus) -> Opt
 }
 
 #[inline]
-fn is_worth_its_span(path: &Path, switches: [Switch; 2], span: u32, rng: &mut Xoshiro256PlusPlus) -> bool {
+fn is_worth_its_span(
+    path: &Path,
+    switches: [Switch; 2],
+    span: u32,
+    rng: &mut Xoshiro256PlusPlus,
+) -> bool {
     let [one, two] = switches.map(|switch| path.cuts(switch.corner(), switch.from()));
     let length = one.second.max(two.second) - one.first.min(two.first);
     length <= span || below(rng, length as usize) < span as usize
@@ -139,8 +145,10 @@ fn corners<C: Cost>(path: &Path, cost: &C, reach: u32) -> Vec<Cell> {
             if !cost.is_sensitive(y * path.width() + x, path.width()) {
                 continue;
             }
-            for row in y.saturating_sub(reach)..rows.min(y.saturating_add(reach).saturating_add(1)) {
-                for column in x.saturating_sub(reach)..columns.min(x.saturating_add(reach).saturating_add(1))
+            for row in y.saturating_sub(reach)..rows.min(y.saturating_add(reach).saturating_add(1))
+            {
+                for column in
+                    x.saturating_sub(reach)..columns.min(x.saturating_add(reach).saturating_add(1))
                 {
                     near[(row * columns + column) as usize] = true;
                 }
@@ -148,7 +156,9 @@ fn corners<C: Cost>(path: &Path, cost: &C, reach: u32) -> Vec<Cell> {
         }
     }
     let corners = (0..).zip(&near).filter(|&(_, &near)| near);
-    corners.map(|(corner, _): (u32, _)| corner / columns * path.width() + corner % columns).collect()
+    corners
+        .map(|(corner, _): (u32, _)| corner / columns * path.width() + corner % columns)
+        .collect()
 }
 
 /// Acceptance at one temperature: a table of thresholds for the small changes, which are nearly all.

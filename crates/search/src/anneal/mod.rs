@@ -70,8 +70,9 @@ impl Preset {
 
     /// What it stands for.
     pub fn method(self) -> Method {
-        let pooled =
-            |iterations, hot, cold| Method::Pooled(Pooled { iterations, hot, cold, ..Pooled::default() });
+        let pooled = |iterations, hot, cold| {
+            Method::Pooled(Pooled { iterations, hot, cold, ..Pooled::default() })
+        };
         match self {
             Self::Paper => Method::Pooled(Pooled::default()),
             Self::Short => pooled(1000, 60.0, 0.5),
@@ -224,7 +225,13 @@ impl<'a> Run<'a> {
 
     fn observe(&self, proposals: u64, planned: u64, temperature: f64) {
         if let Some(observer) = self.settings.observer {
-            observer(Progress { proposals, planned, temperature, cost: self.present, best: self.best });
+            observer(Progress {
+                proposals,
+                planned,
+                temperature,
+                cost: self.present,
+                best: self.best,
+            });
         }
     }
 

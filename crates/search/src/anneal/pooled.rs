@@ -54,7 +54,12 @@ impl Pooled {
     }
 }
 
-pub(super) fn run<C: Cost>(pooled: &Pooled, start: Path, cost: &C, settings: &Settings<'_>) -> Outcome {
+pub(super) fn run<C: Cost>(
+    pooled: &Pooled,
+    start: Path,
+    cost: &C,
+    settings: &Settings<'_>,
+) -> Outcome {
     let mut run = Run::new(start, cost, settings);
     let width = run.path.width();
     let first_flips = (f64::from(pooled.iterations) * pooled.transposes_only) as u32;
@@ -70,8 +75,11 @@ pub(super) fn run<C: Cost>(pooled: &Pooled, start: Path, cost: &C, settings: &Se
             pool_age = pooled.pool_life;
         }
         if pool_age >= pooled.pool_life || iteration == first_flips {
-            let kinds: &[Kind] =
-                if iteration < first_flips { &[Kind::Transpose] } else { &[Kind::Transpose, Kind::Flip] };
+            let kinds: &[Kind] = if iteration < first_flips {
+                &[Kind::Transpose]
+            } else {
+                &[Kind::Transpose, Kind::Flip]
+            };
             pool.fill(&run.path, kinds);
             pool_age = 0;
             let temperature = pooled.temperature(iteration, hot);
@@ -91,7 +99,8 @@ pub(super) fn run<C: Cost>(pooled: &Pooled, start: Path, cost: &C, settings: &Se
         }
         let change = cost.change(placed.switches(width));
         let taken = change <= 0
-            || unit(&mut run.rng) < libm::exp(-(change as f64) / pooled.temperature(iteration, hot));
+            || unit(&mut run.rng)
+                < libm::exp(-(change as f64) / pooled.temperature(iteration, hot));
         if taken && run.path.apply_variant(placed) && run.accept(Move::Variant(placed), change) {
             last_gain = iteration;
         }

@@ -115,8 +115,11 @@ fn the_cancel_token_stops_a_run_and_keeps_its_best() {
             seen.push(progress);
             cancel.store(seen.len() > 2, Ordering::Relaxed);
         };
-        let settings =
-            Settings { cancel: Some(&cancel), observer: Some(&observer), ..Settings::preset(preset, 0) };
+        let settings = Settings {
+            cancel: Some(&cancel),
+            observer: Some(&observer),
+            ..Settings::preset(preset, 0)
+        };
         let outcome = anneal(start.clone(), &crossings, &settings);
         assert_eq!(outcome.stop, Stop::Cancelled, "{preset}");
         let seen = seen.lock().unwrap();
@@ -134,13 +137,15 @@ fn another_cost_is_annealed() {
 
     impl Cost for Steps {
         fn total(&self, path: &Path) -> i64 {
-            let vertical = path.order().windows(2).filter(|step| step[0].abs_diff(step[1]) == path.width());
+            let vertical =
+                path.order().windows(2).filter(|step| step[0].abs_diff(step[1]) == path.width());
             self.0 * vertical.count() as i64
         }
 
         fn change(&self, switches: [Switch; 2]) -> i64 {
-            let change =
-                |switch: Switch| if switch.from() == beadwork_grid::Sides::Vertical { -2 } else { 2 };
+            let change = |switch: Switch| {
+                if switch.from() == beadwork_grid::Sides::Vertical { -2 } else { 2 }
+            };
             self.0 * switches.map(change).iter().sum::<i64>()
         }
 
@@ -158,14 +163,21 @@ fn another_cost_is_annealed() {
     for (steps, preset, start) in runs {
         let start = start.path(&region).unwrap();
         let outcome = anneal(start.clone(), &steps, &Settings::preset(preset, 0));
-        assert!(outcome.cost < outcome.initial, "{preset}: {} -> {}", outcome.initial, outcome.cost);
+        assert!(
+            outcome.cost < outcome.initial,
+            "{preset}: {} -> {}",
+            outcome.initial,
+            outcome.cost
+        );
         assert_eq!(steps.total(&outcome.path), outcome.cost);
     }
 }
 
 #[test]
 fn the_temperature_falls_from_hot_to_cold() {
-    let Method::Pooled(pooled) = Preset::Paper.method() else { panic!("the paper's annealer has a pool") };
+    let Method::Pooled(pooled) = Preset::Paper.method() else {
+        panic!("the paper's annealer has a pool")
+    };
     let run = Mutex::new(Vec::new());
     let observer = |progress: Progress| run.lock().unwrap().push(progress.temperature);
     let (region, _, crossings) = instance(12, 12, Layout::LeftRight, 0);
@@ -174,7 +186,10 @@ fn the_temperature_falls_from_hot_to_cold() {
     let temperatures = run.into_inner().unwrap();
     assert!(temperatures.is_sorted_by(|a, b| a >= b));
     assert!((temperatures[0] - 60.0).abs() < 1.0 && *temperatures.last().unwrap() < 10.0);
-    assert_eq!((pooled.iterations, pooled.pool, pooled.pool_life, pooled.patience), (5000, 5000, 250, 3000));
+    assert_eq!(
+        (pooled.iterations, pooled.pool, pooled.pool_life, pooled.patience),
+        (5000, 5000, 250, 3000)
+    );
 }
 
 #[test]

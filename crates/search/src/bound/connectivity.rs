@@ -39,7 +39,12 @@ impl Apart {
 /// shortest residual walk through it, and the component where that is dearest counts. Of several pieces one may stay inside a
 /// component, so there only components count in which no cheapest 2-matching has room for an end; that costs at least 1, for
 /// costs are whole numbers.
-pub(crate) fn connectivity(apart: &Apart, matching: &Matching<'_>, pieces: u32, paths: &mut Paths) -> u32 {
+pub(crate) fn connectivity(
+    apart: &Apart,
+    matching: &Matching<'_>,
+    pieces: u32,
+    paths: &mut Paths,
+) -> u32 {
     if pieces == 1 { dearest(&apart.components, matching, paths) } else { LEAST }
 }
 
@@ -61,7 +66,11 @@ impl Allowed<'_, '_> {
 
 /// The components that a cover in so many pieces has to leave but this 2-matching does not: with one piece those that hold no
 /// end, with several those that can hold none.
-pub(super) fn closed_sets(graph: &ZoneGraph, allowed: &Allowed<'_, '_>, pieces: u32) -> Vec<Vec<Node>> {
+pub(super) fn closed_sets(
+    graph: &ZoneGraph,
+    allowed: &Allowed<'_, '_>,
+    pieces: u32,
+) -> Vec<Vec<Node>> {
     if graph.count() == 1 {
         return Vec::new();
     }
@@ -76,7 +85,11 @@ pub(super) fn closed_sets(graph: &ZoneGraph, allowed: &Allowed<'_, '_>, pieces: 
             is_closed[component] = false;
         }
     }
-    sets.into_iter().zip(is_closed).filter(|(_, is_closed)| *is_closed).map(|(set, _)| set).collect()
+    sets.into_iter()
+        .zip(is_closed)
+        .filter(|(_, is_closed)| *is_closed)
+        .map(|(set, _)| set)
+        .collect()
 }
 
 /// The cost of the cheapest link out of a component, for the component where it is dearest.

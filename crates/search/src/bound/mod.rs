@@ -54,8 +54,15 @@ impl Bounds {
     pub fn new(region: &Region, zones: &Zones) -> Self {
         let costs = ZoneCosts::uniform(zones.count());
         let boards = Board::of_parts(region, zones, &costs);
-        let mut sum =
-            Self { pieces: 0, flow: 0, cover: 0, scattering: 0, walk: Some(0), connectivity: 0, cuts: 0 };
+        let mut sum = Self {
+            pieces: 0,
+            flow: 0,
+            cover: 0,
+            scattering: 0,
+            walk: Some(0),
+            connectivity: 0,
+            cuts: 0,
+        };
         for board in &boards {
             let (matching, pieces) = flow::flow(board);
             let graph = ZoneGraph::new(board);
@@ -63,9 +70,11 @@ impl Bounds {
             let mut paths = Paths::new(board);
             let flow = matching.cost() as u32;
             let apart = Apart::new(&matching, pieces);
-            let extra =
-                apart.map_or(0, |apart| connectivity::connectivity(&apart, &matching, pieces, &mut paths));
-            let cuts = Cuts::Stepwise.bound(&matching, pieces, &mut paths, u64::MAX, Interrupt::default());
+            let extra = apart.map_or(0, |apart| {
+                connectivity::connectivity(&apart, &matching, pieces, &mut paths)
+            });
+            let cuts =
+                Cuts::Stepwise.bound(&matching, pieces, &mut paths, u64::MAX, Interrupt::default());
             sum.pieces += pieces;
             sum.flow += flow;
             sum.cover += segments::cover(&need, pieces);
@@ -79,7 +88,8 @@ impl Bounds {
 
     /// The greatest of the bounds of the crossings.
     pub fn crossings(&self) -> u32 {
-        let others = [self.cover, self.scattering, self.walk.unwrap_or(0), self.connectivity, self.cuts];
+        let others =
+            [self.cover, self.scattering, self.walk.unwrap_or(0), self.connectivity, self.cuts];
         others.into_iter().fold(self.flow, u32::max)
     }
 }

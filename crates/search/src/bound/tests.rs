@@ -17,7 +17,10 @@ fn layouts_of_the_paper() {
     assert_eq!(components(&region, &zones(Layout::Stripes), 5), 0);
     let islands = Bounds::new(&region, &zones(Layout::Islands));
     // Three islands that touch only the background: in and out of the one in the middle, in or out of the others.
-    assert_eq!((islands.pieces, islands.walk, islands.scattering, islands.cover), (1, Some(4), 4, 3));
+    assert_eq!(
+        (islands.pieces, islands.walk, islands.scattering, islands.cover),
+        (1, Some(4), 4, 3)
+    );
     assert_eq!(islands.crossings(), 4);
 }
 
@@ -58,8 +61,8 @@ fn layers() -> impl Iterator<Item = (Region, Zones)> {
             Some(shape) => shape.region(side, side + 3, seed).unwrap(),
             None => Region::rectangle(side, side + 3).unwrap(),
         };
-        let layout =
-            [Layout::Voronoi, Layout::Islands, Layout::Stripes, Layout::Checkerboard][seed as usize % 4];
+        let layout = [Layout::Voronoi, Layout::Islands, Layout::Stripes, Layout::Checkerboard]
+            [seed as usize % 4];
         let zones = LayoutSpec { layout, zones: 4, side: 3 }.zones(&region, seed).unwrap();
         (region, zones)
     })

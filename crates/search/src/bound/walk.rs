@@ -25,7 +25,8 @@ pub(crate) fn walk(graph: &ZoneGraph, pieces: u32) -> Option<u32> {
         ((walks - 1) as usize * (all + 1) + visited) * count as usize + at as usize
     };
     let mut seen = vec![false; state(pieces + 1, 0, 0)];
-    let mut open: VecDeque<(u32, usize, u32, u32)> = (0..count).map(|at| (1, 1 << at, at, 0)).collect();
+    let mut open: VecDeque<(u32, usize, u32, u32)> =
+        (0..count).map(|at| (1, 1 << at, at, 0)).collect();
     while let Some((walks, visited, at, steps)) = open.pop_front() {
         if visited == all {
             return Some(steps);

@@ -105,13 +105,17 @@ impl<'a, C: Cost> Grower<'a, C> {
                     best = Some((at, length, gain));
                 }
             }
-            if best.is_some_and(|(_, best_length, _)| length >= best_length + self.settings.patience) {
+            if best
+                .is_some_and(|(_, best_length, _)| length >= best_length + self.settings.patience)
+            {
                 break;
             }
             let mut next = Vec::new();
             for &at in &front {
                 let chain = chain(&nodes, at);
-                chain.iter().for_each(|&placed| assert!(links.apply_variant(placed), "the chain applies"));
+                chain
+                    .iter()
+                    .for_each(|&placed| assert!(links.apply_variant(placed), "the chain applies"));
                 let Node { placed: last, change, key, .. } = nodes[at];
                 reach.follow(last);
                 for y in last.y.saturating_sub(OVERLAP)..=last.y + OVERLAP {
@@ -157,8 +161,9 @@ impl<'a, C: Cost> Grower<'a, C> {
 
 /// The moves of a chain, the first one first.
 fn chain(nodes: &[Node], last: usize) -> Vec<Placed> {
-    let mut moves: Vec<_> =
-        std::iter::successors(Some(last), |&at| nodes[at].parent).map(|at| nodes[at].placed).collect();
+    let mut moves: Vec<_> = std::iter::successors(Some(last), |&at| nodes[at].parent)
+        .map(|at| nodes[at].placed)
+        .collect();
     moves.reverse();
     moves
 }

@@ -16,7 +16,13 @@ fn instance(width: u32, height: u32, layout: Layout, seed: u64) -> (Path, Crossi
 }
 
 /// The greatest gain of all chains from a variant, for each length: breadth first over all links that can be reached.
-fn best_gains(plane: &Path, start: &Links, cost: &Crossings, first: Placed, depth: usize) -> Vec<i64> {
+fn best_gains(
+    plane: &Path,
+    start: &Links,
+    cost: &Crossings,
+    first: Placed,
+    depth: usize,
+) -> Vec<i64> {
     let mut links = start.clone();
     assert!(links.apply_variant(first));
     let change = |placed: Placed| Cost::change(cost, placed.switches(plane.width()));
@@ -134,7 +140,8 @@ fn it_stops_at_the_bound_and_when_cancelled() {
     let outcome = solve(&start, &crossings, &Settings { bound: Some(16), ..Settings::default() });
     assert_eq!((outcome.stop, outcome.cost), (Stop::Optimal, 16));
     let cancel = AtomicBool::new(true);
-    let outcome = solve(&start, &crossings, &Settings { cancel: Some(&cancel), ..Settings::default() });
+    let outcome =
+        solve(&start, &crossings, &Settings { cancel: Some(&cancel), ..Settings::default() });
     assert_eq!((outcome.stop, outcome.cost, outcome.moves.len()), (Stop::Cancelled, 20, 0));
 }
 
@@ -142,7 +149,8 @@ fn it_stops_at_the_bound_and_when_cancelled() {
 fn a_seed_names_one_search_on_every_machine() {
     let region = Region::rectangle(30, 30).unwrap();
     let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, 1).unwrap();
-    let (start, crossings) = (Start::RowZigzag.path(&region).unwrap(), Crossings::new(&region, &zones));
+    let (start, crossings) =
+        (Start::RowZigzag.path(&region).unwrap(), Crossings::new(&region, &zones));
     let digest = |preset| {
         let outcome = solve(&start, &crossings, &Settings::preset(preset, 9));
         let mix = |sum: u64, &cell: &u32| sum.wrapping_mul(0x100_0000_01b3) ^ u64::from(cell);

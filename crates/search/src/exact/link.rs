@@ -98,7 +98,8 @@ struct Closed {
 
 impl Closed {
     fn new(graph: &ZoneGraph, matching: &Matching<'_>) -> Self {
-        let mut groups = Groups::new(graph, matching.board, |node, dir| matching.is_linked(node, dir));
+        let mut groups =
+            Groups::new(graph, matching.board, |node, dir| matching.is_linked(node, dir));
         let mut shut = vec![true; graph.count() as usize];
         let mut count = groups.count();
         for &node in &matching.board.cells {
@@ -112,7 +113,12 @@ impl Closed {
     }
 
     /// The links that lead out of closed groups.
-    fn outward(&mut self, graph: &ZoneGraph, matching: &Matching<'_>, links: &mut Vec<(Node, Dir)>) {
+    fn outward(
+        &mut self,
+        graph: &ZoneGraph,
+        matching: &Matching<'_>,
+        links: &mut Vec<(Node, Dir)>,
+    ) {
         links.clear();
         for &link in &graph.links {
             let (a, b) = self.groups.of_link(graph, matching.board, link);

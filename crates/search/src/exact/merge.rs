@@ -22,7 +22,9 @@ impl Joined {
                 }
             }
         }
-        for &node in board.cells.iter().filter(|&&node| matching.links[node as usize].count_ones() < 2) {
+        for &node in
+            board.cells.iter().filter(|&&node| matching.links[node as usize].count_ones() < 2)
+        {
             is_cycle[union.root(node) as usize] = false;
         }
         Self { union, is_cycle }
@@ -93,8 +95,8 @@ fn switch_change(matching: &Matching<'_>, corner: Node) -> Option<i32> {
     const LEFT_ABOVE: u8 = 0b1100;
     let board = matching.board;
     let opposite = corner + board.stride() as Node + 1;
-    let sides =
-        matching.links[corner as usize] & RIGHT_BELOW | matching.links[opposite as usize] & LEFT_ABOVE;
+    let sides = matching.links[corner as usize] & RIGHT_BELOW
+        | matching.links[opposite as usize] & LEFT_ABOVE;
     let horizontal = match sides {
         0b0101 => true,
         0b1010 => false,
@@ -105,7 +107,8 @@ fn switch_change(matching: &Matching<'_>, corner: Node) -> Option<i32> {
     if !exists {
         return None;
     }
-    let across = board.across[corner as usize] & RIGHT_BELOW | board.across[opposite as usize] & LEFT_ABOVE;
+    let across =
+        board.across[corner as usize] & RIGHT_BELOW | board.across[opposite as usize] & LEFT_ABOVE;
     if across == 0 {
         return Some(0);
     }

@@ -227,7 +227,8 @@ pub fn solve(region: &Region, zones: &Zones, settings: &Settings<'_>) -> Result<
     let boards = Board::of_parts(region, zones, costs);
     let candidates = |terminal: Terminal| -> Vec<Vec<Node>> {
         let cells = terminal.cells(region);
-        let on = |board: &Board| cells.iter().filter_map(|&cell| board.find(region, cell)).collect();
+        let on =
+            |board: &Board| cells.iter().filter_map(|&cell| board.find(region, cell)).collect();
         boards.iter().map(on).collect()
     };
     let mut solver = Solver {
@@ -309,7 +310,9 @@ impl Solver<'_> {
         let ends = choices(self.settings.end, &self.ends);
         let mut best: Option<Choice> = None;
         let (mut piece_bound, mut bound) = (u32::MAX, u64::MAX);
-        for (start, end) in starts.iter().flat_map(|&start| ends.iter().map(move |&end| (start, end))) {
+        for (start, end) in
+            starts.iter().flat_map(|&start| ends.iter().map(move |&end| (start, end)))
+        {
             if !self.is_possible(start, end) {
                 continue;
             }
@@ -320,7 +323,8 @@ impl Solver<'_> {
             // With more pieces than needed, another part may have those too many.
             let surplus = choice.pieces - choice.piece_bound;
             if surplus > 0 && self.boards.len() > 1 {
-                let most = |number: usize| self.parts[&key(number, start, end)].piece_bound + surplus;
+                let most =
+                    |number: usize| self.parts[&key(number, start, end)].piece_bound + surplus;
                 choice.bound = (0..self.boards.len())
                     .map(|number| flow::cost_in(&self.boards[number], most(number)))
                     .sum();
@@ -328,7 +332,10 @@ impl Solver<'_> {
             // A cover can be cut into more pieces at no cost, so a bound for more pieces holds for fewer too.
             piece_bound = piece_bound.min(choice.piece_bound);
             bound = bound.min(choice.bound);
-            if best.as_ref().is_none_or(|best| (choice.pieces, choice.cost) < (best.pieces, best.cost)) {
+            if best
+                .as_ref()
+                .is_none_or(|best| (choice.pieces, choice.cost) < (best.pieces, best.cost))
+            {
                 best = Some(choice);
             }
         }
@@ -370,9 +377,11 @@ impl Solver<'_> {
         for number in numbers {
             let board = &self.boards[number];
             let part = self.part(number, start, end);
-            let cells =
-                |nodes: &[Node]| -> Vec<Cell> { nodes.iter().map(|&node| board.cell(node)).collect() };
-            let (begin, rest) = part.order.split_at(if end == Some(number) { part.last_piece } else { 0 });
+            let cells = |nodes: &[Node]| -> Vec<Cell> {
+                nodes.iter().map(|&node| board.cell(node)).collect()
+            };
+            let (begin, rest) =
+                part.order.split_at(if end == Some(number) { part.last_piece } else { 0 });
             if end == Some(number) {
                 order.extend(cells(begin));
                 last = cells(rest);
@@ -411,7 +420,16 @@ struct Choice {
 impl Default for Choice {
     fn default() -> Self {
         let (start, end) = (None, None);
-        Self { start, end, pieces: 0, piece_bound: 0, cost: 0, bound: 0, attempts: 0, stop: Stop::Optimal }
+        Self {
+            start,
+            end,
+            pieces: 0,
+            piece_bound: 0,
+            cost: 0,
+            bound: 0,
+            attempts: 0,
+            stop: Stop::Optimal,
+        }
     }
 }
 

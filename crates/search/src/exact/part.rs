@@ -183,7 +183,10 @@ impl Search<'_> {
         // What the bounds may need: not each cover meets the first of them.
         let relaxed = relaxed.unwrap_or_else(|| matching.clone());
         if let Some(cover) = self.complete(matching)
-            && self.best.as_ref().is_none_or(|best| (cover.pieces, cover.cost) < (best.pieces, best.cost))
+            && self
+                .best
+                .as_ref()
+                .is_none_or(|best| (cover.pieces, cover.cost) < (best.pieces, best.cost))
         {
             self.best = Some(cover);
         }
@@ -216,7 +219,11 @@ impl Search<'_> {
     /// these could be chosen, one without that.
     ///
     /// Raises the number of pieces, and their bound, as far as the cells' colours and the ends demand.
-    fn cheapest<'b>(&mut self, board: &'b Board, grain: Grain) -> (Option<Matching<'b>>, Matching<'b>) {
+    fn cheapest<'b>(
+        &mut self,
+        board: &'b Board,
+        grain: Grain,
+    ) -> (Option<Matching<'b>>, Matching<'b>) {
         let mut sides: Vec<(usize, &[Node])> = vec![(0, &self.ends.first), (1, &self.ends.last)];
         sides.retain(|(_, cells)| !cells.is_empty());
         // A given cell leaves no choice, so it goes first: what follows is then as cheap as can be.
@@ -299,8 +306,8 @@ impl Search<'_> {
         if !self.costs.is_symmetric() {
             let (levelled, spread) = self.costs.levelled();
             let board = self.board.with_costs(levelled);
-            let cost =
-                self.grown(&board, Grain::default()).cost() - i64::from(spread) * i64::from(self.target);
+            let cost = self.grown(&board, Grain::default()).cost()
+                - i64::from(spread) * i64::from(self.target);
             self.bound = self.bound.max(cost.max(0) as u64);
         }
     }
@@ -399,7 +406,9 @@ impl Search<'_> {
         let cost = |piece: &[Node]| -> u64 {
             piece
                 .windows(2)
-                .map(|step| u64::from(self.costs.cost(self.board.zone(step[0]), self.board.zone(step[1]))))
+                .map(|step| {
+                    u64::from(self.costs.cost(self.board.zone(step[0]), self.board.zone(step[1])))
+                })
                 .sum()
         };
         let mut total = 0;
@@ -480,7 +489,8 @@ fn order_pieces(pieces: &mut Vec<Vec<Node>>, first: Option<Node>, last: Option<N
     pieces.sort_unstable_by_key(|piece| piece.iter().min().copied());
     let holds = |piece: &Vec<Node>, node: Node| piece[0] == node || piece[piece.len() - 1] == node;
     if let Some(first) = first {
-        let index = pieces.iter().position(|piece| holds(piece, first)).expect("it is an end of a piece");
+        let index =
+            pieces.iter().position(|piece| holds(piece, first)).expect("it is an end of a piece");
         let mut piece = pieces.remove(index);
         if piece[0] != first {
             piece.reverse();
@@ -488,7 +498,8 @@ fn order_pieces(pieces: &mut Vec<Vec<Node>>, first: Option<Node>, last: Option<N
         pieces.insert(0, piece);
     }
     if let Some(last) = last {
-        let index = pieces.iter().position(|piece| holds(piece, last)).expect("it is an end of a piece");
+        let index =
+            pieces.iter().position(|piece| holds(piece, last)).expect("it is an end of a piece");
         let mut piece = pieces.remove(index);
         let both = first.is_some_and(|first| holds(&piece, first));
         if both && (apart || !pieces.is_empty()) {

@@ -246,14 +246,17 @@ impl Strands {
     /// The cells of each strand in order; a cycle is opened where its link costs most.
     pub(crate) fn pieces(&self, matching: &Matching<'_>) -> Vec<Vec<Node>> {
         let board = matching.board;
-        let cost =
-            |a: Node, b: Node| (0..4).find(|&dir| board.step(a, dir) == b).map(|dir| board.cost(a, dir));
-        let numbers = (0..self.list.len() as u32).filter(|&number| self.list[number as usize].length > 0);
+        let cost = |a: Node, b: Node| {
+            (0..4).find(|&dir| board.step(a, dir) == b).map(|dir| board.cost(a, dir))
+        };
+        let numbers =
+            (0..self.list.len() as u32).filter(|&number| self.list[number as usize].length > 0);
         let open = |number: u32| {
             let mut cells = self.cells(matching, number);
             if self.list[number as usize].is_cycle {
                 let length = cells.len();
-                let dearest = (0..length).max_by_key(|&at| cost(cells[at], cells[(at + 1) % length]));
+                let dearest =
+                    (0..length).max_by_key(|&at| cost(cells[at], cells[(at + 1) % length]));
                 cells.rotate_left(dearest.map_or(0, |at| (at + 1) % length));
             }
             cells
@@ -270,9 +273,11 @@ impl Strands {
         while cells.len() < length as usize {
             cells.push(node);
             // The numbering tells the way, also at the first cell of a cycle.
-            let follows = |&other: &Node| self.place[other as usize] == cells.len() as u32 && other != before;
-            let next =
-                dirs(matching.links[node as usize]).map(|dir| matching.board.step(node, dir)).find(follows);
+            let follows =
+                |&other: &Node| self.place[other as usize] == cells.len() as u32 && other != before;
+            let next = dirs(matching.links[node as usize])
+                .map(|dir| matching.board.step(node, dir))
+                .find(follows);
             let Some(next) = next else { break };
             (before, node) = (node, next);
         }

@@ -47,7 +47,8 @@ fn judge(problem: &Problem<'_>, plan: &Plan) {
         zones.ids(),
         plan.pieces
     );
-    let cost: u64 = steps().map(|step| u64::from(costs.cost(zones.id(step[0]), zones.id(step[1])))).sum();
+    let cost: u64 =
+        steps().map(|step| u64::from(costs.cost(zones.id(step[0]), zones.id(step[1])))).sum();
     assert_eq!(cost, plan.cost);
     assert!(start.is_none_or(|cell| order[0] == cell), "it begins elsewhere");
     assert!(end.is_none_or(|cell| order[order.len() - 1] == cell), "it ends elsewhere");
@@ -76,8 +77,13 @@ fn compare(
         let (region, zones) = draw(&mut rng, side);
         let Change { costs, start, end } = change(&mut rng, &region, &zones);
         let uniform = ZoneCosts::uniform(zones.count());
-        let problem =
-            Problem { region: &region, zones: &zones, costs: costs.as_ref().unwrap_or(&uniform), start, end };
+        let problem = Problem {
+            region: &region,
+            zones: &zones,
+            costs: costs.as_ref().unwrap_or(&uniform),
+            start,
+            end,
+        };
         let terminal = |cell: Option<Cell>| cell.map_or(Terminal::Any, Terminal::Cell);
         let settings = Settings {
             seed: number,
@@ -97,7 +103,11 @@ fn compare(
             region.cells().collect::<Vec<_>>(),
             zones.ids()
         );
-        assert!(plan.piece_bound <= pieces, "{about}: at least {} pieces, but {pieces} do", plan.piece_bound);
+        assert!(
+            plan.piece_bound <= pieces,
+            "{about}: at least {} pieces, but {pieces} do",
+            plan.piece_bound
+        );
         if plan.pieces == pieces {
             assert!(plan.bound <= cost, "{about}: at least {}, but {cost} does", plan.bound);
         }
@@ -167,7 +177,8 @@ fn no_bound_exceeds_the_optimum() {
     for number in 0..1500 {
         let (region, zones) = draw(&mut rng, 5);
         let costs = ZoneCosts::uniform(zones.count());
-        let problem = Problem { region: &region, zones: &zones, costs: &costs, start: None, end: None };
+        let problem =
+            Problem { region: &region, zones: &zones, costs: &costs, start: None, end: None };
         let bounds = Bounds::new(&region, &zones);
         let (pieces, _) = fewest_and_cheapest(&problem);
         assert!(bounds.pieces <= pieces, "problem {number}: {bounds:?}, but {pieces} pieces do");
@@ -210,8 +221,8 @@ fn layers() -> impl Iterator<Item = (Region, Zones)> {
             Some(shape) => shape.region(side, side, seed).unwrap(),
             None => Region::rectangle(side, side + 1).unwrap(),
         };
-        let layout =
-            [Layout::Voronoi, Layout::Islands, Layout::Stripes, Layout::Checkerboard][seed as usize % 4];
+        let layout = [Layout::Voronoi, Layout::Islands, Layout::Stripes, Layout::Checkerboard]
+            [seed as usize % 4];
         let zones = LayoutSpec { layout, zones: 5, side: 3 }.zones(&region, seed).unwrap();
         (region, zones)
     })
@@ -223,7 +234,10 @@ fn larger_layers_are_covered_and_bounded() {
     for (region, zones) in layers() {
         let plan = solve(&region, &zones, &Settings::default()).unwrap();
         let costs = ZoneCosts::uniform(zones.count());
-        judge(&Problem { region: &region, zones: &zones, costs: &costs, start: None, end: None }, &plan);
+        judge(
+            &Problem { region: &region, zones: &zones, costs: &costs, start: None, end: None },
+            &plan,
+        );
         assert!(plan.pieces >= plan.piece_bound && plan.cost >= plan.bound);
         assert_eq!(plan.is_optimal(), plan.stop == Stop::Optimal);
         proven += u32::from(plan.is_optimal());
@@ -245,7 +259,10 @@ fn sides_hold_the_ends() {
         let plan = solve(&region, &zones, &settings).unwrap();
         let order = plan.path.order();
         assert!(Terminal::Side(first).cells(&region).contains(&order[0]), "layer {number}");
-        assert!(Terminal::Side(last).cells(&region).contains(&order[order.len() - 1]), "layer {number}");
+        assert!(
+            Terminal::Side(last).cells(&region).contains(&order[order.len() - 1]),
+            "layer {number}"
+        );
         assert_eq!(verify(&region, order), Ok(plan.pieces));
         let free = solve(&region, &zones, &Settings::default()).unwrap();
         assert!((plan.pieces, plan.cost) >= (free.piece_bound, free.bound), "layer {number}");
@@ -255,8 +272,11 @@ fn sides_hold_the_ends() {
 #[test]
 fn a_seed_names_one_plan() {
     let region = Region::rectangle(40, 30).unwrap();
-    let zones = LayoutSpec { layout: Layout::Voronoi, zones: 12, side: 1 }.zones(&region, 5).unwrap();
-    let plan = |seed| solve(&region, &zones, &Settings { seed, attempts: 3, ..Settings::default() }).unwrap();
+    let zones =
+        LayoutSpec { layout: Layout::Voronoi, zones: 12, side: 1 }.zones(&region, 5).unwrap();
+    let plan = |seed| {
+        solve(&region, &zones, &Settings { seed, attempts: 3, ..Settings::default() }).unwrap()
+    };
     assert_eq!(plan(1).path, plan(1).path);
     assert_ne!(plan(1).path, plan(2).path);
 }
@@ -264,19 +284,22 @@ fn a_seed_names_one_plan() {
 #[test]
 fn it_can_be_stopped() {
     let region = Region::rectangle(60, 60).unwrap();
-    let zones = LayoutSpec { layout: Layout::Islands, zones: 30, side: 4 }.zones(&region, 1).unwrap();
+    let zones =
+        LayoutSpec { layout: Layout::Islands, zones: 30, side: 4 }.zones(&region, 1).unwrap();
     let cancel = AtomicBool::new(true);
     let cancelled =
         solve(&region, &zones, &Settings { cancel: Some(&cancel), ..Settings::default() }).unwrap();
     assert_eq!(verify(&region, cancelled.path.order()), Ok(cancelled.pieces));
     assert_eq!((cancelled.stop, cancelled.attempts), (Stop::Cancelled, 1));
     let late =
-        solve(&region, &zones, &Settings { time_is_up: Some(&|| true), ..Settings::default() }).unwrap();
+        solve(&region, &zones, &Settings { time_is_up: Some(&|| true), ..Settings::default() })
+            .unwrap();
     assert_eq!(late.stop, Stop::TimeUp);
     let told = AtomicU32::new(0);
     let observer = |progress: Progress| told.store(progress.attempts, Relaxed);
     let plan =
-        solve(&region, &zones, &Settings { observer: Some(&observer), ..Settings::default() }).unwrap();
+        solve(&region, &zones, &Settings { observer: Some(&observer), ..Settings::default() })
+            .unwrap();
     assert_eq!(told.into_inner(), plan.attempts);
 }
 
@@ -294,7 +317,10 @@ fn impossible_problems_are_refused() {
         error(Settings { end: at(9), ..Settings::default() }),
         SolveError::Outside { end: "end", cell: 9 }
     );
-    assert_eq!(error(Settings { start: at(1), end: at(1), ..Settings::default() }), SolveError::SameCell(1));
+    assert_eq!(
+        error(Settings { start: at(1), end: at(1), ..Settings::default() }),
+        SolveError::SameCell(1)
+    );
     let costs = ZoneCosts::uniform(1);
     assert_eq!(
         error(Settings { costs: Some(&costs), ..Settings::default() }),
@@ -306,13 +332,18 @@ fn impossible_problems_are_refused() {
         SolveError::Zones { expected: 3, got: 4 }
     );
     let larger = Region::rectangle(2, 2).unwrap();
-    assert_eq!(solve(&larger, &zones, &Settings::default()).unwrap_err(), SolveError::NoZone { x: 1, y: 1 });
+    assert_eq!(
+        solve(&larger, &zones, &Settings::default()).unwrap_err(),
+        SolveError::NoZone { x: 1, y: 1 }
+    );
     let apart = Region::from_mask(3, 1, vec![true, false, true]).unwrap();
     let one = Zones::new(&apart, vec![0; 3]).unwrap();
     let left = Terminal::Side(Side::Left);
     let settings = Settings { start: left, end: left, ..Settings::default() };
     assert_eq!(solve(&apart, &one, &settings).unwrap_err(), SolveError::NoTwoCells);
-    let plus = Region::from_mask(3, 3, (0..9).map(|cell| [1, 3, 4, 5, 7].contains(&cell)).collect()).unwrap();
+    let plus =
+        Region::from_mask(3, 3, (0..9).map(|cell| [1, 3, 4, 5, 7].contains(&cell)).collect())
+            .unwrap();
     let one = Zones::new(&plus, vec![0; 9]).unwrap();
     assert_eq!(solve(&plus, &one, &settings).unwrap_err(), SolveError::NoTwoCells);
     let same = Settings { start: at(1), end: Terminal::Side(Side::Top), ..Settings::default() };
@@ -330,10 +361,14 @@ fn ends_at_corners_are_kept_to() {
         let all = [&sides[..], &corners[..]].concat();
         for &start in &all {
             for &end in all.iter().filter(|&&end| end != start || sides.contains(&end)) {
-                let plan = solve(&region, &zones, &Settings { start, end, ..Settings::default() }).unwrap();
+                let plan = solve(&region, &zones, &Settings { start, end, ..Settings::default() })
+                    .unwrap();
                 let order = plan.path.order();
                 assert!(start.cells(&region).contains(&order[0]), "{start:?} {end:?} {order:?}");
-                assert!(end.cells(&region).contains(&order[order.len() - 1]), "{start:?} {end:?} {order:?}");
+                assert!(
+                    end.cells(&region).contains(&order[order.len() - 1]),
+                    "{start:?} {end:?} {order:?}"
+                );
             }
         }
     }
@@ -355,10 +390,9 @@ fn next_layer(region: &Region, zones: &Zones, rng: &mut impl Rng) -> Option<(Reg
     let mask: Vec<bool> =
         (0..region.plane_len() as Cell).map(|cell| region.contains(cell) != flips(rng)).collect();
     let count = zones.count() as u8;
-    let ids = zones
-        .ids()
-        .iter()
-        .map(|&id| if id == Zones::OUTSIDE || flips(rng) { rng.random_range(0..count) } else { id });
+    let ids = zones.ids().iter().map(|&id| {
+        if id == Zones::OUTSIDE || flips(rng) { rng.random_range(0..count) } else { id }
+    });
     let ids = ids.collect();
     let next = Region::from_mask(region.width(), region.height(), mask).ok()?;
     let zones = Zones::new(&next, ids).ok()?;
@@ -386,8 +420,11 @@ fn a_start_from_the_layer_below_ends_at_the_same_optimum() {
     let (region, other) = (Region::rectangle(3, 4).unwrap(), Region::rectangle(4, 3).unwrap());
     let zones = |region| LayoutSpec::new(Layout::LeftRight).zones(region, 0).unwrap();
     let below = solve(&other, &zones(&other), &Settings::default()).unwrap();
-    let error =
-        solve(&region, &zones(&region), &Settings { below: Some(&below.path), ..Settings::default() });
+    let error = solve(
+        &region,
+        &zones(&region),
+        &Settings { below: Some(&below.path), ..Settings::default() },
+    );
     assert_eq!(error.unwrap_err(), SolveError::Below { expected: [3, 4], got: [4, 3] });
 }
 

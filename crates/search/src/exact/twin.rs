@@ -23,8 +23,13 @@ pub(super) fn fewest_and_cheapest(problem: &Problem<'_>) -> (u32, u64) {
 pub(super) fn cheapest(problem: &Problem<'_>, pieces: u32) -> Option<u64> {
     let cells: Vec<Cell> = problem.region.cells().collect();
     let links = cells.len().checked_sub(pieces as usize)?;
-    let mut search =
-        Search { problem, cells, links, linked: vec![Vec::new(); problem.region.plane_len()], best: None };
+    let mut search = Search {
+        problem,
+        cells,
+        links,
+        linked: vec![Vec::new(); problem.region.plane_len()],
+        best: None,
+    };
     search.decide(0, 0, 0);
     search.best
 }
@@ -51,10 +56,13 @@ impl Search<'_> {
             }
             return;
         };
-        let later: Vec<Cell> = self.problem.region.neighbours(cell).filter(|&other| other > cell).collect();
+        let later: Vec<Cell> =
+            self.problem.region.neighbours(cell).filter(|&other| other > cell).collect();
         for choice in 0..1_u32 << later.len() {
-            let chosen: Vec<Cell> =
-                (0..later.len()).filter(|bit| choice >> bit & 1 == 1).map(|bit| later[bit]).collect();
+            let chosen: Vec<Cell> = (0..later.len())
+                .filter(|bit| choice >> bit & 1 == 1)
+                .map(|bit| later[bit])
+                .collect();
             if self.linked[cell as usize].len() + chosen.len() > 2
                 || chosen.iter().any(|&other| self.linked[other as usize].len() > 1)
             {
@@ -105,8 +113,9 @@ impl Search<'_> {
                 continue;
             }
             let mut piece = vec![cell];
-            while let Some(&next) =
-                self.linked[piece[piece.len() - 1] as usize].iter().find(|&other| !piece.contains(other))
+            while let Some(&next) = self.linked[piece[piece.len() - 1] as usize]
+                .iter()
+                .find(|&other| !piece.contains(other))
             {
                 piece.push(next);
             }
@@ -114,21 +123,25 @@ impl Search<'_> {
             pieces.push(piece);
         }
         let cost_of = |piece: &[Cell]| -> u64 {
-            piece.windows(2).map(|step| u64::from(costs.cost(zones.id(step[0]), zones.id(step[1])))).sum()
+            piece
+                .windows(2)
+                .map(|step| u64::from(costs.cost(zones.id(step[0]), zones.id(step[1]))))
+                .sum()
         };
         for piece in &pieces {
             let forward = cost_of(piece);
             let backward = cost_of(&piece.iter().rev().copied().collect::<Vec<_>>());
             let (first, last) = (piece[0], piece[piece.len() - 1]);
             // The first piece begins at the start, the last one ends at the end; they are one only if there is one.
-            let ways =
-                [(forward, first, last), (backward, last, first)].into_iter().filter(|&(_, first, last)| {
+            let ways = [(forward, first, last), (backward, last, first)].into_iter().filter(
+                |&(_, first, last)| {
                     let [has_start, has_end] =
                         [start, end].map(|end| end.is_some_and(|cell| piece.contains(&cell)));
                     (!has_start || start == Some(first))
                         && (!has_end || end == Some(last))
                         && !(has_start && has_end && pieces.len() > 1)
-                });
+                },
+            );
             let Some(cost) = ways.map(|(cost, ..)| cost).min() else { return };
             total += cost;
         }

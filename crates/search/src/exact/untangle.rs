@@ -26,7 +26,9 @@ pub(crate) fn untangle(
     let mut made = 0;
     let mut in_vain = 0;
     while !strands.is_settled() && made < exchanges && interrupt.check().is_none() {
-        let number = pick_cycle(strands, rng).or(strands.joined_ends()).expect("something is left to settle");
+        let number = pick_cycle(strands, rng)
+            .or(strands.joined_ends())
+            .expect("something is left to settle");
         let cells = strands.cells(matching, number);
         // Short exchanges are found at once and mostly suffice; there are far more of the long ones.
         let steps = match in_vain {
@@ -65,9 +67,11 @@ pub(crate) fn untangle(
 
 /// One of the smallest cycles, mostly.
 fn pick_cycle(strands: &Strands, rng: &mut Xoshiro256PlusPlus) -> Option<u32> {
-    let cycles = strands.list.iter().enumerate().filter(|(_, strand)| strand.is_cycle && strand.length > 0);
+    let cycles =
+        strands.list.iter().enumerate().filter(|(_, strand)| strand.is_cycle && strand.length > 0);
     let key = |length: u32, random: u64| u64::from(length) + (random >> 61);
-    let smallest = cycles.map(|(number, strand)| (key(strand.length, rng.next_u64()), number)).min();
+    let smallest =
+        cycles.map(|(number, strand)| (key(strand.length, rng.next_u64()), number)).min();
     smallest.map(|(_, number)| number as u32)
 }
 
@@ -152,8 +156,8 @@ impl Search<'_, '_> {
                 self.judge();
             }
             if self.steps.len() < self.longest && self.can_return(lacking) {
-                let missing =
-                    self.matching.board.neighbours[lacking as usize] & !self.matching.links[lacking as usize];
+                let missing = self.matching.board.neighbours[lacking as usize]
+                    & !self.matching.links[lacking as usize];
                 for dir in dirs(missing) {
                     if self.better.is_some() || self.left == 0 {
                         break;
@@ -173,8 +177,10 @@ impl Search<'_, '_> {
 
     /// Whether enough steps are left to come back to the first cell.
     fn can_return(&self, node: Node) -> bool {
-        let ((ax, ay), (bx, by)) = (self.matching.board.xy(node), self.matching.board.xy(self.first));
-        self.first_has_room || (ax.abs_diff(bx) + ay.abs_diff(by)) as usize <= self.longest - self.steps.len()
+        let ((ax, ay), (bx, by)) =
+            (self.matching.board.xy(node), self.matching.board.xy(self.first));
+        self.first_has_room
+            || (ax.abs_diff(bx) + ay.abs_diff(by)) as usize <= self.longest - self.steps.len()
     }
 
     /// What the exchange adds to the cost.

@@ -45,7 +45,8 @@ pub(super) fn padded(moves: &[Move], length: usize) -> Vec<Gene> {
 pub(super) fn describe<S>(all: &[Individual<S>], number: u32, stayed: u32) -> Generation {
     let best = &all[0];
     let sum: i64 = all.iter().map(|individual| individual.cost).sum();
-    let differences: f64 = all.iter().map(|individual| difference(&individual.genes, &best.genes)).sum();
+    let differences: f64 =
+        all.iter().map(|individual| difference(&individual.genes, &best.genes)).sum();
     Generation {
         number,
         best: best.cost,

@@ -213,7 +213,8 @@ fn run<C: Cost + Sync, S: State>(
     let evolution = &settings.evolution;
     assert!(evolution.population > 0 && evolution.tournament > 0, "there must be parents to draw");
     let length = population.iter().map(Vec::len).max().unwrap_or(0);
-    let replay = Replay::new(state, start, cost, length, replay::marks(state, evolution.population));
+    let replay =
+        Replay::new(state, start, cost, length, replay::marks(state, evolution.population));
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(settings.seed);
     // Apart from the numbers that the annealing runs took their seeds from.
     rng.jump();
@@ -221,8 +222,12 @@ fn run<C: Cost + Sync, S: State>(
     let lists = (0..evolution.population)
         .map(|place| population.get(place % population.len().max(1)).unwrap_or(&nobody));
     let first: Vec<Vec<Gene>> = lists.map(|moves| individual::padded(moves, length)).collect();
-    let mut all: Vec<Individual<S>> =
-        in_parallel(settings.pool, &first, || state.clone(), |state, genes| replay.first(genes, state));
+    let mut all: Vec<Individual<S>> = in_parallel(
+        settings.pool,
+        &first,
+        || state.clone(),
+        |state, genes| replay.first(genes, state),
+    );
     drop(first);
     let mut replayed = all.iter().map(|individual| individual.replayed).sum();
     let mut spared = 0;
@@ -261,7 +266,8 @@ fn run<C: Cost + Sync, S: State>(
                 if birth.copies(parents.map(|parent| &parent.genes), evolution) {
                     return Some(parents[0].copy());
                 }
-                let genes = birth.genes::<S>(parents.map(|parent| &parent.genes[..]), evolution, plane);
+                let genes =
+                    birth.genes::<S>(parents.map(|parent| &parent.genes[..]), evolution, plane);
                 Some(replay.child(genes, parents, state))
             },
         );
@@ -341,7 +347,12 @@ impl Birth {
     }
 
     /// The genes of the child.
-    fn genes<S: State>(&self, parents: [&[Gene]; 2], evolution: &Evolution, plane: (u32, u32)) -> Vec<Gene> {
+    fn genes<S: State>(
+        &self,
+        parents: [&[Gene]; 2],
+        evolution: &Evolution,
+        plane: (u32, u32),
+    ) -> Vec<Gene> {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(self.seed);
         let mut genes = if self.parents[0] == self.parents[1] {
             parents[0].to_vec()

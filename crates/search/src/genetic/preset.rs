@@ -25,7 +25,9 @@ pub enum Preset {
 
 /// A name that is no [`Preset`].
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("'{0}' is no preset of the genetic algorithm: choose paper, two_point, window, short or fast")]
+#[error(
+    "'{0}' is no preset of the genetic algorithm: choose paper, two_point, window, short or fast"
+)]
 pub struct UnknownPreset(pub String);
 
 impl Preset {
@@ -49,7 +51,9 @@ impl Preset {
         let window = Evolution { crossover: Crossover::Window, mutations: 1, ..paper };
         match self {
             Self::Paper => (Seeding::default(), paper),
-            Self::TwoPoint => (Seeding::default(), Evolution { crossover: Crossover::TwoPoint, ..paper }),
+            Self::TwoPoint => {
+                (Seeding::default(), Evolution { crossover: Crossover::TwoPoint, ..paper })
+            }
             Self::Window => (Seeding::default(), window),
             Self::Short => {
                 let seeding = Seeding { runs: 100, ..Seeding::default() };

@@ -91,7 +91,13 @@ pub(super) struct Replay<'a, S, C> {
 
 impl<'a, S: State, C: Cost> Replay<'a, S, C> {
     /// Prepares replays of lists of so many genes from `state`, which is that of `start`; each replay keeps so many states.
-    pub(super) fn new(state: &'a S, start: &Path, cost: &'a C, length: usize, marks: usize) -> Self {
+    pub(super) fn new(
+        state: &'a S,
+        start: &Path,
+        cost: &'a C,
+        length: usize,
+        marks: usize,
+    ) -> Self {
         let places = (1..=marks).map(|mark| length * mark / (marks + 1)).collect();
         Self { start: state, cost, width: start.width(), initial: cost.total(start), places }
     }

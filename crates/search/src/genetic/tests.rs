@@ -3,7 +3,9 @@
 use std::sync::Mutex;
 use std::sync::atomic::Ordering;
 
-use beadwork_grid::{Crossings, Layout, LayoutSpec, Placed, Region, Start, Variant, Zones, cover, verify};
+use beadwork_grid::{
+    Crossings, Layout, LayoutSpec, Placed, Region, Start, Variant, Zones, cover, verify,
+};
 use proptest::prelude::*;
 
 use super::*;
@@ -45,7 +47,8 @@ fn shortened(preset: Preset, seed: u64) -> Settings<'static> {
 
 fn walked(layer: &Layer, path: &Path) -> i64 {
     let crosses = |step: &&[u32]| {
-        layer.region.adjacent(step[0], step[1]) && layer.zones.id(step[0]) != layer.zones.id(step[1])
+        layer.region.adjacent(step[0], step[1])
+            && layer.zones.id(step[0]) != layer.zones.id(step[1])
     };
     path.order().windows(2).filter(crosses).count() as i64
 }
@@ -70,13 +73,18 @@ fn check(outcome: &Outcome, layer: &Layer, settings: &Settings<'_>) {
     assert!(outcome.moves.iter().all(|step| step.apply(&mut path)), "all recorded moves apply");
     assert_eq!(path, outcome.path, "the record leads to the best path");
     assert_eq!(verify(&layer.region, path.order()), Ok(layer.start.pieces()));
-    assert_eq!((walked(layer, &path), walked(layer, &layer.start)), (outcome.cost, outcome.initial));
+    assert_eq!(
+        (walked(layer, &path), walked(layer, &layer.start)),
+        (outcome.cost, outcome.initial)
+    );
     let generations = &outcome.generations;
     assert!(generations.iter().zip(0..).all(|(generation, number)| generation.number == number));
     assert!(generations.is_sorted_by(|a, b| a.best >= b.best), "the best is never lost");
     assert_eq!(generations.last().unwrap().best, outcome.cost);
     assert!(
-        generations.iter().all(|it| it.mean >= it.best as f64 && (0.0..=1.0).contains(&it.diversity)),
+        generations
+            .iter()
+            .all(|it| it.mean >= it.best as f64 && (0.0..=1.0).contains(&it.diversity)),
         "{generations:?}"
     );
     let children = settings.evolution.population as u32;
@@ -94,7 +102,8 @@ fn random_lists(layer: &Layer, count: u64, seed: u64) -> Vec<Vec<Move>> {
             }
             other @ anneal::Method::Free(_) => other,
         };
-        let settings = anneal::Settings { method, ..anneal::Settings::preset(anneal::Preset::Short, seed) };
+        let settings =
+            anneal::Settings { method, ..anneal::Settings::preset(anneal::Preset::Short, seed) };
         anneal(layer.start.clone(), &layer.crossings, &settings).moves
     };
     let mut lists: Vec<Vec<Move>> = (0..count).map(list).collect();
@@ -123,8 +132,10 @@ fn breed<S: State>(layer: &Layer, state: &S, lists: &[Vec<Move>], seed: u64) {
     let replay = Replay::new(state, &layer.start, &layer.crossings, length, seed as usize % 12);
     let plane = (layer.region.width(), layer.region.height());
     let mut scratch = state.clone();
-    let mut all: Vec<Individual<S>> =
-        lists.iter().map(|moves| replay.first(&individual::padded(moves, length), &mut scratch)).collect();
+    let mut all: Vec<Individual<S>> = lists
+        .iter()
+        .map(|moves| replay.first(&individual::padded(moves, length), &mut scratch))
+        .collect();
     for number in 0..24 {
         let parents = [below(&mut rng, all.len()), below(&mut rng, all.len())];
         let evolution = Evolution {
@@ -134,7 +145,8 @@ fn breed<S: State>(layer: &Layer, state: &S, lists: &[Vec<Move>], seed: u64) {
         };
         let parents_of_it = parents.map(|parent| &all[parent]);
         let birth = Birth { parents, seed: rng.next_u64() };
-        let genes = birth.genes::<S>(parents_of_it.map(|parent| &parent.genes[..]), &evolution, plane);
+        let genes =
+            birth.genes::<S>(parents_of_it.map(|parent| &parent.genes[..]), &evolution, plane);
         assert_eq!(genes.len(), length);
         let child = replay.child(genes, parents_of_it, &mut scratch);
         assert_eq!((child.cost, child.best_at), judged(layer, &child.genes));
@@ -244,7 +256,8 @@ fn links_and_paths_evolve_alike() {
     let layer = rectangle(16, 12, Layout::Stripes, 5);
     let settings = shortened(Preset::TwoPoint, 4);
     let population = annealed(&layer.start, &layer.crossings, &settings);
-    let on_links = run(&Links::new(&layer.start), &layer.start, &layer.crossings, &population, &settings);
+    let on_links =
+        run(&Links::new(&layer.start), &layer.start, &layer.crossings, &population, &settings);
     let on_paths = run(&layer.start, &layer.start, &layer.crossings, &population, &settings);
     assert_eq!((on_links.moves, on_links.generations), (on_paths.moves, on_paths.generations));
 }
@@ -267,19 +280,27 @@ fn the_population_is_never_made_worse() {
     settings.evolution = Evolution { population: 60, generations: 60, ..settings.evolution };
     let population = annealed(&layer.start, &layer.crossings, &settings);
     assert_eq!(population.len(), 60);
-    let costs: Vec<i64> =
-        population.iter().map(|moves| judged(&layer, &individual::padded(moves, moves.len())).0).collect();
+    let costs: Vec<i64> = population
+        .iter()
+        .map(|moves| judged(&layer, &individual::padded(moves, moves.len())).0)
+        .collect();
     assert!(costs.is_sorted(), "the best come first: {costs:?}");
     let outcome = evolve(&layer.start, &layer.crossings, &population, &settings);
     assert_eq!(outcome.generations[0].best, costs[0]);
-    assert!(outcome.cost < costs[0], "crossover adds something here: {} of {}", outcome.cost, costs[0]);
+    assert!(
+        outcome.cost < costs[0],
+        "crossover adds something here: {} of {}",
+        outcome.cost,
+        costs[0]
+    );
 }
 
 #[test]
 fn odd_populations_are_taken() {
     let layer = rectangle(9, 9, Layout::LeftRight, 0);
     let settings = shortened(Preset::Window, 0);
-    let run = |population: &[Vec<Move>]| evolve(&layer.start, &layer.crossings, population, &settings);
+    let run =
+        |population: &[Vec<Move>]| evolve(&layer.start, &layer.crossings, population, &settings);
     for population in [&[][..], &[vec![]], &[vec![], vec![]]] {
         let outcome = run(population);
         assert_eq!((outcome.cost, outcome.moves.len(), outcome.length), (9, 0, 0));
@@ -365,7 +386,10 @@ fn presets_are_the_papers_and_ours() {
     assert_eq!((paper.tolerance, paper.mutations), (2, 0));
     let (two_point, window, short) = (Preset::TwoPoint, Preset::Window, Preset::Short);
     assert_eq!(two_point.parameters().1, Evolution { crossover: Crossover::TwoPoint, ..paper });
-    assert_eq!(window.parameters().1, Evolution { crossover: Crossover::Window, mutations: 1, ..paper });
+    assert_eq!(
+        window.parameters().1,
+        Evolution { crossover: Crossover::Window, mutations: 1, ..paper }
+    );
     assert_eq!([two_point, window].map(|preset| preset.parameters().0), [seeding.clone(), seeding]);
     assert!(short.parameters().0.runs < 200 && short.parameters().1.crossover == Crossover::Window);
     let (fast, evolution) = Preset::Fast.parameters();

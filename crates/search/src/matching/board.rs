@@ -50,8 +50,10 @@ impl Board {
         let places = || members.iter().map(|&cell| region.xy(cell));
         let left = places().map(|(x, _)| x).min().expect("a board has cells");
         let right = places().map(|(x, _)| x).max().expect("a board has cells");
-        let (top, bottom) =
-            (places().next().expect("a board has cells").1, region.xy(members[members.len() - 1]).1);
+        let (top, bottom) = (
+            places().next().expect("a board has cells").1,
+            region.xy(members[members.len() - 1]).1,
+        );
         // A frame on both sides, and one more column where that would make the number even. The colours shall be the
         // plane's, so the origin may move by one column.
         let shift = (left + top) % 2;
@@ -93,7 +95,10 @@ impl Board {
     /// If the zones or the costs are for another region.
     pub(crate) fn of_parts(region: &Region, zones: &Zones, costs: &ZoneCosts) -> Vec<Self> {
         assert_eq!(zones.ids().len(), region.plane_len(), "the zones are those of another plane");
-        assert!(region.cells().all(|cell| zones.id(cell) != Zones::OUTSIDE), "each cell has a zone");
+        assert!(
+            region.cells().all(|cell| zones.id(cell) != Zones::OUTSIDE),
+            "each cell has a zone"
+        );
         let labels = region_components(region);
         let mut members = vec![Vec::new(); labels.count() as usize];
         for cell in region.cells() {
@@ -119,10 +124,9 @@ impl Board {
 
     /// The least that any crossing costs; 0 if there is none.
     pub(crate) fn least_cost(&self) -> u32 {
-        let costs = self
-            .cells
-            .iter()
-            .flat_map(|&node| dirs(self.across[node as usize]).map(move |dir| self.cost(node, dir) as u32));
+        let costs = self.cells.iter().flat_map(|&node| {
+            dirs(self.across[node as usize]).map(move |dir| self.cost(node, dir) as u32)
+        });
         costs.min().unwrap_or(0)
     }
 

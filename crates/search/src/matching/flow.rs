@@ -55,7 +55,18 @@ impl<'a> Matching<'a> {
         let spare = room.iter().map(|&room| u32::from(room)).sum();
         let potential = vec![0; board.nodes()];
         let locked = vec![0; board.nodes()];
-        Self { board, links, capacity, room, spare, potential, source: 0, sink: 0, locked, extra: Vec::new() }
+        Self {
+            board,
+            links,
+            capacity,
+            room,
+            spare,
+            potential,
+            source: 0,
+            sink: 0,
+            locked,
+            extra: Vec::new(),
+        }
     }
 
     /// Whether a cell is linked in a direction.
@@ -109,13 +120,14 @@ impl<'a> Matching<'a> {
     pub(crate) fn reduced(&self, node: Node, dir: Dir) -> i32 {
         let other = self.board.step(node, dir);
         let (black, white) = if Board::is_black(node) { (node, other) } else { (other, node) };
-        let cost =
-            self.board.cost(node, dir) + self.potential[black as usize] - self.potential[white as usize];
+        let cost = self.board.cost(node, dir) + self.potential[black as usize]
+            - self.potential[white as usize];
         if self.extra.is_empty() { cost } else { cost + self.extra(node, dir) }
     }
 
     fn extra(&self, node: Node, dir: Dir) -> i32 {
-        let (node, dir) = if dir < 2 { (node, dir) } else { (self.board.step(node, dir), back(dir)) };
+        let (node, dir) =
+            if dir < 2 { (node, dir) } else { (self.board.step(node, dir), back(dir)) };
         self.extra[node as usize][dir]
     }
 
@@ -277,8 +289,13 @@ struct Rounds {
 impl Rounds {
     fn new(matching: &Matching<'_>) -> Self {
         let has_room = |&node: &Node| matching.room[node as usize] > 0;
-        let (sources, sinks) =
-            matching.board.cells.iter().copied().filter(has_room).partition(|&node| Board::is_black(node));
+        let (sources, sinks) = matching
+            .board
+            .cells
+            .iter()
+            .copied()
+            .filter(has_room)
+            .partition(|&node| Board::is_black(node));
         Self {
             round: 0,
             labels: vec![Label::default(); matching.board.nodes()],
@@ -433,7 +450,8 @@ impl Rounds {
         let root = self.basins.root(label.sink);
         // Of very many, those that come about where the nearest one does; without a goal the search spreads evenly.
         let near = label.sink as usize;
-        let window = near.saturating_sub(MOST_LOOKED_AT)..(near + MOST_LOOKED_AT).min(self.sinks.len());
+        let window =
+            near.saturating_sub(MOST_LOOKED_AT)..(near + MOST_LOOKED_AT).min(self.sinks.len());
         let all = window.len() == self.sinks.len();
         for index in window {
             let sink = self.sinks[index];
@@ -441,7 +459,8 @@ impl Rounds {
                 continue;
             }
             let goal = matching.board.xy(sink);
-            let place = self.goals.partition_point(|&other| distance(from, other) <= distance(from, goal));
+            let place =
+                self.goals.partition_point(|&other| distance(from, other) <= distance(from, goal));
             if place < MOST {
                 self.goals.insert(place, goal);
                 self.goals.truncate(MOST);
@@ -483,7 +502,13 @@ fn distance(a: (u32, u32), b: (u32, u32)) -> u32 {
 fn steps_to(matching: &Matching<'_>, node: Node) -> impl Iterator<Item = Dir> + use<> {
     let links = matching.links[node as usize];
     let free = !matching.locked[node as usize];
-    dirs(free & if Board::is_black(node) { links } else { matching.board.neighbours[node as usize] & !links })
+    dirs(
+        free & if Board::is_black(node) {
+            links
+        } else {
+            matching.board.neighbours[node as usize] & !links
+        },
+    )
 }
 
 /// The directions of the residual steps from a node, as bits: to put a link in from black, to take one out from white.
@@ -491,7 +516,11 @@ fn steps_to(matching: &Matching<'_>, node: Node) -> impl Iterator<Item = Dir> + 
 pub(super) fn directions(matching: &Matching<'_>, node: Node) -> u8 {
     let links = matching.links[node as usize];
     let free = !matching.locked[node as usize];
-    free & if Board::is_black(node) { matching.board.neighbours[node as usize] & !links } else { links }
+    free & if Board::is_black(node) {
+        matching.board.neighbours[node as usize] & !links
+    } else {
+        links
+    }
 }
 
 /// The same, one by one.

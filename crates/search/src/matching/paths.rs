@@ -81,7 +81,11 @@ impl Paths {
     ///
     /// A cell that gives up a link gets room, and the link moves on along a shortest path to a cell of its colour that has
     /// room. Two searches, one for each colour.
-    pub(crate) fn reserve(&mut self, matching: &mut Matching<'_>, cells: &[Node]) -> Option<(i32, Node)> {
+    pub(crate) fn reserve(
+        &mut self,
+        matching: &mut Matching<'_>,
+        cells: &[Node],
+    ) -> Option<(i32, Node)> {
         let free = |&&cell: &&Node| matching.capacity[cell as usize] == 2;
         let with_room = cells.iter().filter(free).find(|&&cell| matching.room[cell as usize] > 0);
         let (cost, cell) = if let Some(&cell) = with_room {
@@ -90,7 +94,8 @@ impl Paths {
             let (blacks, whites): (Vec<Node>, Vec<Node>) =
                 cells.iter().filter(free).partition(|&&cell| Board::is_black(cell));
             let black = self.cheapest_room(matching, &blacks, i32::MAX / 2);
-            let white = self.cheapest_room(matching, &whites, black.map_or(i32::MAX / 2, |(cost, _)| cost));
+            let white =
+                self.cheapest_room(matching, &whites, black.map_or(i32::MAX / 2, |(cost, _)| cost));
             if white.is_none() {
                 self.cheapest_room(matching, &blacks, i32::MAX / 2);
             }
@@ -106,7 +111,12 @@ impl Paths {
     }
 
     /// The one of these cells, all of one colour and without room, that gets room at the least cost, below the limit.
-    fn cheapest_room(&mut self, matching: &Matching<'_>, cells: &[Node], limit: i32) -> Option<(i32, Node)> {
+    fn cheapest_room(
+        &mut self,
+        matching: &Matching<'_>,
+        cells: &[Node],
+        limit: i32,
+    ) -> Option<(i32, Node)> {
         let end = self.end();
         let is_black = Board::is_black(*cells.first()?);
         // A black cell draws one less, at the end of the path; a white one drains one less, at its beginning.
@@ -250,18 +260,30 @@ impl Paths {
         if node == self.source {
             for &black in matching.board.cells.iter().filter(|&&cell| Board::is_black(cell)) {
                 if matching.room[black as usize] > 0 {
-                    self.see(black, node, length + matching.source - matching.potential[black as usize]);
+                    self.see(
+                        black,
+                        node,
+                        length + matching.source - matching.potential[black as usize],
+                    );
                 }
             }
         } else if node == self.sink {
             for &white in matching.board.cells.iter().filter(|&&cell| !Board::is_black(cell)) {
                 if draws(white) {
-                    self.see(white, node, length + matching.sink - matching.potential[white as usize]);
+                    self.see(
+                        white,
+                        node,
+                        length + matching.sink - matching.potential[white as usize],
+                    );
                 }
             }
         } else {
             for dir in steps(matching, node) {
-                self.see(matching.board.step(node, dir), node, length + step_cost(matching, node, dir));
+                self.see(
+                    matching.board.step(node, dir),
+                    node,
+                    length + step_cost(matching, node, dir),
+                );
             }
             let potential = matching.potential[node as usize];
             if !Board::is_black(node) {

@@ -21,7 +21,8 @@ fn boards() -> impl Iterator<Item = Board> {
             ZoneCosts::uniform(zones.count())
         } else {
             let count = zones.count() as usize;
-            let cost = |pair: usize| if pair / count == pair % count { 0 } else { (pair * 7 % 5) as u32 };
+            let cost =
+                |pair: usize| if pair / count == pair % count { 0 } else { (pair * 7 % 5) as u32 };
             ZoneCosts::new(zones.count(), (0..count * count).map(cost).collect()).unwrap()
         };
         Board::of_parts(&region, &zones, &costs)
@@ -42,7 +43,10 @@ fn judge(matching: &Matching<'_>, what: &str) {
         );
         spare += u32::from(room);
         for dir in dirs(links) {
-            assert!(matching.is_linked(board.step(node, dir), back(dir)), "{what}: a link has one end");
+            assert!(
+                matching.is_linked(board.step(node, dir), back(dir)),
+                "{what}: a link has one end"
+            );
         }
         let potential = matching.potential[node as usize];
         // What a cell draws or drains it may give back, and with room it may draw or drain more.
@@ -100,7 +104,10 @@ fn links_put_in_keep_the_rest_cheapest() {
             let Some(dir) = dirs(free).next().filter(|_| Board::is_black(node)) else { continue };
             let before = (matching.links.clone(), matching.room.clone(), matching.cost());
             let Some(cost) = paths.cost_of_link(&matching, node, dir, 1000) else { continue };
-            assert!(paths.cost_of_link(&matching, node, dir, cost).is_none(), "not below its own cost");
+            assert!(
+                paths.cost_of_link(&matching, node, dir, cost).is_none(),
+                "not below its own cost"
+            );
             paths.cost_of_link(&matching, node, dir, 1000);
             paths.put_in(&mut matching, node, dir);
             assert_eq!(matching.cost(), before.2 + i64::from(cost));

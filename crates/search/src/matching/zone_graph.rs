@@ -29,7 +29,8 @@ impl ZoneGraph {
         let mut open = Vec::new();
         for &first in &board.cells {
             if Board::is_black(first) {
-                let outer = dirs(board.neighbours[first as usize]).filter(|&dir| !inner(first, dir));
+                let outer =
+                    dirs(board.neighbours[first as usize]).filter(|&dir| !inner(first, dir));
                 links.extend(outer.map(|dir| (first, dir)));
             }
             if component[first as usize] != Self::NONE {
@@ -84,7 +85,8 @@ impl Groups {
         for &(node, dir) in &graph.links {
             if holds(node, dir) {
                 let other = board.step(node, dir);
-                groups.count -= u32::from(groups.union.unite(graph.component(node), graph.component(other)));
+                groups.count -=
+                    u32::from(groups.union.unite(graph.component(node), graph.component(other)));
             }
         }
         groups

@@ -33,9 +33,13 @@ pub(super) fn arrange(region: &Region, groups: Vec<Group<'_>>, from: Option<Cell
             Group::Any(pieces) => {
                 let end = |piece: usize, is_last: bool| {
                     let cells = pieces[piece];
-                    End::new(place(cells[if is_last { cells.len() - 1 } else { 0 }]), (piece, is_last))
+                    End::new(
+                        place(cells[if is_last { cells.len() - 1 } else { 0 }]),
+                        (piece, is_last),
+                    )
                 };
-                let ends = (0..pieces.len()).flat_map(|piece| [end(piece, false), end(piece, true)]);
+                let ends =
+                    (0..pieces.len()).flat_map(|piece| [end(piece, false), end(piece, true)]);
                 let mut left = RTree::bulk_load(ends.collect());
                 loop {
                     let here = place(order.last().copied().or(from).unwrap_or_default());
@@ -70,7 +74,8 @@ mod tests {
         let mut left = pieces.to_vec();
         let (mut at, mut here) = (0, from);
         while at < order.len() {
-            let begins = |piece: &&[Cell]| piece[0] == order[at] || piece[piece.len() - 1] == order[at];
+            let begins =
+                |piece: &&[Cell]| piece[0] == order[at] || piece[piece.len() - 1] == order[at];
             let Some(number) = left.iter().position(begins) else { return false };
             let near = left.iter().flat_map(|piece| [piece[0], piece[piece.len() - 1]]);
             if near.map(|end| distance(here, end)).min() != Some(distance(here, order[at])) {

@@ -67,7 +67,8 @@ pub(super) fn choose(
                 let is_allowed = first.is_none_or(|first| first == way.first);
                 return is_allowed.then_some((own, 0));
             }
-            let step = |tool: u8| u128::from(weights.tools) * u128::from(costs.cost(tool, way.first));
+            let step =
+                |tool: u8| u128::from(weights.tools) * u128::from(costs.cost(tool, way.first));
             ends.iter().map(|&(tool, weight, at)| (weight + step(tool) + own, at)).min()
         };
         // A way that is not allowed weighs more than any other could.
@@ -76,7 +77,9 @@ pub(super) fn choose(
     let mut ways = vec![0; layers.len()];
     for number in (0..layers.len()).rev() {
         ways[number] = if number + 1 == layers.len() {
-            (0..table[number].len()).min_by_key(|&at| table[number][at].0).expect("every layer has a way")
+            (0..table[number].len())
+                .min_by_key(|&at| table[number][at].0)
+                .expect("every layer has a way")
         } else {
             table[number + 1][ways[number + 1]].1
         };
@@ -86,8 +89,9 @@ pub(super) fn choose(
         return None;
     }
     let within: u64 = (0..layers.len()).map(|number| way(number).cost).sum();
-    let between: u64 =
-        (1..layers.len()).map(|number| u64::from(costs.cost(way(number - 1).last, way(number).first))).sum();
+    let between: u64 = (1..layers.len())
+        .map(|number| u64::from(costs.cost(way(number - 1).last, way(number).first)))
+        .sum();
     let lifts = (0..layers.len()).map(|number| way(number).lifts).sum();
     Some(Chosen { ways, cost: within + between, lifts })
 }
@@ -101,7 +105,9 @@ pub(super) fn frontier(layers: &[Vec<Way>], costs: &ToolCosts, first: Option<u8>
     // So much more than the other that only ties are left to it.
     let more = 1 << 40;
     let at = |tools: u64, lifts: u64| choose(layers, costs, first, Weights { tools, lifts });
-    let (Some(few_lifts), Some(cheap_tools)) = (at(1, more), at(more, 1)) else { return Vec::new() };
+    let (Some(few_lifts), Some(cheap_tools)) = (at(1, more), at(more, 1)) else {
+        return Vec::new();
+    };
     let mut points = vec![few_lifts];
     let mut rest = vec![cheap_tools];
     while let Some(next) = rest.last() {
@@ -119,7 +125,8 @@ pub(super) fn frontier(layers: &[Vec<Way>], costs: &ToolCosts, first: Option<u8>
             u128::from(weights.tools) * u128::from(point.cost)
                 + u128::from(weights.lifts) * u128::from(point.lifts)
         };
-        let between = choose(layers, costs, first, weights).filter(|between| weight(between) < weight(here));
+        let between =
+            choose(layers, costs, first, weights).filter(|between| weight(between) < weight(here));
         match between {
             Some(between) if points.len() + rest.len() < MOST_POINTS => rest.push(between),
             _ => points.extend(rest.pop()),
@@ -138,17 +145,20 @@ mod tests {
     fn draw(rng: &mut Xoshiro256PlusPlus) -> (Vec<Vec<Way>>, ToolCosts) {
         let tools = rng.random_range(1..=3_u8);
         let row = |from: u8, rng: &mut Xoshiro256PlusPlus| {
-            (0..tools).map(|to| if to == from { 0 } else { rng.random_range(0..9) }).collect::<Vec<u32>>()
+            (0..tools)
+                .map(|to| if to == from { 0 } else { rng.random_range(0..9) })
+                .collect::<Vec<u32>>()
         };
-        let costs = ToolCosts::new(&(0..tools).map(|from| row(from, rng)).collect::<Vec<_>>()).unwrap();
+        let costs =
+            ToolCosts::new(&(0..tools).map(|from| row(from, rng)).collect::<Vec<_>>()).unwrap();
         let way = |rng: &mut Xoshiro256PlusPlus| Way {
             first: rng.random_range(0..tools),
             last: rng.random_range(0..tools),
             cost: rng.random_range(0..10),
             lifts: rng.random_range(0..6),
         };
-        let layers =
-            (0..rng.random_range(1..5)).map(|_| (0..rng.random_range(1..4)).map(|_| way(rng)).collect());
+        let layers = (0..rng.random_range(1..5))
+            .map(|_| (0..rng.random_range(1..4)).map(|_| way(rng)).collect());
         (layers.collect(), costs)
     }
 
@@ -157,12 +167,15 @@ mod tests {
         let mut sums: Vec<(Option<u8>, u64, u64)> = vec![(None, 0, 0)];
         for ways in layers {
             let on = |&(tool, cost, lifts): &(Option<u8>, u64, u64)| {
-                let allowed = ways
-                    .iter()
-                    .filter(move |way| tool.is_some() || first.is_none_or(|first| first == way.first));
-                let step = move |way: &Way| tool.map_or(0, |tool| u64::from(costs.cost(tool, way.first)));
+                let allowed = ways.iter().filter(move |way| {
+                    tool.is_some() || first.is_none_or(|first| first == way.first)
+                });
+                let step =
+                    move |way: &Way| tool.map_or(0, |tool| u64::from(costs.cost(tool, way.first)));
                 allowed
-                    .map(move |way| (Some(way.last), cost + way.cost + step(way), lifts + way.lifts))
+                    .map(move |way| {
+                        (Some(way.last), cost + way.cost + step(way), lifts + way.lifts)
+                    })
                     .collect::<Vec<_>>()
             };
             sums = sums.iter().flat_map(on).collect();
@@ -178,7 +191,10 @@ mod tests {
             let first = rng.random_bool(0.3).then_some(0);
             let weights = Weights { tools: rng.random_range(0..4), lifts: rng.random_range(0..4) };
             let weight = |cost: u64, lifts: u64| weights.tools * cost + weights.lifts * lifts;
-            let best = all(&layers, &costs, first).into_iter().map(|(cost, lifts)| weight(cost, lifts)).min();
+            let best = all(&layers, &costs, first)
+                .into_iter()
+                .map(|(cost, lifts)| weight(cost, lifts))
+                .min();
             let chosen = choose(&layers, &costs, first, weights);
             assert_eq!(chosen.map(|chosen| weight(chosen.cost, chosen.lifts)), best);
         }
@@ -190,7 +206,10 @@ mod tests {
         let weights = Weights { tools: 1, lifts: 1 };
         let costs = ToolCosts::uniform(1);
         assert_eq!(choose(&[vec![way], vec![], vec![way]], &costs, None, weights), None);
-        assert_eq!(choose(&[vec![way], vec![way]], &costs, None, weights).map(|chosen| chosen.cost), Some(0));
+        assert_eq!(
+            choose(&[vec![way], vec![way]], &costs, None, weights).map(|chosen| chosen.cost),
+            Some(0)
+        );
     }
 
     #[test]
@@ -201,14 +220,19 @@ mod tests {
             let points = frontier(&layers, &costs, None);
             let all = all(&layers, &costs, None);
             assert!(
-                points.windows(2).all(|pair| pair[0].lifts < pair[1].lifts && pair[0].cost > pair[1].cost)
+                points
+                    .windows(2)
+                    .all(|pair| pair[0].lifts < pair[1].lifts && pair[0].cost > pair[1].cost)
             );
             assert!(points.iter().all(|point| all.contains(&(point.cost, point.lifts))));
             for price in [0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 100.0] {
                 let weight = |cost: u64, lifts: u64| cost as f64 + price * lifts as f64;
-                let best = all.iter().map(|&(cost, lifts)| weight(cost, lifts)).fold(f64::MAX, f64::min);
-                let ours =
-                    points.iter().map(|point| weight(point.cost, point.lifts)).fold(f64::MAX, f64::min);
+                let best =
+                    all.iter().map(|&(cost, lifts)| weight(cost, lifts)).fold(f64::MAX, f64::min);
+                let ours = points
+                    .iter()
+                    .map(|point| weight(point.cost, point.lifts))
+                    .fold(f64::MAX, f64::min);
                 assert!((best - ours).abs() < 1e-9, "{best} {ours} {points:?}");
             }
         }

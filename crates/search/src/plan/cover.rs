@@ -39,7 +39,8 @@ impl CrossingCosts {
     pub(super) fn new(costs: &ToolCosts) -> Result<Self, ZoneCostsError> {
         let count = costs.tools() as u8;
         let pairs = || (0..count).flat_map(|from| (0..count).map(move |to| (from, to)));
-        let mut changes = pairs().filter(|(from, to)| from != to).map(|(from, to)| costs.cost(from, to));
+        let mut changes =
+            pairs().filter(|(from, to)| from != to).map(|(from, to)| costs.cost(from, to));
         let first = changes.next().unwrap_or(1);
         if first > 0 && changes.all(|cost| cost == first) {
             return Ok(Self { costs: ZoneCosts::uniform(count.into()), unit: first.into() });
@@ -90,8 +91,8 @@ impl Cover {
         let (mut pieces, mut piece_bound) = (0, 0);
         for tool in tools(layer) {
             let inside = zones.ids().iter().map(|&id| id == tool).collect();
-            let zone =
-                Region::from_mask(region.width(), region.height(), inside).expect("the zone has cells");
+            let zone = Region::from_mask(region.width(), region.height(), inside)
+                .expect("the zone has cells");
             let alone = Zones::new(&zone, vec![0; zone.plane_len()]).expect("each cell has a zone");
             let plan = exact::solve(&zone, &alone, &effort.settings(below))?;
             order.extend(plan.path.order());
@@ -115,7 +116,14 @@ impl Cover {
 impl<'a> Effort<'a> {
     fn settings(self, below: Option<&'a Path>) -> exact::Settings<'a> {
         let Self { seed, attempts, columns_first, cancel } = self;
-        exact::Settings { seed, attempts, columns_first, below, cancel, ..exact::Settings::default() }
+        exact::Settings {
+            seed,
+            attempts,
+            columns_first,
+            below,
+            cancel,
+            ..exact::Settings::default()
+        }
     }
 }
 

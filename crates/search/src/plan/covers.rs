@@ -61,7 +61,8 @@ pub(super) fn covers(
             observer(Progress { done, layers: layers.len() });
         }
     };
-    let firsts: Vec<usize> = (0..layers.len()).filter(|&number| first_of[number] == number).collect();
+    let firsts: Vec<usize> =
+        (0..layers.len()).filter(|&number| first_of[number] == number).collect();
     let make = |(): &mut (), &number: &usize| {
         let covers = maker.covers(number, None);
         if settings.stacking.is_none() {
@@ -80,7 +81,12 @@ pub(super) fn covers(
                 let aware = maker.covers(number, Some(below))?;
                 let [continuous_below, zones_below] = below.paths();
                 Covers {
-                    continuous: better(alone.continuous, aware.continuous, continuous_below, stacking),
+                    continuous: better(
+                        alone.continuous,
+                        aware.continuous,
+                        continuous_below,
+                        stacking,
+                    ),
                     by_zones: better(alone.by_zones, aware.by_zones, zones_below, stacking),
                 }
             }

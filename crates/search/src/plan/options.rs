@@ -85,13 +85,19 @@ impl<'a> Options<'a> {
     /// The layer printed in one of the ways.
     pub(super) fn plan(&self, way: usize, below: Option<&LayerPlan>) -> LayerPlan {
         let LayerRef { region, zones } = self.layer;
-        let (groups, cover, crossing_cost): (Vec<Group<'_>>, &Option<Cover>, _) = match &self.hows[way] {
+        let (groups, cover, crossing_cost): (Vec<Group<'_>>, &Option<Cover>, _) = match &self.hows
+            [way]
+        {
             How::Continuous(sequence) => {
                 let group = |&(block, turned): &(usize, bool)| {
                     let block = &self.blocks[block];
                     let pieces: Vec<&[Cell]> =
                         block.pieces.iter().map(|&piece| self.continuous_pieces[piece]).collect();
-                    if block.is_plain() { Group::Any(pieces) } else { Group::Fixed(pieces[0], turned) }
+                    if block.is_plain() {
+                        Group::Any(pieces)
+                    } else {
+                        Group::Fixed(pieces[0], turned)
+                    }
                 };
                 let inside = |&(block, turned): &(usize, bool)| self.blocks[block].inside(turned);
                 let cost: u64 = sequence.blocks.iter().map(inside).sum();
@@ -107,8 +113,8 @@ impl<'a> Options<'a> {
         };
         let cover = cover.as_ref().expect("the way is one of the cover's");
         let from = below.and_then(|below| below.path.order().last().copied());
-        let path =
-            Path::in_pieces(region, arrange(region, groups, from)).expect("the pieces hold every cell once");
+        let path = Path::in_pieces(region, arrange(region, groups, from))
+            .expect("the pieces hold every cell once");
         LayerPlan {
             is_continuous: crossing_cost.is_some(),
             pieces: cover.pieces,

@@ -153,7 +153,8 @@ fn exact(blocks: &[Block], costs: &ToolCosts, first: u8) -> Vec<Sequence> {
 /// Always on to the block that costs least from here, of equal ones the first.
 fn greedy(blocks: &[Block], costs: &ToolCosts, first: u8) -> Sequence {
     let mut left: Vec<usize> = (0..blocks.len()).collect();
-    let mut sequence = Sequence { first, last: first, cost: 0, blocks: Vec::with_capacity(blocks.len()) };
+    let mut sequence =
+        Sequence { first, last: first, cost: 0, blocks: Vec::with_capacity(blocks.len()) };
     while !left.is_empty() {
         let is_begin = sequence.blocks.is_empty();
         let ways = left.iter().flat_map(|&block| [(block, 0), (block, 1)]);
@@ -187,9 +188,12 @@ mod tests {
     fn draw(rng: &mut Xoshiro256PlusPlus, most: usize) -> (Vec<Block>, ToolCosts) {
         let tools = rng.random_range(1..=4_u8);
         let row = |from: u8, rng: &mut Xoshiro256PlusPlus| {
-            (0..tools).map(|to| if to == from { 0 } else { rng.random_range(0..6) }).collect::<Vec<u32>>()
+            (0..tools)
+                .map(|to| if to == from { 0 } else { rng.random_range(0..6) })
+                .collect::<Vec<u32>>()
         };
-        let costs = ToolCosts::new(&(0..tools).map(|from| row(from, rng)).collect::<Vec<_>>()).unwrap();
+        let costs =
+            ToolCosts::new(&(0..tools).map(|from| row(from, rng)).collect::<Vec<_>>()).unwrap();
         let block = |number: usize| {
             let ends = [rng.random_range(0..tools), rng.random_range(0..tools)];
             Block {
@@ -237,7 +241,8 @@ mod tests {
             for &block in left {
                 for turned in 0..2 {
                     let (begin, end, inside) = blocks[block].way(turned);
-                    let rest: Vec<usize> = left.iter().copied().filter(|&other| other != block).collect();
+                    let rest: Vec<usize> =
+                        left.iter().copied().filter(|&other| other != block).collect();
                     go(
                         &rest,
                         blocks,
@@ -266,8 +271,10 @@ mod tests {
             let (blocks, costs) = draw(&mut rng, 4);
             let found = sequences(&blocks, &costs);
             found.iter().for_each(|sequence| judge(sequence, &blocks, &costs));
-            let found: BTreeMap<(u8, u8), u64> =
-                found.into_iter().map(|sequence| ((sequence.first, sequence.last), sequence.cost)).collect();
+            let found: BTreeMap<(u8, u8), u64> = found
+                .into_iter()
+                .map(|sequence| ((sequence.first, sequence.last), sequence.cost))
+                .collect();
             assert_eq!(found, all(&blocks, &costs));
         }
     }

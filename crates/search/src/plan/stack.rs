@@ -10,7 +10,11 @@ use beadwork_grid::{Cell, Path};
 /// # Panics
 /// If the planes differ in size.
 pub fn kept_links(below: &Path, path: &Path) -> u32 {
-    assert_eq!((below.width(), below.height()), (path.width(), path.height()), "paths on one plane");
+    assert_eq!(
+        (below.width(), below.height()),
+        (path.width(), path.height()),
+        "paths on one plane"
+    );
     let is_kept = |&cell: &Cell| {
         let right = path.linked_right(cell) && below.linked_right(cell);
         let down = path.linked_below(cell) && below.linked_below(cell);

@@ -50,7 +50,8 @@ impl ToolCosts {
     /// Each change costs 1: the cost of a plan is the number of its changes.
     pub fn uniform(tools: u8) -> Self {
         let tools = usize::from(tools);
-        let costs = (0..tools * tools).map(|pair| u32::from(pair / tools != pair % tools)).collect();
+        let costs =
+            (0..tools * tools).map(|pair| u32::from(pair / tools != pair % tools)).collect();
         Self { tools, costs }
     }
 
@@ -114,7 +115,10 @@ mod tests {
     #[test]
     fn matrices_are_checked() {
         let costs = ToolCosts::new(&[vec![0, 7], vec![3, 0]]).unwrap();
-        assert_eq!((costs.tools(), costs.cost(0, 1), costs.cost(1, 0), costs.cost(1, 1)), (2, 7, 3, 0));
+        assert_eq!(
+            (costs.tools(), costs.cost(0, 1), costs.cost(1, 0), costs.cost(1, 1)),
+            (2, 7, 3, 0)
+        );
         let error = |rows: &[Vec<u32>]| ToolCosts::new(rows).unwrap_err();
         let crooked = ToolCostsError::NotSquare { tool: 1, expected: 2, got: 1 };
         assert_eq!(error(&[vec![0, 1], vec![2]]), crooked);

@@ -122,7 +122,8 @@ impl LayerPlan {
 
     /// Whether it is proven that no cover of this kind has fewer pieces, or as few and cheaper crossings.
     pub fn is_optimal(&self) -> bool {
-        self.pieces == self.piece_bound && self.crossing_cost.is_none_or(|[cost, bound]| cost == bound)
+        self.pieces == self.piece_bound
+            && self.crossing_cost.is_none_or(|[cost, bound]| cost == bound)
     }
 }
 
@@ -269,8 +270,11 @@ pub fn tools_plan(layers: &[LayerRef<'_>], settings: &Settings<'_>) -> Result<To
     let weights = Weights { tools: 1, lifts: u64::from(settings.lift_cost) };
     let no_first = || PlanError::First { first: constraints.first.unwrap_or_default() };
     let chosen = choose(&ways, costs, constraints.first, weights).ok_or_else(no_first)?;
-    let points =
-        if mode == Mode::Cheapest { frontier(&ways, costs, constraints.first) } else { vec![chosen.clone()] };
+    let points = if mode == Mode::Cheapest {
+        frontier(&ways, costs, constraints.first)
+    } else {
+        vec![chosen.clone()]
+    };
     let mut plan = ToolPlan {
         layers: Vec::with_capacity(layers.len()),
         visits: Vec::new(),
@@ -288,7 +292,8 @@ pub fn tools_plan(layers: &[LayerRef<'_>], settings: &Settings<'_>) -> Result<To
         plan.lifts += u64::from(planned.lifts());
         plan.layers.push(planned);
     }
-    plan.tool_cost = plan.visits.windows(2).map(|pair| u64::from(costs.cost(pair[0], pair[1]))).sum();
+    plan.tool_cost =
+        plan.visits.windows(2).map(|pair| u64::from(costs.cost(pair[0], pair[1]))).sum();
     Ok(plan)
 }
 

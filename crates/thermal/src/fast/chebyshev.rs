@@ -132,13 +132,17 @@ mod tests {
     #[test]
     fn nothing_grows_far_within_a_step() {
         let [four, ten] = [4, 10].map(Polynomial::of_stages);
-        let steps =
-            [(four, 0.9, 1.0, 25.0), (ten, 0.75, 1.0, 700.0), (Polynomial::fitted(), 1.0, 3.2, 850.0)];
+        let steps = [
+            (four, 0.9, 1.0, 25.0),
+            (ten, 0.75, 1.0, 700.0),
+            (Polynomial::fitted(), 1.0, 3.2, 850.0),
+        ];
         for (p, fill, growth, rounding) in steps {
             let stages = p.stages();
             for i in 0..=1000 {
                 let z = -fill * p.reach * f64::from(i) / 1000.0;
-                let each: Vec<f64> = p.factors.iter().map(|f| 1.0 + f.a * z + f.b * z * z).collect();
+                let each: Vec<f64> =
+                    p.factors.iter().map(|f| 1.0 + f.a * z + f.b * z * z).collect();
                 for split in 0..=each.len() {
                     let (before, after): (f64, f64) =
                         (each[..split].iter().product(), each[split..].iter().product());
@@ -163,10 +167,18 @@ mod tests {
             assert!((squares + 0.5 * sum * sum - 0.5).abs() < 1e-9, "{stages}");
             for i in 0..=10_000 {
                 let z = -p.reach * f64::from(i) / 10_000.0;
-                assert!(value(&p, z).abs() <= 1.0 + 1e-9, "{stages} stages at {z}: {}", value(&p, z));
+                assert!(
+                    value(&p, z).abs() <= 1.0 + 1e-9,
+                    "{stages} stages at {z}: {}",
+                    value(&p, z)
+                );
             }
             let s = stages as f64;
-            assert!(stages == 2 || i == 32 || p.reach > 0.65 * (s * s - 1.0), "{stages}: {}", p.reach);
+            assert!(
+                stages == 2 || i == 32 || p.reach > 0.65 * (s * s - 1.0),
+                "{stages}: {}",
+                p.reach
+            );
         }
     }
 }

@@ -89,7 +89,8 @@ fn flows(
         let (now, later) = pieces.split_at(now.count());
         pieces = later;
         let births = now.iter().filter(|piece| piece.born);
-        let sources: Vec<_> = births.filter_map(|birth| source(far, birth, part_s, tally, law)).collect();
+        let sources: Vec<_> =
+            births.filter_map(|birth| source(far, birth, part_s, tally, law)).collect();
         sources.iter().for_each(|&(block, rate)| far.heat(block, rate));
         let flows = far.step(part_s, &border, tally, law, top);
         sources.iter().for_each(|&(block, rate)| far.heat(block, -rate));
@@ -101,7 +102,13 @@ fn flows(
 /// What a birth is to the blocks: which of them it heats, and by how much in a time, K/s in voxels.
 ///
 /// That is its own block, or the one below if its own is empty yet; one on the empty plate heats none.
-fn source(far: &FarField, birth: &Piece, seconds: f64, tally: &Tally, law: &Law) -> Option<(usize, f32)> {
+fn source(
+    far: &FarField,
+    birth: &Piece,
+    seconds: f64,
+    tally: &Tally,
+    law: &Law,
+) -> Option<(usize, f32)> {
     let [x, y, z] = birth.held?;
     let (block, theta) = [z, z - 1]
         .into_iter()
@@ -139,8 +146,10 @@ mod tests {
         let seconds = levels(Accuracy::High, &law)[4].seconds;
         let pause = |seconds| Piece { held: None, born: false, seconds };
         let many = vec![pause(seconds / 100.0); 100];
-        let cases =
-            [vec![pause(seconds)], [&[pause(0.1 * seconds)], &many[..20], &[pause(0.7 * seconds)]].concat()];
+        let cases = [
+            vec![pause(seconds)],
+            [&[pause(0.1 * seconds)], &many[..20], &[pause(0.7 * seconds)]].concat(),
+        ];
         for parts in 1..=5 {
             let ends = [&many].into_iter().chain(&cases).map(|pieces| {
                 let mut far = FarField::default();

@@ -188,7 +188,13 @@ impl Fast {
     }
 
     /// Takes a patch through pieces, each in one step or more.
-    fn births(&mut self, nested: &mut Nested<'_>, voxels: &mut Voxels<'_>, law: &Law, pieces: &[Piece]) {
+    fn births(
+        &mut self,
+        nested: &mut Nested<'_>,
+        voxels: &mut Voxels<'_>,
+        law: &Law,
+        pieces: &[Piece],
+    ) {
         let seconds = piece::seconds(pieces);
         nested.move_rim(seconds, voxels.top());
         for piece in pieces {
@@ -197,8 +203,9 @@ impl Fast {
                 self.history.push((at, self.now + piece.seconds));
             }
             nested.take_up(&self.memory.changes, law);
-            let held =
-                piece.held.map(|at| nested.patch.index(at).expect("windows hold all births of their steps"));
+            let held = piece
+                .held
+                .map(|at| nested.patch.index(at).expect("windows hold all births of their steps"));
             for part in piece.parts(self.levels[0].seconds) {
                 self.step(nested.patch, voxels, law, 0, part.seconds, held);
             }
@@ -222,8 +229,10 @@ impl Fast {
             unreachable!("steps on blocks are taken elsewhere")
         };
         for factor in &polynomial.factors {
-            let stages =
-                Quadratic { a: (factor.a * seconds) as f32, b: (factor.b * seconds * seconds) as f32 };
+            let stages = Quadratic {
+                a: (factor.a * seconds) as f32,
+                b: (factor.b * seconds * seconds) as f32,
+            };
             Pair { law, patch, stages, held, top }.sweep(&mut self.memory.kept);
         }
     }
@@ -247,7 +256,8 @@ impl Fast {
 
     /// Whether a long step of a patch and short ones of a window take less time than short ones of the patch.
     fn saves(&self, window: Window, patch: &Patch, level: usize, seconds: f64) -> bool {
-        let (long, short) = (&self.levels[level], self.levels[level - 1].stages_per_second() * seconds);
+        let (long, short) =
+            (&self.levels[level], self.levels[level - 1].stages_per_second() * seconds);
         let (whole, part) = (patch.shape.len() as f64, window.shape.len() as f64);
         let copy = if matches!(long.step, Step::Blocks) { LOOK_STAGES } else { COPY_STAGES };
         whole * long.stages() + part * (short + copy) < WORTHWHILE * whole * short

@@ -35,7 +35,12 @@ fn zigzag(size: [usize; 3], filled: impl Fn([usize; 3]) -> bool) -> Vec<Vec<Piec
 
 /// Prints with steps on blocks from the first layer on, and with Heun's method; gives the differences of both at the layers'
 /// ends: root of the mean square and largest.
-fn errors(size: [usize; 3], process: &Process, layers: &[Vec<Piece>], accuracy: Accuracy) -> [f64; 2] {
+fn errors(
+    size: [usize; 3],
+    process: &Process,
+    layers: &[Vec<Piece>],
+    accuracy: Accuracy,
+) -> [f64; 2] {
     let law = Law::new(&Material::abs(), process, 0.5e-3, 0.25e-3);
     let empty = State::empty(Shape::around(size[0], size[1], size[2]), &law);
     let (mut long, mut short) = (empty.clone(), empty);
@@ -96,7 +101,10 @@ fn pauses_and_jumps_of_large_parts() {
     }
     for (accuracy, most) in [(Accuracy::Standard, [0.1, 2.5]), (Accuracy::High, [0.06, 1.0])] {
         let reached = errors(size, &Process::default(), &layers, accuracy);
-        assert!(reached.iter().zip(most).all(|(error, most)| *error < most), "{accuracy:?}: {reached:?}");
+        assert!(
+            reached.iter().zip(most).all(|(error, most)| *error < most),
+            "{accuracy:?}: {reached:?}"
+        );
     }
 }
 

@@ -1,6 +1,9 @@
 //! Windows into a patch: boxes in which steps are shorter.
 
-#![expect(clippy::inline_always, reason = "only what is inlined is compiled for the processor's lanes")]
+#![expect(
+    clippy::inline_always,
+    reason = "only what is inlined is compiled for the processor's lanes"
+)]
 
 use pulp::{Simd, WithSimd};
 
@@ -38,7 +41,8 @@ impl Window {
         let Shape { row, rows, planes } = patch.shape;
         // Above everything printed, one row of rim suffices.
         let above = top.max(high[2] + 1) + 1;
-        let ends = [patch.origin[0] + row, patch.origin[1] + planes, (patch.origin[2] + rows).min(above)];
+        let ends =
+            [patch.origin[0] + row, patch.origin[1] + planes, (patch.origin[2] + rows).min(above)];
         let (mut origin, mut size) = ([0; 3], [0; 3]);
         for axis in 0..3 {
             let margin = margins[axis / 2] + 1;
@@ -115,7 +119,8 @@ impl Patch {
         let row = self.shape.row;
         rows(self.window(), outer.window(), self.shape.rows, |to, from, rim| {
             if !rim {
-                outer.theta[to + 1..to + row - 1].copy_from_slice(&self.theta[from + 1..from + row - 1]);
+                outer.theta[to + 1..to + row - 1]
+                    .copy_from_slice(&self.theta[from + 1..from + row - 1]);
             }
         });
     }

@@ -27,7 +27,11 @@ impl WithSimd for Euler<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, s: S) {
-        if self.law.resistance.is_some() { self.step::<S, true>(s) } else { self.step::<S, false>(s) }
+        if self.law.resistance.is_some() {
+            self.step::<S, true>(s)
+        } else {
+            self.step::<S, false>(s)
+        }
     }
 }
 

@@ -35,7 +35,9 @@ impl Kept {
     pub(super) fn of(&mut self, shape: Shape, top: usize, ground: f32) -> &mut [f32] {
         if self.last != (shape, top, ground) {
             self.kept.reset(shape.len());
-            self.kept.chunks_exact_mut(shape.plane()).for_each(|plane| plane[..shape.row].fill(ground));
+            self.kept
+                .chunks_exact_mut(shape.plane())
+                .for_each(|plane| plane[..shape.row].fill(ground));
             self.last = (shape, top, ground);
         }
         &mut self.kept
@@ -47,7 +49,11 @@ impl<T: Stages> WithSimd for Flat<'_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, s: S) {
-        if self.all.law.resistance.is_some() { self.sweep::<S, true>(s) } else { self.sweep::<S, false>(s) }
+        if self.all.law.resistance.is_some() {
+            self.sweep::<S, true>(s)
+        } else {
+            self.sweep::<S, false>(s)
+        }
     }
 }
 

@@ -38,7 +38,12 @@ impl<'a> Planes<'a> {
     /// From the second row of three planes on.
     #[inline(always)]
     fn of([back, here, front]: [&'a [f32]; 3], len: usize, row: usize) -> Self {
-        Self { back: &back[row..][..len], here: &here[..len + 2 * row], front: &front[row..][..len], row }
+        Self {
+            back: &back[row..][..len],
+            here: &here[..len + 2 * row],
+            front: &front[row..][..len],
+            row,
+        }
     }
 }
 
@@ -86,7 +91,10 @@ impl<'a, S: Simd> Stencil<'a, S> {
     fn len(&self) -> usize {
         let n = self.here.len();
         let all = [self.left, self.right, self.back, self.front, self.below, self.above];
-        assert!(all.iter().all(|numbers| numbers.len() == n), "all neighbours have the range's length");
+        assert!(
+            all.iter().all(|numbers| numbers.len() == n),
+            "all neighbours have the range's length"
+        );
         n
     }
 
@@ -113,7 +121,14 @@ struct Surface<'a, S: Simd, const RESISTANCE: bool> {
 
 impl<'a, S: Simd, const RESISTANCE: bool> Surface<'a, S, RESISTANCE> {
     #[inline(always)]
-    fn new(simd: S, law: &Law, activity: &'a Activity, start: usize, n: usize, derived: bool) -> Self {
+    fn new(
+        simd: S,
+        law: &Law,
+        activity: &'a Activity,
+        start: usize,
+        n: usize,
+        derived: bool,
+    ) -> Self {
         let len = n * S::F32_LANES;
         // The derivative of θ · radiation(θ) is a cubic polynomial too.
         let power = |i: usize| if derived { (i + 1) as f32 } else { 1.0 };
@@ -122,7 +137,11 @@ impl<'a, S: Simd, const RESISTANCE: bool> Surface<'a, S, RESISTANCE> {
             radiation: std::array::from_fn(|i| simd.splat_f32s(power(i) * law.radiation[i])),
             damping: &lanes::<S>(&activity.damping, start, len)[..n],
             exposure: &lanes::<S>(&activity.exposure, start, len)[..n],
-            caps: if activity.caps.is_empty() { &[] } else { &lanes::<S>(&activity.caps, start, len)[..n] },
+            caps: if activity.caps.is_empty() {
+                &[]
+            } else {
+                &lanes::<S>(&activity.caps, start, len)[..n]
+            },
             resistance: law.resistance.unwrap_or_default().map(|number| simd.splat_f32s(number)),
         }
     }
@@ -132,15 +151,17 @@ impl<'a, S: Simd, const RESISTANCE: bool> Surface<'a, S, RESISTANCE> {
     fn damping(&self, [damping, exposure, caps]: [S::f32s; 3], theta: S::f32s) -> S::f32s {
         let s = self.simd;
         let [r0, r1, r2, r3] = self.radiation;
-        let radiated = s.mul_add_f32s(s.mul_add_f32s(s.mul_add_f32s(r3, theta, r2), theta, r1), theta, r0);
+        let radiated =
+            s.mul_add_f32s(s.mul_add_f32s(s.mul_add_f32s(r3, theta, r2), theta, r1), theta, r0);
         if !RESISTANCE {
             return s.negate_mul_add_f32s(radiated, exposure, damping);
         }
         let [convection, side, cap] = self.resistance;
         let h = s.add_f32s(radiated, convection);
         let one = s.splat_f32s(1.0);
-        let passed =
-            |exposure, distance| s.div_f32s(s.mul_f32s(h, exposure), s.mul_add_f32s(h, distance, one));
+        let passed = |exposure, distance| {
+            s.div_f32s(s.mul_f32s(h, exposure), s.mul_add_f32s(h, distance, one))
+        };
         let lost = s.add_f32s(passed(exposure, side), passed(caps, cap));
         s.sub_f32s(damping, lost)
     }

@@ -40,7 +40,12 @@ pub(crate) struct Kept {
 
 impl Default for Kept {
     fn default() -> Self {
-        Self { flat: flat::Kept::default(), slabs: Vec::new(), halo: Aligned::default(), threads: 1 }
+        Self {
+            flat: flat::Kept::default(),
+            slabs: Vec::new(),
+            halo: Aligned::default(),
+            threads: 1,
+        }
     }
 }
 
@@ -159,7 +164,11 @@ impl<T: Stages> WithSimd for Slab<'_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, s: S) {
-        if self.all.law.resistance.is_some() { self.sweep::<S, true>(s) } else { self.sweep::<S, false>(s) }
+        if self.all.law.resistance.is_some() {
+            self.sweep::<S, true>(s)
+        } else {
+            self.sweep::<S, false>(s)
+        }
     }
 }
 
@@ -186,7 +195,8 @@ impl<T: Stages> Slab<'_, T> {
                 };
                 let around = Planes::of([y - 1, y, y + 1].map(theta), swept, row);
                 let start = y * plane + row;
-                let equation = Equation::<S, RESISTANCE>::new(s, law, activity, around, start, false);
+                let equation =
+                    Equation::<S, RESISTANCE>::new(s, law, activity, around, start, false);
                 let here = y % 3 * plane;
                 let runs = Runs::new::<S>(activity, start, swept);
                 let rows = &mut kept[here + row..][..swept];
@@ -203,9 +213,16 @@ impl<T: Stages> Slab<'_, T> {
                 };
                 let around = Planes::of([y - 1, y, y + 1].map(kept), swept, row);
                 let start = y * plane + row;
-                let equation = Equation::<S, RESISTANCE>::new(s, law, activity, around, start, T::DERIVED);
+                let equation =
+                    Equation::<S, RESISTANCE>::new(s, law, activity, around, start, T::DERIVED);
                 let runs = Runs::new::<S>(activity, start, swept);
-                second_stage(s, &equation, runs, stages, &mut own[(y - first) * plane + row..][..swept]);
+                second_stage(
+                    s,
+                    &equation,
+                    runs,
+                    stages,
+                    &mut own[(y - first) * plane + row..][..swept],
+                );
             }
         }
     }
@@ -308,7 +325,11 @@ mod tests {
     use crate::state::{State, StateMut};
 
     /// A patch of which a part of the voxels is active, at any temperatures, and perhaps one of them.
-    fn patch(size: [usize; 3], law: &Law, random: &mut Xoshiro256PlusPlus) -> (Patch, Option<usize>) {
+    fn patch(
+        size: [usize; 3],
+        law: &Law,
+        random: &mut Xoshiro256PlusPlus,
+    ) -> (Patch, Option<usize>) {
         let mut state = State::empty(Shape::around(size[0], size[1], size[2]), law);
         let StateMut { patch, mut voxels } = state.make_mut();
         let (mut changes, mut active) = (Vec::new(), Vec::new());
@@ -351,7 +372,8 @@ mod tests {
             let (mut flat, held) = patch(size, law, random);
             let (mut slabs, top) = (flat.clone(), size[2] + 1);
             for _ in 0..3 {
-                let sweep = |activity| Sweep { law, shape: slabs.shape, activity, stages, held, top };
+                let sweep =
+                    |activity| Sweep { law, shape: slabs.shape, activity, stages, held, top };
                 sweep(&flat.activity).flat(&mut flat.theta, &mut memory);
                 sweep(&slabs.activity).slabs(&mut slabs.theta, &mut memory);
             }

@@ -83,7 +83,9 @@ pub fn program_slots(
         let (event, pace) = step?;
         match event {
             Event::Motion(motion) if is_bead(&motion) => {
-                visits.bead(&motion, |way_mm| pace.seconds_to(way_mm), &mut |visit| births.visit(visit));
+                visits.bead(&motion, |way_mm| pace.seconds_to(way_mm), &mut |visit| {
+                    births.visit(visit)
+                });
             }
             _ => {
                 visits.end(&mut |visit| births.visit(visit));
@@ -133,7 +135,8 @@ impl<'a> Births<'a> {
     }
 
     fn visit(&mut self, visit: &Visit) {
-        let voxel = visit.voxel().filter(|&[x, y, z]| self.part.material(x, y, z as usize).is_some());
+        let voxel =
+            visit.voxel().filter(|&[x, y, z]| self.part.material(x, y, z as usize).is_some());
         if let Some(voxel) = voxel {
             let index = self.index(voxel);
             if !std::mem::replace(&mut self.born[index], true) {

@@ -18,11 +18,20 @@ struct Planned {
 
 impl Planned {
     fn new(width: u32, height: u32, cell_mm: f64, masks: &[Vec<bool>]) -> Self {
-        let frame = Frame { left_mm: 40.3, back_mm: 60.71, cell_mm, layer_mm: cell_mm / 2.0, width, height };
+        let frame = Frame {
+            left_mm: 40.3,
+            back_mm: 60.71,
+            cell_mm,
+            layer_mm: cell_mm / 2.0,
+            width,
+            height,
+        };
         let layer = |mask: &Vec<bool>| {
             let region = Region::from_mask(width, height, mask.clone()).unwrap();
             let side = |cell: u32| u8::from(cell % width >= width / 2);
-            let ids = (0..).zip(mask).map(|(cell, &inside)| if inside { side(cell) } else { Zones::OUTSIDE });
+            let ids = (0..)
+                .zip(mask)
+                .map(|(cell, &inside)| if inside { side(cell) } else { Zones::OUTSIDE });
             let zones = Zones::new(&region, ids.collect()).unwrap();
             let path = cover(&region);
             (region, zones, path)
@@ -141,7 +150,8 @@ fn what_a_program_prints_can_be_simulated() {
     let part = planned.voxels();
     let done = program_slots(&planned.print().0, &part, &ProgramSettings::default()).unwrap();
     let mut simulation =
-        Simulation::new(Arc::new(part), &Material::abs(), &Process::default(), Method::default()).unwrap();
+        Simulation::new(Arc::new(part), &Material::abs(), &Process::default(), Method::default())
+            .unwrap();
     simulation.run(&done.slots).unwrap();
     assert_eq!(simulation.layer_c(2).count(), 96);
 }
@@ -162,7 +172,8 @@ fn voxels_left_out_are_named_and_may_be_tolerated() {
 
 /// A layer of 8 x 6 cells of 0.5 mm, its front left corner at 10, 10.
 fn plate() -> Voxels {
-    let frame = Frame { left_mm: 10.0, back_mm: 13.0, cell_mm: 0.5, layer_mm: 0.25, width: 8, height: 6 };
+    let frame =
+        Frame { left_mm: 10.0, back_mm: 13.0, cell_mm: 0.5, layer_mm: 0.25, width: 8, height: 6 };
     Voxels::new(frame, 1, vec![0; 48])
 }
 
@@ -174,7 +185,8 @@ fn slots(text: &str) -> Vec<Slot> {
 #[test]
 fn a_bead_passes_cells_at_its_own_pace() {
     // 4 mm along the front row from rest, up to 30 mm/s within 0.45 mm.
-    let found = slots("M83\nM204 S1000\nG1 X10 Y10.25 Z0.25 F6000\nG4 P1\nG1 X14 E1 F1800\nG1 X10 F6000");
+    let found =
+        slots("M83\nM204 S1000\nG1 X10 Y10.25 Z0.25 F6000\nG4 P1\nG1 X14 E1 F1800\nG1 X10 F6000");
     let cells: Vec<_> = (0..8).map(|x| [x, 5, 0]).collect();
     assert_eq!(births(&found), cells);
     let first = 0.03 + 0.05 / 30.0;
@@ -193,7 +205,10 @@ fn many_short_motions_are_one_bead() {
     };
     let (long, short) = (bead(4.0), bead(0.008));
     assert_eq!(births(&long), births(&short));
-    assert!(long.iter().zip(&short).all(|(a, b)| (a.seconds - b.seconds).abs() < 1e-4), "{short:?}");
+    assert!(
+        long.iter().zip(&short).all(|(a, b)| (a.seconds - b.seconds).abs() < 1e-4),
+        "{short:?}"
+    );
 }
 
 #[test]
@@ -203,7 +218,8 @@ fn beads_beside_the_part_and_on_it_are_pauses() {
     let twice = slots(&format!("{begin}G1 X12 E1 F1800\nG1 X10 E1\n"));
     assert_eq!(births(&once), births(&twice));
     assert!(twice.last().unwrap().voxel.is_none());
-    for bead in ["G1 X60 Y60\nG1 X62 E1", ";TYPE:Skirt\nG1 X12 E1", "G1 Z0.5\nG1 X12 E1", "G1 X12"] {
+    for bead in ["G1 X60 Y60\nG1 X62 E1", ";TYPE:Skirt\nG1 X12 E1", "G1 Z0.5\nG1 X12 E1", "G1 X12"]
+    {
         let found = slots(&format!("{begin}{bead}\n"));
         assert!(found.len() == 1 && found[0].voxel.is_none(), "{bead}: {found:?}");
     }
@@ -231,7 +247,8 @@ fn slanted_beads_fill_what_they_cover() {
 
 #[test]
 fn programs_without_a_part_are_refused() {
-    let refused = |text: &str| program_voxels(&Program::parse(text).unwrap(), 0.5, 0.25).unwrap_err();
+    let refused =
+        |text: &str| program_voxels(&Program::parse(text).unwrap(), 0.5, 0.25).unwrap_err();
     assert_eq!(refused("G1 X10 F600"), VoxelsError::Nothing);
     assert_eq!(refused("M83\nG1 X10 E1 F600"), VoxelsError::Low { line: 2, z_mm: 0.0 });
     assert!(matches!(refused("G20"), VoxelsError::Trace(_)));

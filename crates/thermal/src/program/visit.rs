@@ -61,7 +61,8 @@ impl Visits {
         let (from, to) = (place(motion.from_mm), place(motion.to_mm));
         let step = [to[0] - from[0], to[1] - from[1]];
         let length_mm = motion.length_mm();
-        let layer = (f64::midpoint(motion.from_mm[2], motion.to_mm[2]) / layer_mm - 1.0).round() as i64;
+        let layer =
+            (f64::midpoint(motion.from_mm[2], motion.to_mm[2]) / layer_mm - 1.0).round() as i64;
         let mut before_s = 0.0;
         for part in crossed(from, step).windows(2) {
             let [begin, end] = [part[0], part[1]];
@@ -89,7 +90,12 @@ impl Visits {
             told(&last);
         } else if rest_s > 0.0 {
             // Nothing but clips: the time must not be lost.
-            told(&Visit { place: [-1; 3], seconds: rest_s, length_mm: 0.0, distance: f64::INFINITY });
+            told(&Visit {
+                place: [-1; 3],
+                seconds: rest_s,
+                length_mm: 0.0,
+                distance: f64::INFINITY,
+            });
         }
     }
 
@@ -139,7 +145,8 @@ fn crossed(from: [f64; 2], step: [f64; 2]) -> Vec<f64> {
 
 /// From a point to a stretch of a straight line.
 fn distance(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
-    let [along, away] = [[to[0] - from[0], to[1] - from[1]], [point[0] - from[0], point[1] - from[1]]];
+    let [along, away] =
+        [[to[0] - from[0], to[1] - from[1]], [point[0] - from[0], point[1] - from[1]]];
     let length2 = along[0] * along[0] + along[1] * along[1];
     let share = if length2 > 0.0 {
         ((along[0] * away[0] + along[1] * away[1]) / length2).clamp(0.0, 1.0)

@@ -60,7 +60,11 @@ pub enum VoxelsError {
 /// as [`beadwork_part::gcode::Print`] makes them, these are the part's voxels; of others, those that
 /// [`program_slots`](super::program_slots) would call born. The material is the number of the tool that comes first. Layers are counted from the
 /// bed. Linear in the program's way and the part's box.
-pub fn program_voxels(program: &Program, cell_mm: f64, layer_mm: f64) -> Result<Voxels, VoxelsError> {
+pub fn program_voxels(
+    program: &Program,
+    cell_mm: f64,
+    layer_mm: f64,
+) -> Result<Voxels, VoxelsError> {
     let sound = |length: f64| length > 0.0 && length.is_finite();
     if !sound(cell_mm) || !sound(layer_mm) {
         return Err(VoxelsError::Size { cell_mm, layer_mm });
@@ -85,7 +89,9 @@ pub fn program_voxels(program: &Program, cell_mm: f64, layer_mm: f64) -> Result<
                 tool = motion.tool;
                 visits.bead(&motion, |_| 0.0, &mut |visit| fill(tool, visit));
             }
-            Event::Motion(_) | Event::ToolChange { .. } => visits.end(&mut |visit| fill(tool, visit)),
+            Event::Motion(_) | Event::ToolChange { .. } => {
+                visits.end(&mut |visit| fill(tool, visit))
+            }
             _ => {}
         }
     }

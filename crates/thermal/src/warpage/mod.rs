@@ -158,8 +158,9 @@ impl Warpage {
     /// The bending stiffness of a column by modulus and width, m³, and the moment that bends it, m².
     fn bending(&self, column: &[f64]) -> [f64; 2] {
         let h = self.layer_m;
-        let voxels =
-            || (0u32..).zip(column).filter(|(_, c)| !c.is_nan()).map(|(z, &c)| (f64::from(z) * h, c));
+        let voxels = || {
+            (0u32..).zip(column).filter(|(_, c)| !c.is_nan()).map(|(z, &c)| (f64::from(z) * h, c))
+        };
         let count = voxels().count() as f64;
         let centre = voxels().map(|(z, _)| z).sum::<f64>() / count.max(1.0);
         voxels().fold([0.0; 2], |[stiffness, moment], (z, c)| {
@@ -181,12 +182,14 @@ impl Warpage {
             moments[y * columns + x] += moment;
         }
         let (all, moment): (f64, f64) = (stiffness.iter().sum(), moments.iter().sum());
-        let ratio = |moment: f64, stiffness: f64| if stiffness > 0.0 { moment / stiffness } else { 0.0 };
+        let ratio =
+            |moment: f64, stiffness: f64| if stiffness > 0.0 { moment / stiffness } else { 0.0 };
         let curvature = moments.iter().zip(&stiffness).map(|(&m, &s)| ratio(m, s)).collect();
         let spacing = self.cell_m * block as f64;
         let plate = Plate { width: columns, height: rows, spacing, stiffness, curvature };
         let heights = plate.deflection();
-        let inside = |x: usize, y: usize| x < columns && y < rows && plate.stiffness[y * columns + x] > 0.0;
+        let inside =
+            |x: usize, y: usize| x < columns && y < rows && plate.stiffness[y * columns + x] > 0.0;
         let is_outline = |&[x, y]: &[usize; 2]| {
             let around = [(x.wrapping_sub(1), y), (x + 1, y), (x, y.wrapping_sub(1)), (x, y + 1)];
             !around.into_iter().all(|(x, y)| inside(x, y))
@@ -195,8 +198,9 @@ impl Warpage {
         let lowest = plate.cells().map(height_m).fold(f64::INFINITY, f64::min);
         // 0 for a part of which nothing is deposited, where these are infinite.
         let rise_mm = |highest: f64| (highest - lowest).max(0.0) * 1e3;
-        let heights_mm =
-            (0..columns * rows).map(|i| inside(i % columns, i / columns).then(|| heights[i] * 1e3)).collect();
+        let heights_mm = (0..columns * rows)
+            .map(|i| inside(i % columns, i / columns).then(|| heights[i] * 1e3))
+            .collect();
         WarpageEstimate {
             curvature_1_m: ratio(moment, all),
             corner_lift_mm: rise_mm(

@@ -40,7 +40,8 @@ impl Plate {
         let mut numbers = vec![usize::MAX; self.stiffness.len()];
         (0..).zip(&sorted).for_each(|(number, &[x, y])| numbers[y * self.width + x] = number);
         let terms: Vec<Term> = self.terms(&cells, &numbers).collect();
-        let mut system = Banded::zero(cells.len(), terms.iter().map(Term::reach).max().unwrap_or(0));
+        let mut system =
+            Banded::zero(cells.len(), terms.iter().map(Term::reach).max().unwrap_or(0));
         let mut right = vec![0.0; cells.len()];
         for (number, &[x, y]) in sorted.iter().enumerate() {
             *system.at(number, number) += TIE * self.stiffness[y * self.width + x];
@@ -88,7 +89,8 @@ impl Plate {
                 ];
                 let corners = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
                 // Their mean, twice: the energy has the mixed derivative twice.
-                let weight = corners.map(|corner| of(&self.stiffness, corner)).iter().sum::<f64>() / 2.0;
+                let weight =
+                    corners.map(|corner| of(&self.stiffness, corner)).iter().sum::<f64>() / 2.0;
                 Some(Term { entries, count: 4, target: 0.0, weight })
             };
             let along_x = bent([number(x.wrapping_sub(1), y), number(x + 1, y)]);
@@ -100,7 +102,9 @@ impl Plate {
     /// Takes the best-fitting plane away.
     fn level(&self, cells: &[[usize; 2]], deflection: &mut [f64]) {
         let count = cells.len() as f64;
-        let mean = |of: &dyn Fn([usize; 2]) -> f64| cells.iter().map(|&cell| of(cell)).sum::<f64>() / count;
+        let mean = |of: &dyn Fn([usize; 2]) -> f64| {
+            cells.iter().map(|&cell| of(cell)).sum::<f64>() / count
+        };
         let at = |[x, y]: [usize; 2]| y * self.width + x;
         let (x0, y0) = (mean(&|[x, _]| x as f64), mean(&|[_, y]| y as f64));
         let away = |[x, y]: [usize; 2]| (x as f64 - x0, y as f64 - y0);
@@ -108,7 +112,8 @@ impl Plate {
         let product = |of: &dyn Fn(f64, f64, f64) -> f64| {
             mean(&|cell| of(away(cell).0, away(cell).1, deflection[at(cell)] - w0))
         };
-        let (xy, xw, yw) = (product(&|x, y, _| x * y), product(&|x, _, w| x * w), product(&|_, y, w| y * w));
+        let (xy, xw, yw) =
+            (product(&|x, y, _| x * y), product(&|x, _, w| x * w), product(&|_, y, w| y * w));
         // A line of cells has no slope across it: a little more than its true moments gives it 0.
         let more = 1e-12 * product(&|x, y, _| x * x + y * y) + f64::MIN_POSITIVE;
         let (xx, yy) = (product(&|x, _, _| x * x) + more, product(&|_, y, _| y * y) + more);
@@ -182,7 +187,10 @@ impl Banded {
             right[i] /= row[band];
             let (value, first) = (right[i], i.saturating_sub(band));
             let factors = &row[band + first - i..band];
-            right[first..i].iter_mut().zip(factors).for_each(|(other, factor)| *other -= factor * value);
+            right[first..i]
+                .iter_mut()
+                .zip(factors)
+                .for_each(|(other, factor)| *other -= factor * value);
         }
     }
 }
@@ -225,7 +233,9 @@ mod tests {
     #[test]
     fn a_strip_is_integrated_twice() {
         let mut strip = plate(41, 1, |_, _| true);
-        (0..).zip(&mut strip.curvature).for_each(|(x, curvature)| *curvature = f64::from(x % 7) - 2.0);
+        (0..)
+            .zip(&mut strip.curvature)
+            .for_each(|(x, curvature)| *curvature = f64::from(x % 7) - 2.0);
         let w = strip.deflection();
         for x in 1..40 {
             let bent = (w[x - 1] - 2.0 * w[x] + w[x + 1]) / 0.25;
@@ -236,7 +246,9 @@ mod tests {
     #[test]
     fn a_mirrored_plate_bends_as_the_mirror_shows() {
         let mut one = plate(12, 8, |x, y| x + y > 2);
-        (0..).zip(&mut one.curvature).for_each(|(i, curvature)| *curvature = f64::from(i * 37 % 11));
+        (0..)
+            .zip(&mut one.curvature)
+            .for_each(|(i, curvature)| *curvature = f64::from(i * 37 % 11));
         let mut other = one.clone();
         other.stiffness.chunks_mut(12).for_each(<[f64]>::reverse);
         other.curvature.chunks_mut(12).for_each(<[f64]>::reverse);

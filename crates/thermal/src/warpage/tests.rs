@@ -11,12 +11,17 @@ const CELL_MM: f64 = 0.5;
 const LAYER_MM: f64 = 0.25;
 
 fn block(width: u32, height: u32, depth: usize) -> Voxels {
-    let frame = Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: CELL_MM, layer_mm: LAYER_MM, width, height };
+    let frame =
+        Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: CELL_MM, layer_mm: LAYER_MM, width, height };
     Voxels::new(frame, depth, vec![0; width as usize * height as usize * depth])
 }
 
 /// Locks all of a block, layer by layer, while what lies below is as warm as `celsius` says for its place and the layer.
-fn locked(part: &Voxels, material: &Material, celsius: impl Fn([u32; 3], u32) -> f64) -> WarpageEstimate {
+fn locked(
+    part: &Voxels,
+    material: &Material,
+    celsius: impl Fn([u32; 3], u32) -> f64,
+) -> WarpageEstimate {
     let mut warpage = Warpage::new(part, material);
     for z in 0..part.depth as u32 {
         for cell in part.cells(z as usize) {
@@ -52,11 +57,19 @@ fn a_thin_layer_on_a_thick_stack_is_stoneys() {
     // The stack locks while all of it is at the glass transition, only the last layer on a cold one.
     let depth = 200;
     let estimate =
-        locked(&block(3, 3, depth), &material, |_, z| if z + 1 < depth as u32 { 105.0 } else { 65.0 });
+        locked(
+            &block(3, 3, depth),
+            &material,
+            |_, z| if z + 1 < depth as u32 { 105.0 } else { 65.0 },
+        );
     let mismatch = material.expansion_per_k * 40.0;
     let (film, stack) = (LAYER_MM / 1e3, LAYER_MM / 1e3 * (depth - 1) as f64);
     let stoney = 6.0 * mismatch * film / (stack * stack);
-    assert!((estimate.curvature_1_m / stoney - 1.0).abs() < 0.02, "{} {stoney}", estimate.curvature_1_m);
+    assert!(
+        (estimate.curvature_1_m / stoney - 1.0).abs() < 0.02,
+        "{} {stoney}",
+        estimate.curvature_1_m
+    );
 }
 
 #[test]
@@ -122,7 +135,9 @@ fn a_mirrored_print_warps_the_same() {
     assert_near(one.curvature_1_m, mirrored.curvature_1_m);
     assert_near(one.corner_lift_mm, mirrored.corner_lift_mm);
     for (row, other) in one.heights_mm.chunks(14).zip(mirrored.heights_mm.chunks(14)) {
-        row.iter().zip(other.iter().rev()).for_each(|(a, b)| assert!((a.unwrap() - b.unwrap()).abs() < 1e-6));
+        row.iter()
+            .zip(other.iter().rev())
+            .for_each(|(a, b)| assert!((a.unwrap() - b.unwrap()).abs() < 1e-6));
     }
     // Swapping the axes, too, which numbers the columns of the plate otherwise.
     let swapped = locked(&block(9, 14, 4), &Material::abs(), |[x, y, z], k| warm([y, x, z], k));
@@ -137,7 +152,9 @@ fn printed(part: &Arc<Voxels>, pattern: Pattern, every_s: Option<f64>) -> Warpag
         let slots = simulation.slots(layer as u32, &order);
         match every_s {
             Some(every_s) => {
-                simulation.run_watched(&slots, every_s, |simulation| warpage.look(simulation)).unwrap();
+                simulation
+                    .run_watched(&slots, every_s, |simulation| warpage.look(simulation))
+                    .unwrap();
             }
             None => simulation.run(&slots).unwrap(),
         }

@@ -17,7 +17,8 @@ fn slots(simulation: &Simulation) -> Vec<Slot> {
 fn looking_changes_nothing_of_the_plain_scheme() {
     // Without pauses, whose length the plain scheme's steps follow.
     let process = Process { travel_mm_s: None, ..Process::default() };
-    let mut run = Simulation::new(stairs(13, 7, 3), &Material::abs(), &process, Method::Naive).unwrap();
+    let mut run =
+        Simulation::new(stairs(13, 7, 3), &Material::abs(), &process, Method::Naive).unwrap();
     let cells: Vec<_> = run.part().cells(0).collect();
     let slots = run.slots(0, &cells);
     let mut watched = run.clone();

@@ -74,8 +74,11 @@ pub fn random_part(random: &mut Random, most: [usize; 3]) -> Arc<Voxels> {
     match random.below(6) {
         0 => block(width, height, depth),
         1 => {
-            let holes: Vec<bool> = (0..width * height * depth).map(|_| !random.one_in(gap)).collect();
-            part_of(frame, depth, |[x, y, z]| (x, y, z) == (0, 0, 0) || holes[(z * height + y) * width + x])
+            let holes: Vec<bool> =
+                (0..width * height * depth).map(|_| !random.one_in(gap)).collect();
+            part_of(frame, depth, |[x, y, z]| {
+                (x, y, z) == (0, 0, 0) || holes[(z * height + y) * width + x]
+            })
         }
         2 => part_of(frame, depth, |[x, y, _]| x % gap != 1 && y % (gap + 2) != 1),
         3 => part_of(frame, depth, |[x, y, z]| {
@@ -198,7 +201,8 @@ impl Print {
     }
 
     pub fn run_plain(&self, scheme: Scheme) -> Plain {
-        let mut plain = Plain::new(self.part.clone(), &self.material, &self.process, scheme).unwrap();
+        let mut plain =
+            Plain::new(self.part.clone(), &self.material, &self.process, scheme).unwrap();
         plain.run(&self.slots);
         plain
     }
@@ -207,7 +211,8 @@ impl Print {
 /// x, y and z of all voxels of a part.
 pub fn voxels(part: &Voxels) -> impl Iterator<Item = [u32; 3]> {
     let width = part.frame.width;
-    (0..part.depth).flat_map(move |z| part.cells(z).map(move |cell| [cell % width, cell / width, z as u32]))
+    (0..part.depth)
+        .flat_map(move |z| part.cells(z).map(move |cell| [cell % width, cell / width, z as u32]))
 }
 
 /// The temperatures of all voxels, °C; NaN for those not deposited.

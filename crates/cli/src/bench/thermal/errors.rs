@@ -15,8 +15,10 @@ impl Fields {
     /// Takes down the temperatures at the end of a layer.
     pub(super) fn look(&mut self, layer: usize, simulation: &Simulation, orders: &[Vec<Cell>]) {
         let width = simulation.part().frame.width;
-        let voxels =
-            orders[..=layer].iter().zip(0..).flat_map(|(order, z)| order.iter().map(move |&cell| (cell, z)));
+        let voxels = orders[..=layer]
+            .iter()
+            .zip(0..)
+            .flat_map(|(order, z)| order.iter().map(move |&cell| (cell, z)));
         let celsius = voxels.map(|(cell, z)| {
             let voxel = [cell % width, cell / width, z];
             simulation.temperature_c(voxel).expect("all cells of the orders are deposited") as f32

@@ -55,7 +55,11 @@ pub(super) fn measure(repeats: u64) -> anyhow::Result<Kernel> {
         updates.push(update);
         shares.push(update / triad);
     }
-    Ok(Kernel { triad_g_per_s: middle(triads), updates_g_per_s: middle(updates), share: middle(shares) })
+    Ok(Kernel {
+        triad_g_per_s: middle(triads),
+        updates_g_per_s: middle(updates),
+        share: middle(shares),
+    })
 }
 
 /// The numbers from the first on that begins a cache line.
@@ -74,7 +78,10 @@ struct Triad<'a> {
 impl WithSimd for Triad<'_> {
     type Output = ();
 
-    #[expect(clippy::inline_always, reason = "only what is inlined is compiled for the processor's lanes")]
+    #[expect(
+        clippy::inline_always,
+        reason = "only what is inlined is compiled for the processor's lanes"
+    )]
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let half = simd.splat_f32s(0.5);

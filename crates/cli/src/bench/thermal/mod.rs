@@ -83,8 +83,7 @@ pub(super) fn run(args: &ThermalArgs) -> anyhow::Result<()> {
         ensure!(!path.is_dir(), "'{}' is a folder", path.display());
     }
     let parts = if args.part.is_empty() { HeatPart::value_variants() } else { &args.part };
-    let mut document =
-        json!({ "machine": machine::facts(), "repeats": args.repeats, "pattern": args.pattern.name() });
+    let mut document = json!({ "machine": machine::facts(), "repeats": args.repeats, "pattern": args.pattern.name() });
     let mut text = format!(
         "Machine: {}. ABS, pattern {} without travel, medians of {} runs in turn.\n",
         machine::line(),

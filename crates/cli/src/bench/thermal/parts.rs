@@ -36,7 +36,9 @@ pub(super) fn measure(part: HeatPart, pattern: Pattern, repeats: u64) -> anyhow:
     let orders = orders(&voxels, pattern)?;
     let fields = |method: Method| -> anyhow::Result<Fields> {
         let mut fields = Fields::default();
-        print(&voxels, &orders, method, |layer, simulation| fields.look(layer, simulation, &orders))?;
+        print(&voxels, &orders, method, |layer, simulation| {
+            fields.look(layer, simulation, &orders)
+        })?;
         Ok(fields)
     };
     let reference = fields(Method::Reference { steps: 4 })?;
@@ -53,14 +55,17 @@ pub(super) fn measure(part: HeatPart, pattern: Pattern, repeats: u64) -> anyhow:
         }
     }
     let naive = seconds[0].clone();
-    let rows = METHODS.iter().zip(seconds).zip(errors).map(|(((method, _), seconds), errors)| Row {
-        part: part.name(),
-        voxels: voxels.count(),
-        method,
-        naive_ratio: middle(naive.iter().zip(&seconds).map(|(naive, own)| naive / own).collect()),
-        seconds: middle(seconds),
-        errors,
-    });
+    let rows =
+        METHODS.iter().zip(seconds).zip(errors).map(|(((method, _), seconds), errors)| Row {
+            part: part.name(),
+            voxels: voxels.count(),
+            method,
+            naive_ratio: middle(
+                naive.iter().zip(&seconds).map(|(naive, own)| naive / own).collect(),
+            ),
+            seconds: middle(seconds),
+            errors,
+        });
     Ok(rows.collect())
 }
 

@@ -42,7 +42,11 @@ pub(super) fn measure() -> anyhow::Result<Patterns> {
         simulation.deposit(layer as u32, &orders[Pattern::CONVENTIONAL.number()])?;
     }
     let mean_s = all.iter().sum::<f64>() / all.len() as f64;
-    Ok(Patterns { mean_s, most_s: all.into_iter().fold(0.0, f64::max), forks_ratio: middle(ratios) })
+    Ok(Patterns {
+        mean_s,
+        most_s: all.into_iter().fold(0.0, f64::max),
+        forks_ratio: middle(ratios),
+    })
 }
 
 impl fmt::Display for Patterns {
@@ -51,6 +55,10 @@ impl fmt::Display for Patterns {
             f,
             "| 38 patterns of a layer, 2 threads: mean s | most s | two forks, 1 thread / 2 threads |"
         )?;
-        writeln!(f, "|---|---|---|\n| {:.2} | {:.2} | {:.2} |", self.mean_s, self.most_s, self.forks_ratio)
+        writeln!(
+            f,
+            "|---|---|---|\n| {:.2} | {:.2} | {:.2} |",
+            self.mean_s, self.most_s, self.forks_ratio
+        )
     }
 }

@@ -4,7 +4,9 @@ use beadwork_grid::Layout;
 use beadwork_search::{Preset, genetic};
 
 use super::{Column, Runs};
-use crate::chart::{Axis, BLUE, Chart, GREEN, GREY, Map, ORANGE, PURPLE, Series, Stroke, charts, maps};
+use crate::chart::{
+    Axis, BLUE, Chart, GREEN, GREY, Map, ORANGE, PURPLE, Series, Stroke, charts, maps,
+};
 use crate::eval::statistics::mean;
 use crate::paper;
 use crate::search::{Generation, Row};
@@ -19,10 +21,14 @@ pub(super) fn convergence(all: &[Runs], presets: &[genetic::Preset]) -> anyhow::
                 let points = over_generations(runs, column, value);
                 Series { name, colour, stroke, points }
             };
-            series.push(line(format!("genetic {preset}, best"), Stroke::Plain, &|it| it.best as f64));
+            series
+                .push(line(format!("genetic {preset}, best"), Stroke::Plain, &|it| it.best as f64));
             series.push(line(format!("genetic {preset}, mean"), Stroke::Thin, &|it| it.mean));
         }
-        let last = series.iter().flat_map(|series| &series.points).fold(1.0, |last, point| point.0.max(last));
+        let last = series
+            .iter()
+            .flat_map(|series| &series.points)
+            .fold(1.0, |last, point| point.0.max(last));
         for (name, column, colour) in
             [("anneal fast", Column::Anneal(Preset::Fast), ORANGE), ("exact", Column::Exact, GREY)]
         {
@@ -41,7 +47,11 @@ pub(super) fn convergence(all: &[Runs], presets: &[genetic::Preset]) -> anyhow::
 }
 
 /// Mean reduction at each kept generation; a run that stopped at its bound stays there.
-fn over_generations(runs: &Runs, column: Column, value: &dyn Fn(&Generation) -> f64) -> Vec<(f64, f64)> {
+fn over_generations(
+    runs: &Runs,
+    column: Column,
+    value: &dyn Fn(&Generation) -> f64,
+) -> Vec<(f64, f64)> {
     let mut numbers: Vec<u32> = runs
         .column(column)
         .filter_map(|row| row.genetic.as_ref())
@@ -63,7 +73,8 @@ fn over_generations(runs: &Runs, column: Column, value: &dyn Fn(&Generation) -> 
 pub(super) fn heat_maps(all: &[Runs], presets: &[genetic::Preset]) -> anyhow::Result<String> {
     let map = |title: String, value: &dyn Fn(&Runs) -> f64| {
         let of = |cell: paper::Cell| {
-            let here = |runs: &&Runs| (runs.cell.layout, runs.cell.size) == (cell.layout, cell.size);
+            let here =
+                |runs: &&Runs| (runs.cell.layout, runs.cell.size) == (cell.layout, cell.size);
             all.iter().find(here).map_or(f64::NAN, value)
         };
         Map {

@@ -58,7 +58,9 @@ impl Column {
             Self::Zigzag => method == "zigzag",
             Self::Anneal(asked) => method == "anneal" && preset == asked.name(),
             Self::AnnealPaper => method == "anneal" && preset != Preset::Fast.name(),
-            Self::AnnealAveraged => AVERAGED.iter().any(|&averaged| Self::Anneal(averaged).holds(row)),
+            Self::AnnealAveraged => {
+                AVERAGED.iter().any(|&averaged| Self::Anneal(averaged).holds(row))
+            }
             Self::AnnealAny => method == "anneal",
             Self::Genetic(asked) => method == "genetic" && preset == asked.name(),
             Self::GeneticAny => method == "genetic",
@@ -106,7 +108,8 @@ pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
     }
     let pool = args.pool()?;
     let threads = pool.current_num_threads();
-    let settings = json!({ "eval": "zones", "seeds": seeds, "smoke": args.smoke, "threads": threads });
+    let settings =
+        json!({ "eval": "zones", "seeds": seeds, "smoke": args.smoke, "threads": threads });
     let store = Store::open(out, &settings)?;
     let mut jobs = Vec::new();
     for &cell in &cells {
@@ -169,8 +172,11 @@ fn every_method(
     let mut populations: Vec<(Seeding, Vec<Vec<Move>>, f64)> = Vec::new();
     for &preset in presets {
         let bound = bounds.map(|bounds| i64::from(bounds.crossings()));
-        let settings =
-            genetic::Settings { bound, cancel: Some(cancel), ..genetic::Settings::preset(preset, seed) };
+        let settings = genetic::Settings {
+            bound,
+            cancel: Some(cancel),
+            ..genetic::Settings::preset(preset, seed)
+        };
         if populations.iter().all(|(made, ..)| *made != settings.seeding) {
             let begin = Instant::now();
             let population = genetic::annealed(&path, &Crossings::new(region, zones), &settings);
@@ -192,7 +198,8 @@ fn every_method(
             .find(|(made, ..)| *made == seeding)
             .expect("there is a population for each preset");
         let population = Some((&population[..], *seconds));
-        let mut row = search(Choice::Genetic(Breeding { preset, pool: None, observer: None, population }))?;
+        let mut row =
+            search(Choice::Genetic(Breeding { preset, pool: None, observer: None, population }))?;
         if let Some(genetic) = &mut row.genetic {
             let last = genetic.history.len() as u32 - 1;
             genetic.history.retain(|it| it.number == last || is_milestone(it.number));
@@ -221,7 +228,8 @@ mod tests {
 
     #[test]
     fn milestones_grow_by_half() {
-        let milestones: Vec<u32> = (0..=500).filter(|&generation| is_milestone(generation)).collect();
+        let milestones: Vec<u32> =
+            (0..=500).filter(|&generation| is_milestone(generation)).collect();
         assert_eq!(milestones[..8], [0, 1, 2, 3, 5, 8, 12, 18]);
         assert!(milestones.len() < 20);
     }

@@ -19,7 +19,9 @@ fn columns(presets: &[genetic::Preset]) -> Vec<(String, Column)> {
         ("anneal `paper`".to_owned(), Column::Anneal(Preset::Paper)),
         ("anneal `fast`".to_owned(), Column::Anneal(Preset::Fast)),
     ];
-    columns.extend(presets.iter().map(|&preset| (format!("genetic `{preset}`"), Column::Genetic(preset))));
+    columns.extend(
+        presets.iter().map(|&preset| (format!("genetic `{preset}`"), Column::Genetic(preset))),
+    );
     columns.push(("exact".to_owned(), Column::Exact));
     columns
 }
@@ -55,7 +57,11 @@ fn gap(row: &Row) -> f64 {
 }
 
 /// Writes all tables.
-pub(super) fn markdown(text: &mut String, all: &[Runs], presets: &[genetic::Preset]) -> std::fmt::Result {
+pub(super) fn markdown(
+    text: &mut String,
+    all: &[Runs],
+    presets: &[genetic::Preset],
+) -> std::fmt::Result {
     let genetic = |runs: &Runs, value: &dyn Fn(&Runs, Column) -> f64| -> String {
         let values = presets.iter().map(|&preset| percent(value(runs, Column::Genetic(preset))));
         values.collect::<Vec<_>>().join(" / ")
@@ -63,7 +69,10 @@ pub(super) fn markdown(text: &mut String, all: &[Runs], presets: &[genetic::Pres
     let names = presets.iter().map(|preset| format!("`{preset}`")).collect::<Vec<_>>().join(" / ");
     let best = |runs: &Runs, column| runs.best(column);
 
-    writeln!(text, "\n## Table 1: best reduction by the genetic algorithm, in %: {names} (the paper)\n")?;
+    writeln!(
+        text,
+        "\n## Table 1: best reduction by the genetic algorithm, in %: {names} (the paper)\n"
+    )?;
     table(text, all, |runs| format!("{} ({:.1})", genetic(runs, &best), runs.cell.genetic))?;
     writeln!(
         text,
@@ -80,13 +89,14 @@ pub(super) fn markdown(text: &mut String, all: &[Runs], presets: &[genetic::Pres
     )?;
     let mean = |runs: &Runs, column| runs.mean(column, Row::reduction);
     table(text, all, |runs| {
-        let [paper, averaged] =
-            [Column::Anneal(Preset::Paper), Column::AnnealAveraged].map(|column| mean(runs, column));
+        let [paper, averaged] = [Column::Anneal(Preset::Paper), Column::AnnealAveraged]
+            .map(|column| mean(runs, column));
         format!("{} / {} ({:.1})", percent(paper), percent(averaged), runs.cell.mean)
     })?;
     writeln!(text, "\n## Mean reduction, in %: genetic {names}; `fast`; exact\n")?;
     table(text, all, |runs| {
-        let [fast, exact] = [Column::Anneal(Preset::Fast), Column::Exact].map(|column| mean(runs, column));
+        let [fast, exact] =
+            [Column::Anneal(Preset::Fast), Column::Exact].map(|column| mean(runs, column));
         format!("{}; {}; {}", genetic(runs, &mean), percent(fast), percent(exact))
     })?;
     crossings(text, all, presets)?;
@@ -127,8 +137,9 @@ fn crossings(text: &mut String, all: &[Runs], presets: &[genetic::Preset]) -> st
     writeln!(text, "\n## Mean seconds, one thread each; genetic with its annealing runs\n")?;
     writeln!(text, "| layout | size | {heads} |\n|---|---|{rule}")?;
     for runs in all {
-        let seconds =
-            columns.iter().map(|&(_, column)| format!("{:.4}", runs.mean(column, |row| row.seconds)));
+        let seconds = columns
+            .iter()
+            .map(|&(_, column)| format!("{:.4}", runs.mean(column, |row| row.seconds)));
         let seconds = seconds.collect::<Vec<_>>().join(" | ");
         writeln!(text, "| {} | {} | {seconds} |", runs.cell.layout, runs.cell.size)?;
     }
@@ -150,9 +161,11 @@ fn gains(text: &mut String, all: &[Runs], presets: &[genetic::Preset]) -> std::f
     for layout in Layout::PAPER {
         let cells = presets.iter().map(|&preset| {
             let here = all.iter().filter(|runs| runs.cell.layout == layout);
-            let saved = |row: &Row| Some(row.genetic.as_ref()?.seeded as f64 - f64::from(row.crossings));
-            let saved: Vec<Vec<f64>> =
-                here.map(|runs| runs.column(Column::Genetic(preset)).filter_map(saved).collect()).collect();
+            let saved =
+                |row: &Row| Some(row.genetic.as_ref()?.seeded as f64 - f64::from(row.crossings));
+            let saved: Vec<Vec<f64>> = here
+                .map(|runs| runs.column(Column::Genetic(preset)).filter_map(saved).collect())
+                .collect();
             let runs: Vec<f64> = saved.iter().flatten().copied().collect();
             let some = runs.iter().filter(|&&saved| saved > 0.0).count();
             let share = 100.0 * some as f64 / runs.len() as f64;
@@ -174,11 +187,13 @@ fn verdicts(text: &mut String, all: &[Runs], presets: &[genetic::Preset]) -> std
             .filter(|runs| !holds(runs))
             .map(|runs| format!("{} {}", runs.cell.layout, runs.cell.size))
             .collect();
-        let but = if misses.is_empty() { String::new() } else { format!(" (not {})", misses.join(", ")) };
+        let but =
+            if misses.is_empty() { String::new() } else { format!(" (not {})", misses.join(", ")) };
         format!("{} of {}{but}", all.len() - misses.len(), all.len())
     };
     writeln!(text, "\n## Cells in which the best reduction is at least as large\n")?;
-    let mut line = |what: &str, holds: &dyn Fn(&Runs) -> bool| writeln!(text, "- {what}: {}", count(holds));
+    let mut line =
+        |what: &str, holds: &dyn Fn(&Runs) -> bool| writeln!(text, "- {what}: {}", count(holds));
     for &preset in presets {
         let column = Column::Genetic(preset);
         line(&format!("genetic `{preset}` as the paper's Table 1"), &|runs| {

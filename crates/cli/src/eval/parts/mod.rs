@@ -59,7 +59,8 @@ const FILES: [(&str, &str, f64, Rule); 7] = [
 ];
 
 pub(super) fn run(args: &PartsArgs) -> anyhow::Result<()> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
+    let pool =
+        rayon::ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
     let mut missing = Vec::new();
     let cases = cases(args.files.as_deref(), &pool, &mut missing)?;
     let bar = progress::bar(3 * cases.len() as u64, "eval parts");

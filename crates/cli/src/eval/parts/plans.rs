@@ -51,7 +51,8 @@ pub(super) fn measure(
             [(Mode::Cheapest, "cheapest"), (Mode::Continuous, "continuous"), (Mode::Free, "free")]
         {
             let settings = profile.complete(&part.model.materials)?;
-            let costs = tool_costs(settings.purge.as_ref().expect("complete settings have volumes"))?;
+            let costs =
+                tool_costs(settings.purge.as_ref().expect("complete settings have volumes"))?;
             let how = Settings {
                 mode,
                 seed,
@@ -87,7 +88,11 @@ pub(super) fn measure(
                 purge_grams: tools.iter().map(purged).sum(),
                 plan_seconds,
                 write_seconds,
-                frontier: plan.frontier.iter().map(|point| (point.lifts, point.tool_cost)).collect(),
+                frontier: plan
+                    .frontier
+                    .iter()
+                    .map(|point| (point.lifts, point.tool_cost))
+                    .collect(),
             });
         }
         bar.inc(1);
@@ -105,7 +110,8 @@ pub(super) fn tables(text: &mut String, rows: &[Row]) -> std::fmt::Result {
         "| part | tools | layers | cells | mode | tool changes | at least | fixed order | lifts | layers proven optimal | cells printed once | hours | g (purged) | s to plan | s to write and check |"
     )?;
     writeln!(text, "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|")?;
-    let number = |value: Option<u32>| value.map_or_else(|| "-".to_owned(), |value| value.to_string());
+    let number =
+        |value: Option<u32>| value.map_or_else(|| "-".to_owned(), |value| value.to_string());
     for row in rows {
         writeln!(
             text,
@@ -128,7 +134,10 @@ pub(super) fn tables(text: &mut String, rows: &[Row]) -> std::fmt::Result {
             row.write_seconds,
         )?;
     }
-    writeln!(text, "\nLifts against purged mm³, at any price of a lift (corners of the frontier):\n")?;
+    writeln!(
+        text,
+        "\nLifts against purged mm³, at any price of a lift (corners of the frontier):\n"
+    )?;
     for row in rows.iter().filter(|row| row.mode == "cheapest" && row.frontier.len() > 1) {
         let points: Vec<String> =
             row.frontier.iter().map(|(lifts, cost)| format!("{lifts}: {cost}")).collect();

@@ -5,7 +5,9 @@ use std::time::Instant;
 
 use beadwork_grid::Path;
 use beadwork_search::exact::{self, solve};
-use beadwork_search::plan::{Constraints, Mode, Settings, Stacking, ToolCosts, kept_links, tools_plan};
+use beadwork_search::plan::{
+    Constraints, Mode, Settings, Stacking, ToolCosts, kept_links, tools_plan,
+};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
@@ -57,10 +59,12 @@ pub(super) fn measure(cases: &[Case], seed: u64, bar: &ProgressBar) -> anyhow::R
             rows.push(row(name, start, &solved, begin));
         }
         // The better of both, where each layer stands on the one chosen before it.
-        let (costs, constraints) = (ToolCosts::uniform(part.layers.tools() as u8), Constraints::default());
-        for (stacking, start) in
-            [(Stacking::Keep, "better of both, more kept"), (Stacking::Break, "better of both, fewer kept")]
-        {
+        let (costs, constraints) =
+            (ToolCosts::uniform(part.layers.tools() as u8), Constraints::default());
+        for (stacking, start) in [
+            (Stacking::Keep, "better of both, more kept"),
+            (Stacking::Break, "better of both, fewer kept"),
+        ] {
             let begin = Instant::now();
             let settings = Settings {
                 mode: Mode::Continuous,
@@ -81,9 +85,11 @@ pub(super) fn measure(cases: &[Case], seed: u64, bar: &ProgressBar) -> anyhow::R
 
 fn row(part: &'static str, start: &'static str, layers: &[Solved], begin: Instant) -> Row {
     let seconds = begin.elapsed().as_secs_f64();
-    let links = |solved: &Solved| solved.path.order().len() as u64 - u64::from(solved.path.pieces());
+    let links =
+        |solved: &Solved| solved.path.order().len() as u64 - u64::from(solved.path.pieces());
     let possible: u64 = layers[1..].iter().map(links).sum();
-    let kept: u64 = layers.windows(2).map(|pair| u64::from(kept_links(&pair[0].path, &pair[1].path))).sum();
+    let kept: u64 =
+        layers.windows(2).map(|pair| u64::from(kept_links(&pair[0].path, &pair[1].path))).sum();
     Row {
         part,
         start,

@@ -70,8 +70,9 @@ pub(super) fn measure(cases: &[Case], bar: &ProgressBar) -> Vec<Row> {
             voxels_mm3: part.layers.voxels().volume_mm3(),
             cells_off,
             outline_met: met as f64 / outline_off.len() as f64,
-            rest_thin: (!rest_thin.is_empty())
-                .then(|| rest_thin.iter().filter(|&&thin| thin).count() as f64 / rest_thin.len() as f64),
+            rest_thin: (!rest_thin.is_empty()).then(|| {
+                rest_thin.iter().filter(|&&thin| thin).count() as f64 / rest_thin.len() as f64
+            }),
             outline_off: greatest.is_finite().then_some(greatest),
         });
         bar.inc(1);
@@ -99,7 +100,9 @@ struct Distances {
 
 fn distances(layer: &Layer, borders: &[&[[f64; 2]]], frame: &Frame) -> Distances {
     // In units of cells, from the left and from the back.
-    let place = |[x, y]: [f64; 2]| [(x - frame.left_mm) / frame.cell_mm, (frame.back_mm - y) / frame.cell_mm];
+    let place = |[x, y]: [f64; 2]| {
+        [(x - frame.left_mm) / frame.cell_mm, (frame.back_mm - y) / frame.cell_mm]
+    };
     let region = &layer.region;
     let inside = |x: i64, y: i64| {
         let (width, height) = (i64::from(region.width()), i64::from(region.height()));
@@ -185,7 +188,8 @@ fn is_thin<'a>(
     normal: [f64; 2],
 ) -> bool {
     let meets = |from: [f64; 2], to: [f64; 2]| {
-        let [along, away] = [[to[0] - from[0], to[1] - from[1]], [from[0] - point[0], from[1] - point[1]]];
+        let [along, away] =
+            [[to[0] - from[0], to[1] - from[1]], [from[0] - point[0], from[1] - point[1]]];
         let cross = normal[0] * along[1] - normal[1] * along[0];
         let on_ray = (away[0] * along[1] - away[1] * along[0]) / cross;
         let on_line = (away[0] * normal[1] - away[1] * normal[0]) / cross;
@@ -195,7 +199,10 @@ fn is_thin<'a>(
             && on_ray.abs() < std::f64::consts::SQRT_2
     };
     borders.any(|corners| {
-        corners.iter().zip(corners.iter().cycle().skip(1)).any(|(from, to)| meets(place(*from), place(*to)))
+        corners
+            .iter()
+            .zip(corners.iter().cycle().skip(1))
+            .any(|(from, to)| meets(place(*from), place(*to)))
     })
 }
 
@@ -207,7 +214,11 @@ fn nearest_side(sides: &HashMap<(i64, i64), Vec<bool>>, [x, y]: [f64; 2]) -> f64
             for cell_x in column - ring..=column + ring {
                 for &upright in sides.get(&(cell_x, cell_y)).into_iter().flatten() {
                     let begin = [cell_x as f64, cell_y as f64];
-                    let end = if upright { [begin[0], begin[1] + 1.0] } else { [begin[0] + 1.0, begin[1]] };
+                    let end = if upright {
+                        [begin[0], begin[1] + 1.0]
+                    } else {
+                        [begin[0] + 1.0, begin[1]]
+                    };
                     let off = [x - x.clamp(begin[0], end[0]), y - y.clamp(begin[1], end[1])];
                     nearest = nearest.min(off[0].abs().max(off[1].abs()));
                 }

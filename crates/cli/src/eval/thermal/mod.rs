@@ -84,7 +84,9 @@ impl PartRow {
     /// The number of the best of one pattern in all layers.
     fn best_number(&self) -> usize {
         let reward = |number: usize| self.patterns[number].reward;
-        (0..Pattern::COUNT).max_by(|&a, &b| reward(a).total_cmp(&reward(b))).expect("there are 38 patterns")
+        (0..Pattern::COUNT)
+            .max_by(|&a, &b| reward(a).total_cmp(&reward(b)))
+            .expect("there are 38 patterns")
     }
 
     fn best(&self) -> &Printed {
@@ -100,10 +102,13 @@ pub(super) fn run(args: &ThermalArgs) -> anyhow::Result<()> {
         material: Material::abs(),
         process: Process::default(),
     };
-    let rows = parts.iter().map(|&part| bench.part(part, &pool)).collect::<anyhow::Result<Vec<_>>>()?;
+    let rows =
+        parts.iter().map(|&part| bench.part(part, &pool)).collect::<anyhow::Result<Vec<_>>>()?;
     if args.json {
         let threads = pool.current_num_threads();
-        return output::json(&json!({ "machine": machine::facts(), "threads": threads, "parts": rows }));
+        return output::json(
+            &json!({ "machine": machine::facts(), "threads": threads, "parts": rows }),
+        );
     }
     output::text(&table::text(&rows)?)
 }
@@ -129,8 +134,9 @@ impl Bench {
         let orders = all_orders(&part)?;
         let stop = cancel::token()?;
         let bar = progress::bar((Pattern::COUNT + part.depth) as u64, which.name());
-        let plan_of =
-            |number: usize| orders.iter().map(|orders| &orders[number][..]).collect::<Vec<&[Cell]>>();
+        let plan_of = |number: usize| {
+            orders.iter().map(|orders| &orders[number][..]).collect::<Vec<&[Cell]>>()
+        };
         let one = |&pattern: &Pattern| -> anyhow::Result<Printed> {
             ensure!(!stop.load(Ordering::Relaxed), "stopped");
             let printed = self.print(&part, pattern.name(), &plan_of(pattern.number()))?;
@@ -139,7 +145,8 @@ impl Bench {
         };
         let patterns =
             pool.install(|| Pattern::ALL.par_iter().map(one).collect::<anyhow::Result<Vec<_>>>())?;
-        let mut simulation = Simulation::new(part.clone(), &self.material, &self.process, self.method)?;
+        let mut simulation =
+            Simulation::new(part.clone(), &self.material, &self.process, self.method)?;
         let mut greedy_patterns = Vec::new();
         for (layer, orders) in orders.iter().enumerate() {
             ensure!(!stop.load(Ordering::Relaxed), "stopped");
@@ -153,8 +160,11 @@ impl Bench {
             bar.inc(1);
         }
         bar.finish_and_clear();
-        let chosen: Vec<&[Cell]> =
-            orders.iter().zip(&greedy_patterns).map(|(orders, best)| &orders[best.number()][..]).collect();
+        let chosen: Vec<&[Cell]> = orders
+            .iter()
+            .zip(&greedy_patterns)
+            .map(|(orders, best)| &orders[best.number()][..])
+            .collect();
         let mut row = PartRow {
             part: which.name(),
             voxels: part.count(),
@@ -166,8 +176,8 @@ impl Bench {
             seconds: 0.0,
         };
         let plans = [plan_of(Pattern::CONVENTIONAL.number()), plan_of(row.best_number()), chosen];
-        let lifts =
-            pool.install(|| plans.par_iter().map(|plan| self.lift_mm(&part, plan)).collect::<Vec<_>>());
+        let lifts = pool
+            .install(|| plans.par_iter().map(|plan| self.lift_mm(&part, plan)).collect::<Vec<_>>());
         for (lift, own) in lifts.into_iter().zip(&mut row.lifts_mm) {
             *own = lift?;
         }
@@ -175,8 +185,14 @@ impl Bench {
         Ok(row)
     }
 
-    fn print(&self, part: &Arc<Voxels>, pattern: &str, plan: &[&[Cell]]) -> anyhow::Result<Printed> {
-        let mut simulation = Simulation::new(part.clone(), &self.material, &self.process, self.method)?;
+    fn print(
+        &self,
+        part: &Arc<Voxels>,
+        pattern: &str,
+        plan: &[&[Cell]],
+    ) -> anyhow::Result<Printed> {
+        let mut simulation =
+            Simulation::new(part.clone(), &self.material, &self.process, self.method)?;
         let mut reward = 0.0;
         for (layer, order) in plan.iter().enumerate() {
             simulation.deposit(layer as u32, order)?;
@@ -194,7 +210,8 @@ impl Bench {
     }
 
     fn lift_mm(&self, part: &Arc<Voxels>, plan: &[&[Cell]]) -> anyhow::Result<f64> {
-        let mut simulation = Simulation::new(part.clone(), &self.material, &self.process, self.method)?;
+        let mut simulation =
+            Simulation::new(part.clone(), &self.material, &self.process, self.method)?;
         let mut warpage = Warpage::new(part, &self.material);
         for (layer, order) in plan.iter().enumerate() {
             let slots = simulation.slots(layer as u32, order);

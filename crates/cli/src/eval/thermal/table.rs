@@ -57,9 +57,13 @@ pub(super) fn text(rows: &[PartRow]) -> anyhow::Result<String> {
     text += "\nThe three plans: thermal deviation on the middle section a second after the end, printing time, and the estimated lift of the corners. The estimate rewards warm ground under each bead, not evenness: it need not agree with the reward.\n\n";
     text += "| part | plan | deviation, K | paper's deviation, K | s to print | corner lift, mm |\n|---|---|---|---|---|---|\n";
     for row in rows {
-        let paper = PAPER.iter().find(|paper| paper.part == row.part).map(|paper| paper.deviations_k);
-        let plans =
-            [("conventional", row.conventional()), ("best pattern", row.best()), ("greedy", &row.greedy)];
+        let paper =
+            PAPER.iter().find(|paper| paper.part == row.part).map(|paper| paper.deviations_k);
+        let plans = [
+            ("conventional", row.conventional()),
+            ("best pattern", row.best()),
+            ("greedy", &row.greedy),
+        ];
         let paper = paper.map_or([String::new(), String::new(), String::new()], |[usual, best]| {
             [format!("{usual:.2}"), String::new(), format!("{best:.2} (PPO)")]
         });

@@ -142,7 +142,9 @@ pub enum CheckError {
         layer: usize,
     },
     /// The head goes through what is printed.
-    #[error("line {line}: the head is at a height of {z_mm} mm, and the print has one of {top_mm} mm")]
+    #[error(
+        "line {line}: the head is at a height of {z_mm} mm, and the print has one of {top_mm} mm"
+    )]
     Low {
         /// Number of the line.
         line: usize,

@@ -32,7 +32,11 @@ impl Warmth {
         if !is(self.target) {
             return Err(CheckError::Temperature { line, heater, asked_c, got_c: self.target });
         }
-        if is(self.low) && is(self.high) { Ok(()) } else { Err(CheckError::NotWaited { line, heater }) }
+        if is(self.low) && is(self.high) {
+            Ok(())
+        } else {
+            Err(CheckError::NotWaited { line, heater })
+        }
     }
 }
 
@@ -52,7 +56,12 @@ impl<'a> Heaters<'a> {
             Nozzles::Shared => 1,
             Nozzles::Own => settings.tools.len(),
         };
-        Self { settings, nozzles: vec![Warmth::default(); count], bed: Warmth::default(), motors_off: false }
+        Self {
+            settings,
+            nozzles: vec![Warmth::default(); count],
+            bed: Warmth::default(),
+            motors_off: false,
+        }
     }
 
     fn nozzle(&mut self, tool: u8) -> Option<&mut Warmth> {
@@ -65,7 +74,9 @@ impl<'a> Heaters<'a> {
     pub(super) fn take(&mut self, event: &Event) {
         let flavour = self.settings.printer.flavour;
         match *event {
-            Event::Heat { heater: Heater::Bed, celsius, wait, .. } => self.bed.set(celsius, wait, flavour),
+            Event::Heat { heater: Heater::Bed, celsius, wait, .. } => {
+                self.bed.set(celsius, wait, flavour)
+            }
             Event::Heat { heater: Heater::Nozzle(tool), celsius, wait, .. } => {
                 if let Some(nozzle) = self.nozzle(tool) {
                     nozzle.set(celsius, wait, flavour);

@@ -39,14 +39,17 @@ impl Case {
 
 fn regions() -> impl Strategy<Value = Region> {
     let sides = || (1_u32..14, 1_u32..14);
-    let masks = (sides(), 50_u32..100, any::<u64>()).prop_map(|((width, height), density, seed)| {
-        let mut state = seed | 1;
-        let mask = (0..width * height).map(|_| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) % 100 < u64::from(density)
+    let masks =
+        (sides(), 50_u32..100, any::<u64>()).prop_map(|((width, height), density, seed)| {
+            let mut state = seed | 1;
+            let mask = (0..width * height).map(|_| {
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1_442_695_040_888_963_407);
+                (state >> 33) % 100 < u64::from(density)
+            });
+            Region::from_mask(width, height, mask.collect())
         });
-        Region::from_mask(width, height, mask.collect())
-    });
     let shapes = (prop::sample::select(Shape::ALL.to_vec()), 5_u32..24, 5_u32..24, any::<u64>())
         .prop_map(|(shape, width, height, seed)| shape.region(width, height, seed));
     let rectangles = sides().prop_map(|(width, height)| Region::rectangle(width, height));
@@ -70,61 +73,69 @@ fn cases() -> impl Strategy<Value = Case> {
     let process = (any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>());
     let sizes = (0.2..1.2_f64, 0.05..0.2_f64, 0.0..20.0_f64);
     let layers = (regions(), prop::collection::vec(layouts(), 1..4));
-    (layers, sizes, process, prop::option::of((0.0..3.0_f64, any::<bool>())), any::<[bool; 2]>()).prop_map(
-        |(
-            (region, layouts),
-            (cell_mm, layer_mm, left),
-            (oval, retracts, hops, klipper),
-            purge,
-            [heats, own],
-        )| {
-            let layers = layouts.into_iter().enumerate().map(|(number, (spec, seed))| {
-                let zones = spec.zones(&region, seed).unwrap();
-                (number, region.clone(), zones, cover(&region))
-            });
-            let frame = Frame {
-                left_mm: 60.0 + left,
-                back_mm: 100.0 - left,
-                cell_mm,
-                layer_mm,
-                width: region.width(),
-                height: region.height(),
-            };
-            let tool = |number: u8| Tool {
-                nozzle_c: if heats { 220.0 + f64::from(number) } else { 230.0 },
-                filament_mm: if heats { 2.85 } else { 1.75 },
-                ..Tool::default()
-            };
-            let flavour = if klipper { Flavour::Klipper } else { Flavour::Marlin };
-            let settings = Settings {
-                // Small cells with a change each take a long tower.
-                printer: Printer {
-                    flavour,
-                    nozzles: if own { Nozzles::Own } else { Nozzles::Shared },
-                    bed_mm: [250.0, 5000.0, 210.0],
-                    ..Printer::default()
-                },
-                tools: (0..3).map(tool).collect(),
-                process: Process {
-                    cross_section: if oval { CrossSection::Oval } else { CrossSection::Rectangle },
-                    retract_mm: if retracts { 0.8 } else { 0.0 },
-                    z_hop_mm: if hops { 0.3 } else { 0.0 },
-                    ..Process::default()
-                },
-                purge: purge.map(|(volume, has_tower)| {
-                    let tower = Tower { left_mm: 5.0, front_mm: 5.0, width_mm: 50.0, depth_mm: 4000.0 };
-                    Purge::uniform(3, volume, has_tower.then_some(tower))
-                }),
-            };
-            Case { layers: layers.collect(), frame, settings }
-        },
-    )
+    (layers, sizes, process, prop::option::of((0.0..3.0_f64, any::<bool>())), any::<[bool; 2]>())
+        .prop_map(
+            |(
+                (region, layouts),
+                (cell_mm, layer_mm, left),
+                (oval, retracts, hops, klipper),
+                purge,
+                [heats, own],
+            )| {
+                let layers = layouts.into_iter().enumerate().map(|(number, (spec, seed))| {
+                    let zones = spec.zones(&region, seed).unwrap();
+                    (number, region.clone(), zones, cover(&region))
+                });
+                let frame = Frame {
+                    left_mm: 60.0 + left,
+                    back_mm: 100.0 - left,
+                    cell_mm,
+                    layer_mm,
+                    width: region.width(),
+                    height: region.height(),
+                };
+                let tool = |number: u8| Tool {
+                    nozzle_c: if heats { 220.0 + f64::from(number) } else { 230.0 },
+                    filament_mm: if heats { 2.85 } else { 1.75 },
+                    ..Tool::default()
+                };
+                let flavour = if klipper { Flavour::Klipper } else { Flavour::Marlin };
+                let settings = Settings {
+                    // Small cells with a change each take a long tower.
+                    printer: Printer {
+                        flavour,
+                        nozzles: if own { Nozzles::Own } else { Nozzles::Shared },
+                        bed_mm: [250.0, 5000.0, 210.0],
+                        ..Printer::default()
+                    },
+                    tools: (0..3).map(tool).collect(),
+                    process: Process {
+                        cross_section: if oval {
+                            CrossSection::Oval
+                        } else {
+                            CrossSection::Rectangle
+                        },
+                        retract_mm: if retracts { 0.8 } else { 0.0 },
+                        z_hop_mm: if hops { 0.3 } else { 0.0 },
+                        ..Process::default()
+                    },
+                    purge: purge.map(|(volume, has_tower)| {
+                        let tower =
+                            Tower { left_mm: 5.0, front_mm: 5.0, width_mm: 50.0, depth_mm: 4000.0 };
+                        Purge::uniform(3, volume, has_tower.then_some(tower))
+                    }),
+                };
+                Case { layers: layers.collect(), frame, settings }
+            },
+        )
 }
 
 /// Numbers of the lines, from 0, that lay down the part or the tower.
 fn strokes_of(program: &Program, feature: Feature) -> Vec<usize> {
     let line = |event| match event {
-        Ok(Event::Motion(motion)) if motion.is_stroke() && motion.feature == feature => Some(motion.line - 1),
+        Ok(Event::Motion(motion)) if motion.is_stroke() && motion.feature == feature => {
+            Some(motion.line - 1)
+        }
         _ => None,
     };
     program.trace().filter_map(line).collect()
@@ -144,7 +155,9 @@ fn with_lines(program: &Program, at: usize, text: &str) -> Program {
 /// The program with one line written anew.
 fn changed(program: &Program, at: usize, change: impl FnOnce(&mut crate::gcode::Move)) -> Program {
     let mut program = program.clone();
-    let Some(Command::Move(mut motion)) = program.lines[at].command().cloned() else { panic!("no move") };
+    let Some(Command::Move(mut motion)) = program.lines[at].command().cloned() else {
+        panic!("no move")
+    };
     change(&mut motion);
     program.lines[at] = Line::from(Command::Move(motion));
     program
@@ -363,7 +376,8 @@ fn small() -> Case {
     let region = Region::rectangle(3, 2).unwrap();
     let zones = Zones::new(&region, vec![0, 0, 1, 0, 1, 1]).unwrap();
     let path = Path::hamiltonian(&region, vec![0, 1, 2, 5, 4, 3]).unwrap();
-    let frame = Frame { left_mm: 60.0, back_mm: 60.0, cell_mm: 0.5, layer_mm: 0.2, width: 3, height: 2 };
+    let frame =
+        Frame { left_mm: 60.0, back_mm: 60.0, cell_mm: 0.5, layer_mm: 0.2, width: 3, height: 2 };
     let tower = Tower { left_mm: 70.0, front_mm: 50.0, width_mm: 10.0, depth_mm: 10.0 };
     let settings = Settings {
         tools: vec![Tool::default(); 2],
@@ -382,7 +396,10 @@ fn fault(change: impl FnOnce(String) -> String) -> CheckError {
     let text = case.print().program.emit();
     let changed = change(text.clone());
     assert_ne!(changed, text);
-    Program::parse(&changed).unwrap().check(&case.layers(), &case.frame, &case.settings).unwrap_err()
+    Program::parse(&changed)
+        .unwrap()
+        .check(&case.layers(), &case.frame, &case.settings)
+        .unwrap_err()
 }
 
 #[test]
@@ -397,7 +414,10 @@ fn faults_are_named() {
     let error = fault(|text| text.replacen("TYPE:Solid infill", "TYPE:Wipe tower", 1));
     assert!(matches!(error, CheckError::Tower { .. }), "{error}");
     let error = fault(|text| text.replace("Z0.4", "Z0.5"));
-    assert!(matches!(error, CheckError::Height { z_mm, .. } if (z_mm - 0.5).abs() < 1e-9), "{error}");
+    assert!(
+        matches!(error, CheckError::Height { z_mm, .. } if (z_mm - 0.5).abs() < 1e-9),
+        "{error}"
+    );
     let error = fault(|text| text.replace("Z0.4", "Z0.2").replace("F1800", "F1200"));
     assert!(matches!(error, CheckError::Again { place: Place { layer: 0, .. }, .. }), "{error}");
     let error = fault(|text| {
@@ -421,14 +441,19 @@ fn layers_of_other_planes_are_refused() {
     let program = case.print().program;
     case.frame.width = 4;
     let error = program.check(&case.layers(), &case.frame, &case.settings).unwrap_err();
-    assert!(matches!(error, CheckError::Settings(SettingsError::Layer { layer: 0, .. })), "{error}");
+    assert!(
+        matches!(error, CheckError::Settings(SettingsError::Layer { layer: 0, .. })),
+        "{error}"
+    );
 }
 
 #[test]
 fn faults_of_travel_heat_and_modes_are_named() {
     // Lines before the second layer.
     let between = |lines: &str| {
-        fault(|text| text.replace(";LAYER_CHANGE\n;Z:0.4", &format!("{lines}\n;LAYER_CHANGE\n;Z:0.4")))
+        fault(|text| {
+            text.replace(";LAYER_CHANGE\n;Z:0.4", &format!("{lines}\n;LAYER_CHANGE\n;Z:0.4"))
+        })
     };
     let error = between("G1 Z0.1");
     assert!(matches!(error, CheckError::Low { z_mm, .. } if (z_mm - 0.1).abs() < 1e-9), "{error}");

@@ -50,7 +50,10 @@ fn comments_are_kept() {
         comments("; a;b \r\n;\nG1 X1;TYPE:Skirt\nM84"),
         [some(" a;b "), some(""), some("TYPE:Skirt"), None]
     );
-    assert_eq!(comments("(one) G1 (two) X1\n(one);two\n(open"), [some("one two"), some("two"), some("open")]);
+    assert_eq!(
+        comments("(one) G1 (two) X1\n(one);two\n(open"),
+        [some("one two"), some("two"), some("open")]
+    );
     assert_eq!(read("M117 a (b) ;c"), [(Some(Command::other("M117 a (b)").unwrap()), some("c"))]);
     let thumbnail = "; thumbnail begin 16x16 8\n; iVBORw0KGgo=\n; thumbnail end\n";
     assert_eq!(comments(thumbnail).len(), 3);
@@ -85,7 +88,12 @@ fn each_command_has_its_type() {
         ("M107", Command::Fan(None)),
         (
             "M204 S800",
-            Command::Acceleration { print: None, travel: None, retract: None, all: Some(number("800")) },
+            Command::Acceleration {
+                print: None,
+                travel: None,
+                retract: None,
+                all: Some(number("800")),
+            },
         ),
         (
             "M204 P800 R1500 T1000",
@@ -98,9 +106,16 @@ fn each_command_has_its_type() {
         ),
         (
             "set_velocity_limit accel=900",
-            Command::VelocityLimit { velocity: None, acceleration: Some(number("900")), square_corner: None },
+            Command::VelocityLimit {
+                velocity: None,
+                acceleration: Some(number("900")),
+                square_corner: None,
+            },
         ),
-        ("M73 P5 R12", Command::Progress { percent: Some(number("5")), minutes: Some(number("12")) }),
+        (
+            "M73 P5 R12",
+            Command::Progress { percent: Some(number("5")), minutes: Some(number("12")) },
+        ),
     ] {
         assert_eq!(command(text), expected, "{text}");
     }

@@ -36,14 +36,23 @@ impl Part {
 fn parts() -> [Part; 2] {
     let out = Zones::OUTSIDE;
     [
-        Part::new(4, 3, &[0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 0, 1], &[0, 1, 2, 3, 7, 6, 5, 4, 8, 9, 10, 11]),
+        Part::new(
+            4,
+            3,
+            &[0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 0, 1],
+            &[0, 1, 2, 3, 7, 6, 5, 4, 8, 9, 10, 11],
+        ),
         Part::new(4, 3, &[1, 1, 1, out, 1, 0, 1, out, out, out, out, 1], &[4, 0, 1, 2, 6, 5, 11]),
     ]
 }
 
 fn settings(flavour: Flavour) -> Settings {
-    let tool =
-        |name: &str, colour, nozzle_c| Tool { name: name.to_owned(), colour, nozzle_c, ..Tool::default() };
+    let tool = |name: &str, colour, nozzle_c| Tool {
+        name: name.to_owned(),
+        colour,
+        nozzle_c,
+        ..Tool::default()
+    };
     let tower = Tower { left_mm: 110.0, front_mm: 90.0, width_mm: 6.0, depth_mm: 20.0 };
     Settings {
         printer: Printer { flavour, ..Printer::default() },
@@ -66,12 +75,16 @@ fn golden(name: &str, text: &str) {
     }
     let expected = std::fs::read_to_string(&file).unwrap_or_default();
     let differs = text.lines().zip(expected.lines()).position(|(a, b)| a != b);
-    assert_eq!(text, expected, "{name} differs from line {differs:?} on; BEADWORK_BLESS=1 writes it anew");
+    assert_eq!(
+        text, expected,
+        "{name} differs from line {differs:?} on; BEADWORK_BLESS=1 writes it anew"
+    );
 }
 
 #[test]
 fn two_flavours_of_a_small_print() {
-    for (flavour, name) in [(Flavour::Marlin, "marlin.gcode"), (Flavour::Klipper, "klipper.gcode")] {
+    for (flavour, name) in [(Flavour::Marlin, "marlin.gcode"), (Flavour::Klipper, "klipper.gcode")]
+    {
         let print = print(&settings(flavour)).unwrap();
         let text = print.program.emit();
         golden(name, &text);
@@ -104,7 +117,9 @@ fn nozzles_of_their_own_are_hot_from_the_start() {
     settings.tools[1].nozzle_c = 210.0;
     let text = print(&settings).unwrap().program.emit();
     assert!(text.contains("\nM104 T0 S230\nM104 T1 S210\nG28\n"));
-    assert!(text.contains("\nM109 T0 S230\nM109 T1 S210\nT0\n") && text.matches("M109").count() == 2);
+    assert!(
+        text.contains("\nM109 T0 S230\nM109 T1 S210\nT0\n") && text.matches("M109").count() == 2
+    );
 }
 
 #[test]
@@ -116,7 +131,13 @@ fn a_change_without_tower_leaves_the_part() {
     let expected = ["G1 Z1.25 F9000", "G1 E-0.8 F2100", "G1 X101 E0.05197 F1200"];
     assert_eq!(before, expected, "up from the edge between the cells");
     let after: Vec<_> = text[at..].lines().skip(2).take(8).collect();
-    let come = ["G1 Z1.25 F9000", "G1 X101 Y99.75", "G1 Z0.25", "G1 E0.8 F2100", "G1 X101.75 E0.03898 F1200"];
+    let come = [
+        "G1 Z1.25 F9000",
+        "G1 X101 Y99.75",
+        "G1 Z0.25",
+        "G1 E0.8 F2100",
+        "G1 X101.75 E0.03898 F1200",
+    ];
     assert_eq!(after[..3], ["G90", "M83", "M109 R220"]);
     assert_eq!(after[3..], come);
     assert!(!text.contains("Wipe tower"));
@@ -124,7 +145,8 @@ fn a_change_without_tower_leaves_the_part() {
     let mut low = settings;
     low.printer.bed_mm[2] = 1.0;
     let text = print(&low).unwrap().program.emit();
-    let heights = text.lines().filter_map(|line| line.strip_prefix("G1 Z")?.split(' ').next()?.parse().ok());
+    let heights =
+        text.lines().filter_map(|line| line.strip_prefix("G1 Z")?.split(' ').next()?.parse().ok());
     assert!(heights.fold(0.0, f64::max) <= 1.0);
 }
 
@@ -145,7 +167,8 @@ fn filament_does_not_drift() {
     let region = Region::rectangle(61, 47).unwrap();
     let zones = Zones::new(&region, vec![0; region.plane_len()]).unwrap();
     // Beads of a single cell: each of them is rounded.
-    let order: Vec<u32> = (0..2).flat_map(|odd| region.cells().filter(move |cell| cell % 2 == odd)).collect();
+    let order: Vec<u32> =
+        (0..2).flat_map(|odd| region.cells().filter(move |cell| cell % 2 == odd)).collect();
     let path = Path::in_pieces(&region, order).unwrap();
     let layer = Layer { number: 0, region: &region, zones: &zones, path: &path };
     let frame = Frame { cell_mm: 0.37, width: 61, height: 47, ..FRAME };
@@ -164,13 +187,19 @@ fn tower(settings: &mut Settings) -> &mut Tower {
 fn each_broken_setting_is_named() {
     type Change = fn(&mut Settings);
     let cases: [(&str, Change); 15] = [
-        ("printer.bed_mm[1] is NaN, and must be from 1 to 10000", |s| s.printer.bed_mm[1] = f64::NAN),
+        ("printer.bed_mm[1] is NaN, and must be from 1 to 10000", |s| {
+            s.printer.bed_mm[1] = f64::NAN
+        }),
         ("process.print_mm_s is 0, and must be more than 0 and at most a million", |s| {
             s.process.print_mm_s = 0.0;
         }),
-        ("process.travel_mm_s is 150, and printer.greatest_mm_s is 149", |s| s.printer.greatest_mm_s = 149.0),
+        ("process.travel_mm_s is 150, and printer.greatest_mm_s is 149", |s| {
+            s.printer.greatest_mm_s = 149.0
+        }),
         ("process.fan is 2, and must be from 0 to 1", |s| s.process.fan = 2.0),
-        ("tools[1].filament_mm is -1, and must be from 0.5 to 20", |s| s.tools[1].filament_mm = -1.0),
+        ("tools[1].filament_mm is -1, and must be from 0.5 to 20", |s| {
+            s.tools[1].filament_mm = -1.0
+        }),
         ("purge.volume_mm3[1][0] is inf, and must be at least 0 and at most a million", |s| {
             s.purge.as_mut().unwrap().volume_mm3[1][0] = f64::INFINITY;
         }),
@@ -210,8 +239,9 @@ fn each_broken_setting_is_named() {
 fn layers_are_checked() {
     let [first, second] = parts();
     let settings = settings(Flavour::Marlin);
-    let error =
-        |layers: &[Layer<'_>], frame: &Frame| Print::new(TITLE, layers, frame, &settings).unwrap_err();
+    let error = |layers: &[Layer<'_>], frame: &Frame| {
+        Print::new(TITLE, layers, frame, &settings).unwrap_err()
+    };
     assert_eq!(error(&[], &FRAME), SettingsError::NoLayers);
     let twice = [first.layer(1), second.layer(1)];
     assert_eq!(error(&twice, &FRAME), SettingsError::LayerOrder { layer: 1, before: 1 });

@@ -4,7 +4,8 @@ use proptest::prelude::*;
 
 use super::*;
 
-const LIMITS: Limits = Limits { acceleration_mm_s2: 1000.0, square_corner_mm_s: 5.0, greatest_mm_s: 300.0 };
+const LIMITS: Limits =
+    Limits { acceleration_mm_s2: 1000.0, square_corner_mm_s: 5.0, greatest_mm_s: 300.0 };
 
 fn seconds(text: &str) -> f64 {
     Program::parse(text).unwrap().print_seconds(LIMITS).unwrap()
@@ -53,8 +54,13 @@ fn filament_and_pauses_take_their_time() {
 fn sharper_corners_are_slower() {
     let mut last = f64::INFINITY;
     for degrees in [0.0_f64, 10.0, 45.0, 90.0, 135.0, 170.0, 180.0] {
-        let leg =
-            |direction| Leg { length: 1.0, acceleration: 1000.0, cruise2: 1e4, junction2: 0.0, direction };
+        let leg = |direction| Leg {
+            length: 1.0,
+            acceleration: 1000.0,
+            cruise2: 1e4,
+            junction2: 0.0,
+            direction,
+        };
         let turned = leg([degrees.to_radians().cos(), degrees.to_radians().sin(), 0.0]);
         let junction = leg([1.0, 0.0, 0.0]).junction2_to(&turned, 5.0);
         assert!(junction < last || junction >= 1e4);
@@ -69,9 +75,10 @@ fn slow_speeds2(chain: &[Leg]) -> Vec<f64> {
     loop {
         let mut changed = false;
         for at in 0..speeds.len() {
-            let left =
-                (at > 0).then(|| speeds[at - 1] + 2.0 * chain[at - 1].acceleration * chain[at - 1].length);
-            let right = chain.get(at).map(|leg| speeds[at + 1] + 2.0 * leg.acceleration * leg.length);
+            let left = (at > 0)
+                .then(|| speeds[at - 1] + 2.0 * chain[at - 1].acceleration * chain[at - 1].length);
+            let right =
+                chain.get(at).map(|leg| speeds[at + 1] + 2.0 * leg.acceleration * leg.length);
             let allowed = left.into_iter().chain(right).fold(speeds[at], f64::min);
             changed |= allowed < speeds[at];
             speeds[at] = allowed;

@@ -106,16 +106,22 @@ fn relative_extrusion_with_types_before() {
     assert!(near(strokes[0].feed_mm_s, 20.0) && near(strokes[0].extruded_mm, 0.6));
     assert_eq!(strokes[0].acceleration_mm_s2, Some(1250.0));
     assert_eq!(all[2].acceleration_mm_s2, Some(1000.0));
-    assert_eq!((strokes[0].feature, strokes[0].layer, strokes[0].tool), (Feature::OuterWall, Some(0), 0));
-    let arc: Vec<_> = strokes.iter().filter(|motion| motion.feature == Feature::SolidInfill).collect();
+    assert_eq!(
+        (strokes[0].feature, strokes[0].layer, strokes[0].tool),
+        (Feature::OuterWall, Some(0), 0)
+    );
+    let arc: Vec<_> =
+        strokes.iter().filter(|motion| motion.feature == Feature::SolidInfill).collect();
     assert!(arc.len() > 20 && arc.iter().all(|chord| chord.line == 27));
     assert!(near(arc.iter().map(|chord| chord.extruded_mm).sum(), 1.2));
     assert!(arc.iter().all(|chord| chord.to_mm[0] >= 30.0 - 1e-9), "clockwise, down on the right");
     let last = strokes.last().unwrap();
     assert_eq!((last.feature, last.tool, last.to_mm), (Feature::PrimeTower, 1, [60.0, 50.0, 0.2]));
     assert_eq!(all.last().unwrap().layer, Some(1));
-    let changes: Vec<_> =
-        events(PRUSA).into_iter().filter(|event| matches!(event, Event::ToolChange { .. })).collect();
+    let changes: Vec<_> = events(PRUSA)
+        .into_iter()
+        .filter(|event| matches!(event, Event::ToolChange { .. }))
+        .collect();
     assert_eq!(
         changes,
         [
@@ -158,8 +164,7 @@ fn renamed_places_stay_where_they_are() {
 fn filament_is_relative_while_places_are() {
     let pushed = |text| motions(text).iter().map(|motion| motion.extruded_mm).collect::<Vec<_>>();
     // The end that Cura writes.
-    let cura =
-        "M82\nG92 E0\nG1 X9 E100\nM140 S0\nM107\nG91\nG1 E-2 F2700\nG1 E-2 Z0.2 F2400\nG1 X5 Y5 F3000\nG90\n";
+    let cura = "M82\nG92 E0\nG1 X9 E100\nM140 S0\nM107\nG91\nG1 E-2 F2700\nG1 E-2 Z0.2 F2400\nG1 X5 Y5 F3000\nG90\n";
     assert_eq!(pushed(cura), [100.0, -2.0, -2.0, 0.0]);
     assert_eq!(pushed("M83\nG91\nG90\nG1 E1\nG1 E1\nM82\nG1 E1"), [1.0, 1.0, 1.0]);
     assert_eq!(pushed("G91\nG1 E1\nG90\nG1 E1\nG1 E1"), [1.0, 1.0], "as Klipper counts");
@@ -186,8 +191,7 @@ fn the_first_tool_needs_no_selection() {
 #[test]
 fn heat_and_motors() {
     let heat = |heater, celsius, wait, line| Event::Heat { heater, celsius, wait, line };
-    let text =
-        "M104 S200\nT2\nM109 R190\nM104 T1 S0\nM140 S60\nM190 S61\nturn_off_heaters\nM84 S30\nM18\nM84 X Y";
+    let text = "M104 S200\nT2\nM109 R190\nM104 T1 S0\nM140 S60\nM190 S61\nturn_off_heaters\nM84 S30\nM18\nM84 X Y";
     let expected = [
         heat(Heater::Nozzle(0), 200.0, Wait::No, 1),
         Event::ToolChange { from: None, to: 2, line: 2 },
@@ -221,7 +225,10 @@ fn nonsense_ends_the_trace() {
         ("M204 R0", TraceError::Acceleration { line: 1, acceleration_mm_s2: 0.0 }),
         ("G1 X1 F0", TraceError::Feed { line: 1, feed_mm_min: 0.0 }),
         ("M204 T-5", TraceError::Acceleration { line: 1, acceleration_mm_s2: -5.0 }),
-        ("SET_VELOCITY_LIMIT ACCEL=0", TraceError::Acceleration { line: 1, acceleration_mm_s2: 0.0 }),
+        (
+            "SET_VELOCITY_LIMIT ACCEL=0",
+            TraceError::Acceleration { line: 1, acceleration_mm_s2: 0.0 },
+        ),
         ("G2 X5", TraceError::Arc { line: 1 }),
         ("G3 X5 R2", TraceError::Arc { line: 1 }),
     ] {

@@ -49,7 +49,9 @@ impl Above {
 fn build(mesh: &Mesh, order: &mut [u32], boxes: &mut Vec<[f64; 5]>, node: usize, axis: usize) {
     let corners = |triangle: u32| mesh.corners(mesh.triangles()[triangle as usize]);
     let mut bounds = Bounds::NONE;
-    order.iter().for_each(|&triangle| corners(triangle).iter().for_each(|&corner| bounds.add(corner)));
+    order
+        .iter()
+        .for_each(|&triangle| corners(triangle).iter().for_each(|&corner| bounds.add(corner)));
     if boxes.len() <= node {
         boxes.resize(node + 1, [0.0; 5]);
     }
@@ -58,7 +60,8 @@ fn build(mesh: &Mesh, order: &mut [u32], boxes: &mut Vec<[f64; 5]>, node: usize,
     if order.len() <= LEAF {
         return;
     }
-    let middle = |triangle: u32| corners(triangle).map(|corner| corner[axis] / 3.0).iter().sum::<f64>();
+    let middle =
+        |triangle: u32| corners(triangle).map(|corner| corner[axis] / 3.0).iter().sum::<f64>();
     let half = order.len() / 2;
     order.select_nth_unstable_by(half, |&a, &b| middle(a).total_cmp(&middle(b)));
     let (left, right) = order.split_at_mut(half);

@@ -29,7 +29,9 @@ fn parts(shapes: &[(Shape, [f64; 3], bool)]) -> Mesh {
     for (shape, shift, inverted) in shapes {
         let mesh = shape.mesh();
         let base = vertices.len() as u32;
-        vertices.extend(mesh.vertices().iter().map(|point| [0, 1, 2].map(|axis| point[axis] + shift[axis])));
+        vertices.extend(
+            mesh.vertices().iter().map(|point| [0, 1, 2].map(|axis| point[axis] + shift[axis])),
+        );
         triangles.extend(mesh.triangles().iter().map(|&[a, b, c]| {
             let turned = if *inverted { [a, c, b] } else { [a, b, c] };
             turned.map(|vertex| vertex + base)
@@ -48,7 +50,8 @@ fn a_sound_body_stays_as_it_is() {
 
 #[test]
 fn a_body_inside_out_is_turned_over() {
-    let mut inverted = body(parts(&[(Shape::Cuboid { size_mm: [1.0, 2.0, 3.0] }, [5.0, 5.0, 5.0], true)]));
+    let mut inverted =
+        body(parts(&[(Shape::Cuboid { size_mm: [1.0, 2.0, 3.0] }, [5.0, 5.0, 5.0], true)]));
     assert_eq!(inverted.repair().unwrap().flipped_triangles, 12);
     assert!((inverted.mesh.volume_mm3() - 6.0).abs() < 1e-9);
 }
@@ -56,7 +59,8 @@ fn a_body_inside_out_is_turned_over() {
 #[test]
 fn a_cavity_stays_and_a_body_in_a_cavity_is_turned() {
     let cube = |side: f64| Shape::Cuboid { size_mm: [side; 3] };
-    let hollow = [(cube(10.0), [0.0; 3], false), (cube(6.0), [2.0; 3], true), (cube(2.0), [4.0; 3], true)];
+    let hollow =
+        [(cube(10.0), [0.0; 3], false), (cube(6.0), [2.0; 3], true), (cube(2.0), [4.0; 3], true)];
     let mut hollow = body(parts(&hollow));
     assert_eq!(hollow.repair().unwrap().flipped_triangles, 12);
     assert!((hollow.mesh.volume_mm3() - (1000.0 - 216.0 + 8.0)).abs() < 1e-9);
@@ -65,7 +69,8 @@ fn a_cavity_stays_and_a_body_in_a_cavity_is_turned() {
 #[test]
 fn a_hollow_body_that_is_inside_out_stays_hollow() {
     let cube = |side: f64| Shape::Cuboid { size_mm: [side; 3] };
-    let inverted = [(cube(10.0), [0.0; 3], true), (cube(6.0), [2.0; 3], false), (cube(2.0), [4.0; 3], true)];
+    let inverted =
+        [(cube(10.0), [0.0; 3], true), (cube(6.0), [2.0; 3], false), (cube(2.0), [4.0; 3], true)];
     let mut inverted = body(parts(&inverted));
     assert_eq!(inverted.repair().unwrap().flipped_triangles, 36);
     assert!((inverted.mesh.volume_mm3() - (1000.0 - 216.0 + 8.0)).abs() < 1e-9);
@@ -97,8 +102,8 @@ fn a_large_crooked_hole_is_refused() {
     // A wedge: what is left has a rim that is far from flat.
     let vertices = half.mesh.vertices().to_vec();
     half.mesh.parts_mut().1.retain(|corners| {
-        let [x, y] =
-            [0, 1].map(|axis| corners.iter().map(|&vertex| vertices[vertex as usize][axis]).sum::<f64>());
+        let [x, y] = [0, 1]
+            .map(|axis| corners.iter().map(|&vertex| vertices[vertex as usize][axis]).sum::<f64>());
         x < 0.0 || y < 0.0
     });
     assert!(matches!(half.repair(), Err(RepairError::Hole { .. })));

@@ -92,8 +92,12 @@ fn objects_may_stand_in_other_parts() {
     );
     let other = model(&format!(r#"<object id="7">{TETRA}</object>"#), "");
     let list = r#"<Relationships><Relationship Target="/odd/place.model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
-    let read =
-        read_parts(&[("_rels/.rels", list), ("odd/place.model", &root), ("3D/other.model", &other)]).unwrap();
+    let read = read_parts(&[
+        ("_rels/.rels", list),
+        ("odd/place.model", &root),
+        ("3D/other.model", &other),
+    ])
+    .unwrap();
     assert_eq!(read.triangles(), 4);
     let error = read_parts(&[("_rels/.rels", list), ("odd/place.model", &root)]).unwrap_err();
     assert_eq!(error.to_string(), "the part /3D/other.model is missing");
@@ -105,20 +109,30 @@ fn objects_may_stand_in_other_parts() {
 fn what_is_wrong_is_named() {
     let object = format!(r#"<object id="1">{TETRA}</object>"#);
     let item = r#"<item objectid="1"/>"#;
-    assert_eq!(refused(&object, r#"<item objectid="9"/>"#), "3D/3dmodel.model, byte 0: there is no object 9");
+    assert_eq!(
+        refused(&object, r#"<item objectid="9"/>"#),
+        "3D/3dmodel.model, byte 0: there is no object 9"
+    );
     assert_eq!(refused(&object, ""), "it holds no triangles");
-    assert!(refused(&object.replace("x=\"1\"", "x=\"one\""), item).ends_with("\"one\" is no number"));
-    assert!(refused(&object.replace("x=\"1\"", "x=\"nan\""), item).ends_with("the coordinate NaN"));
-    assert!(refused(&object.replace("x=\"1\"", ""), item).ends_with("a vertex of less than 3 coordinates"));
     assert!(
-        refused(&object.replace("v1=\"1\"", "v1=\"4\""), item).contains("triangle 3 has the vertex 4, of 4")
+        refused(&object.replace("x=\"1\"", "x=\"one\""), item).ends_with("\"one\" is no number")
+    );
+    assert!(refused(&object.replace("x=\"1\"", "x=\"nan\""), item).ends_with("the coordinate NaN"));
+    assert!(
+        refused(&object.replace("x=\"1\"", ""), item)
+            .ends_with("a vertex of less than 3 coordinates")
+    );
+    assert!(
+        refused(&object.replace("v1=\"1\"", "v1=\"4\""), item)
+            .contains("triangle 3 has the vertex 4, of 4")
     );
     assert!(
         refused(&object, r#"<item objectid="1" transform="1 0 0"/>"#)
             .ends_with("a transform of 3 numbers, not 12")
     );
     // 1e310 - 1e310: no vertex may become what is no number.
-    let beyond = format!(r#"<item objectid="1" transform="{0} 0 0 -{0} 1 0 0 0 1 0 0 0"/>"#, "1e308");
+    let beyond =
+        format!(r#"<item objectid="1" transform="{0} 0 0 -{0} 1 0 0 0 1 0 0 0"/>"#, "1e308");
     let large = object.replace("x=\"1\" y=\"0\"", "x=\"100\" y=\"100\"");
     assert!(refused(&large, &beyond).ends_with("leads to coordinates beyond all numbers"));
     let round = r#"<object id="1"><components><component objectid="1"/><component objectid="1"/></components></object>"#;
@@ -128,15 +142,20 @@ fn what_is_wrong_is_named() {
     assert!(matches!(error, ReadError::Part { .. }), "{error}");
     let error = read_parts(&[("3D/3dmodel.model", "<svg></svg>")]).unwrap_err();
     assert!(error.to_string().ends_with("it is no 3MF model"));
-    assert_eq!(read_parts(&[("a.txt", "")]).unwrap_err().to_string(), "the part 3D/3dmodel.model is missing");
+    assert_eq!(
+        read_parts(&[("a.txt", "")]).unwrap_err().to_string(),
+        "the part 3D/3dmodel.model is missing"
+    );
     let error = Model::read(Format::ThreeMf, b"no archive at all", &Limits::default()).unwrap_err();
     assert_eq!(error.to_string(), "it is not a 3MF file, which is a ZIP archive");
 }
 
 #[test]
 fn what_belongs_to_no_triangle_is_left_out() {
-    let spare = TETRA.replace("</vertices>", &(r#"<vertex x="9" y="9" z="9"/>"#.repeat(20) + "</vertices>"));
-    let spare = spare.replace("<vertices>", &("<vertices>".to_owned() + r#"<vertex x="9" y="9" z="9"/>"#));
+    let spare = TETRA
+        .replace("</vertices>", &(r#"<vertex x="9" y="9" z="9"/>"#.repeat(20) + "</vertices>"));
+    let spare =
+        spare.replace("<vertices>", &("<vertices>".to_owned() + r#"<vertex x="9" y="9" z="9"/>"#));
     let shifted = [("4", "5"), ("3", "4"), ("2", "3"), ("1", "2"), ("0", "1")].iter().fold(
         spare,
         |text, (from, to)| {
@@ -166,9 +185,13 @@ fn what_unpacks_beyond_the_limit_is_stopped() {
     let mut resources = format!(r#"<object id="1">{TETRA}</object>"#);
     for id in 2..31 {
         let part = format!(r#"<component objectid="{}"/>"#, id - 1);
-        write!(resources, r#"<object id="{id}"><components>{part}{part}</components></object>"#).unwrap();
+        write!(resources, r#"<object id="{id}"><components>{part}{part}</components></object>"#)
+            .unwrap();
     }
     let limits = Limits { triangles: 10_000, ..Limits::default() };
     let bomb = archive(&[("3D/3dmodel.model", &model(&resources, r#"<item objectid="30"/>"#))]);
-    assert!(matches!(Model::read(Format::ThreeMf, &bomb, &limits), Err(ReadError::TooLarge { .. })));
+    assert!(matches!(
+        Model::read(Format::ThreeMf, &bomb, &limits),
+        Err(ReadError::TooLarge { .. })
+    ));
 }

@@ -29,7 +29,11 @@ fn a_frustum_has_squares_in_all_layers() {
     assert!(outlines[8].is_empty());
     for (layer, outline) in outlines[..8].iter().enumerate() {
         let side = 8.0 - plane_mm(layer, 0.5);
-        assert!((outline.area_mm2() - side * side).abs() < 1e-9, "{} in layer {layer}", outline.area_mm2());
+        assert!(
+            (outline.area_mm2() - side * side).abs() < 1e-9,
+            "{} in layer {layer}",
+            outline.area_mm2()
+        );
         assert_eq!(outline.loops().count(), 1);
         assert_eq!(outline.polygons(FillRule::NonZero).len(), 1);
     }
@@ -68,8 +72,11 @@ fn nuisances() -> impl Strategy<Value = (Mesh, Vec<u8>)> {
                 corners.map(|vertex| vertex + base)
             }));
         }
-        let paint =
-            if is_painted { (0..triangles.len()).map(|at| at as u8 % 5).collect() } else { Vec::new() };
+        let paint = if is_painted {
+            (0..triangles.len()).map(|at| at as u8 % 5).collect()
+        } else {
+            Vec::new()
+        };
         (Mesh::new(vertices, triangles).unwrap(), paint)
     })
 }

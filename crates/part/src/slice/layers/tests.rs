@@ -24,7 +24,8 @@ fn winding(mesh: &Mesh, [x, y, z]: [f64; 3]) -> i32 {
     let mut winding = 0;
     for &triangle in mesh.triangles() {
         let [a, b, c] = mesh.corners(triangle);
-        let side = |p: [f64; 3], q: [f64; 3]| (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
+        let side =
+            |p: [f64; 3], q: [f64; 3]| (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
         let sides = [side(a, b), side(b, c), side(c, a)];
         let is_up = sides.iter().all(|&side| side > 0.0);
         if is_up || sides.iter().all(|&side| side < 0.0) {
@@ -47,7 +48,10 @@ fn a_box_is_its_cells() {
     assert!(layers.layers.iter().flatten().all(|layer| layer.region.is_rectangle()));
     assert_eq!((layers.tools(), layers.cell_count()), (4, 1600));
     let voxels = layers.voxels();
-    assert_eq!((voxels.count(), voxels.material(19, 9, 7), voxels.material(20, 0, 0)), (1600, Some(3), None));
+    assert_eq!(
+        (voxels.count(), voxels.material(19, 9, 7), voxels.material(20, 0, 0)),
+        (1600, Some(3), None)
+    );
     assert!((voxels.volume_mm3() - 100.0).abs() < 1e-9);
     assert_eq!(voxels.region(0).unwrap(), layers.layers[0].as_ref().unwrap().region);
 }
@@ -70,9 +74,11 @@ fn bodies_side_by_side_share_no_cell_and_later_ones_win() {
     let right = moved(&Shape::Cuboid { size_mm: [2.7, 4.0, 1.0] }, [1.3, 0.0, 0.0]);
     let inlay = moved(&Shape::Cuboid { size_mm: [1.0, 1.0, 0.5] }, [1.0, 1.0, 0.5]);
     let layers =
-        slice(&model(vec![body(left, 0), body(right, 1), body(inlay, 2)]), &Settings::default()).unwrap();
+        slice(&model(vec![body(left, 0), body(right, 1), body(inlay, 2)]), &Settings::default())
+            .unwrap();
     let zones = |layer: usize| layers.layers[layer].as_ref().unwrap().zones.clone();
-    let count = |layer: usize, zone: u8| zones(layer).ids().iter().filter(|&&id| id == zone).count();
+    let count =
+        |layer: usize, zone: u8| zones(layer).ids().iter().filter(|&&id| id == zone).count();
     assert!(layers.layers[0].as_ref().unwrap().region.is_rectangle());
     assert_eq!((count(0, 0), count(0, 1), count(0, 2)), (24, 40, 0));
     assert_eq!((count(3, 0), count(3, 1), count(3, 2)), (22, 38, 4));
@@ -87,8 +93,9 @@ fn a_body_is_painted_alike_on_any_plane() {
     };
     let [alone, both] = [vec![painted(0.0)], vec![painted(0.0), painted(40.0)]]
         .map(|bodies| slice(&model(bodies), &Settings::default()).unwrap());
-    let count =
-        |layers: &Layers, zone: u8| layers.voxels().materials().iter().filter(|&&id| id == zone).count();
+    let count = |layers: &Layers, zone: u8| {
+        layers.voxels().materials().iter().filter(|&&id| id == zone).count()
+    };
     assert!(count(&alone, 4) > 0);
     for zone in 0..5 {
         assert_eq!(2 * count(&alone, zone), count(&both, zone));
@@ -133,12 +140,23 @@ fn shells_within_shells_follow_the_rule() {
 #[test]
 fn what_makes_no_sense_is_refused() {
     let cube = || vec![body(moved(&Shape::Cuboid { size_mm: [4.0; 3] }, [0.0; 3]), 0)];
-    let refused =
-        |bodies: Vec<Body>, settings: Settings<'_>| slice(&model(bodies), &settings).unwrap_err().to_string();
-    let settings = |cell_mm: f64, layer_mm: f64| Settings { cell_mm, layer_mm, ..Settings::default() };
-    assert_eq!(refused(cube(), settings(0.0, 0.2)), "the bead width is 0 mm: it must be more than 0");
-    assert_eq!(refused(cube(), settings(0.4, -1.0)), "the layer height is -1 mm: it must be more than 0");
-    assert_eq!(refused(cube(), settings(f64::NAN, 0.2)), "the bead width is NaN mm: it must be more than 0");
+    let refused = |bodies: Vec<Body>, settings: Settings<'_>| {
+        slice(&model(bodies), &settings).unwrap_err().to_string()
+    };
+    let settings =
+        |cell_mm: f64, layer_mm: f64| Settings { cell_mm, layer_mm, ..Settings::default() };
+    assert_eq!(
+        refused(cube(), settings(0.0, 0.2)),
+        "the bead width is 0 mm: it must be more than 0"
+    );
+    assert_eq!(
+        refused(cube(), settings(0.4, -1.0)),
+        "the layer height is -1 mm: it must be more than 0"
+    );
+    assert_eq!(
+        refused(cube(), settings(f64::NAN, 0.2)),
+        "the bead width is NaN mm: it must be more than 0"
+    );
     assert!(
         refused(cube(), settings(1e-4, 0.2))
             .starts_with("beads of 0.0001 mm make a layer of 40000 x 40000 cells")

@@ -23,7 +23,11 @@ impl Layers {
     ) -> Result<Self, OrderError> {
         let tools = costs.tools();
         let known = |&tool: &u8| {
-            if usize::from(tool) < tools { Ok(()) } else { Err(OrderError::UnknownTool { tool, tools }) }
+            if usize::from(tool) < tools {
+                Ok(())
+            } else {
+                Err(OrderError::UnknownTool { tool, tools })
+            }
         };
         let mut kinds = Vec::new();
         let mut kind_of = Vec::with_capacity(layers.len());
@@ -53,8 +57,10 @@ impl Layers {
         if let Some(first) = constraints.first {
             let set = checked.iter().next().filter(|set| set.contains(&first));
             let set = set.ok_or(OrderError::FirstMissing { first })?;
-            let earlier =
-                constraints.before.iter().find(|&&(other, tool)| tool == first && set.contains(&other));
+            let earlier = constraints
+                .before
+                .iter()
+                .find(|&&(other, tool)| tool == first && set.contains(&other));
             if let Some(&(other, _)) = earlier {
                 return Err(OrderError::FirstContradicted { first, other });
             }

@@ -25,11 +25,15 @@ pub(super) fn free(layers: &Layers, costs: &ToolCosts, constraints: &Constraints
         let after = |&last: &u8| {
             let Some(next) = layers.kind_of.get(layer + 1) else { return 0 };
             let starts = layers.kinds[*next].iter().zip(&begun[layer + 1]);
-            starts.map(|(&first, cost)| cost.saturating_add(step(last, first))).min().unwrap_or(NEVER)
+            starts
+                .map(|(&first, cost)| cost.saturating_add(step(last, first)))
+                .min()
+                .unwrap_or(NEVER)
         };
         let after: Vec<u64> = set.iter().map(after).collect();
         let from = |first: usize| {
-            let ways = (0..set.len()).map(|last| tables[kind].cost(first, last).saturating_add(after[last]));
+            let ways = (0..set.len())
+                .map(|last| tables[kind].cost(first, last).saturating_add(after[last]));
             ways.min().unwrap_or(NEVER)
         };
         begun[layer] = (0..set.len()).map(from).collect();
@@ -51,8 +55,9 @@ pub(super) fn free(layers: &Layers, costs: &ToolCosts, constraints: &Constraints
             total = from(&first);
         }
         let best = begun[layer][first];
-        let lasts = (0..set.len())
-            .filter(|&last| tables[kind].cost(first, last).saturating_add(ended[layer][last]) == best);
+        let lasts = (0..set.len()).filter(|&last| {
+            tables[kind].cost(first, last).saturating_add(ended[layer][last]) == best
+        });
         let order = lasts.map(|last| tables[kind].order(first, last)).min();
         orders.push(order.expect("pairs without a circle leave an order").to_vec());
     }

@@ -153,7 +153,8 @@ pub fn order(
     let layers = Layers::new(layers, costs, constraints)?;
     let Free { orders, cost } = free(&layers, costs, constraints);
     let with_detours = costs.with_detours();
-    let bound = if with_detours == *costs { cost } else { free(&layers, &with_detours, constraints).cost };
+    let bound =
+        if with_detours == *costs { cost } else { free(&layers, &with_detours, constraints).cost };
     let uniform = ToolCosts::uniform(costs.tools() as u8);
     let least_changes = free(&layers, &uniform, constraints).cost as u32;
     if !constraints.same_order {
@@ -170,12 +171,21 @@ pub fn order(
     }
     let (permutation, proven) =
         shared(&layers, costs, constraints, &Free { orders, cost }, shared::MOST_LABELS)?;
-    let follow = |set: &[u8]| permutation.iter().copied().filter(|tool| set.contains(tool)).collect();
+    let follow =
+        |set: &[u8]| permutation.iter().copied().filter(|tool| set.contains(tool)).collect();
     let orders: Vec<Vec<u8>> = layers.iter().map(follow).collect();
     let FixedOrder { cost: shared_cost, changes } = sum(&orders, costs);
     let once_bound = if proven { shared_cost } else { cost };
     let permutation = Some(permutation);
-    Ok(ToolOrder { orders, permutation, cost: shared_cost, changes, bound, once_bound, least_changes })
+    Ok(ToolOrder {
+        orders,
+        permutation,
+        cost: shared_cost,
+        changes,
+        bound,
+        once_bound,
+        least_changes,
+    })
 }
 
 /// What it costs to print the tools of each layer by rising number, the same in every layer: for comparison. The layers

@@ -60,7 +60,8 @@ pub(super) fn shared(
     let Some(rising) = part.sorted(&part.earlier, |tool| tool) else {
         return Err(part.contradiction(layers, constraints));
     };
-    let name = |permutation: Vec<usize>| permutation.into_iter().map(|tool| part.tools[tool]).collect();
+    let name =
+        |permutation: Vec<usize>| permutation.into_iter().map(|tool| part.tools[tool]).collect();
     // Often the best orders of the layers already agree.
     let mut agreed = part.earlier.clone();
     for pair in free.orders.iter().flat_map(|order| order.windows(2)) {
@@ -70,9 +71,13 @@ pub(super) fn shared(
         return Ok((name(permutation), true));
     }
     let means = part.mean_places(free);
-    let alike = part.sorted(&part.earlier, |tool| (means[tool], tool)).unwrap_or_else(|| rising.clone());
-    let (cost, permutation) =
-        [rising, alike].into_iter().map(|start| part.improve(start)).min().expect("there are two starts");
+    let alike =
+        part.sorted(&part.earlier, |tool| (means[tool], tool)).unwrap_or_else(|| rising.clone());
+    let (cost, permutation) = [rising, alike]
+        .into_iter()
+        .map(|start| part.improve(start))
+        .min()
+        .expect("there are two starts");
     if cost == free.cost {
         return Ok((name(permutation), true));
     }
@@ -90,15 +95,21 @@ impl<'a> Shared<'a> {
         tools.sort_unstable();
         tools.dedup();
         let number = |tool: u8| tools.binary_search(&tool).ok();
-        let kinds: Vec<Vec<usize>> =
-            layers.kinds.iter().map(|set| set.iter().filter_map(|&tool| number(tool)).collect()).collect();
+        let kinds: Vec<Vec<usize>> = layers
+            .kinds
+            .iter()
+            .map(|set| set.iter().filter_map(|&tool| number(tool)).collect())
+            .collect();
         let mut times = vec![0; kinds.len()];
         layers.kind_of.iter().for_each(|&kind| times[kind] += 1);
         let mut pairs: BTreeMap<(usize, usize), u64> = BTreeMap::new();
         for pair in layers.kind_of.windows(2) {
             *pairs.entry((pair[0], pair[1])).or_default() += 1;
         }
-        let pairs = pairs.into_iter().map(|((before, after), times)| Pair { before, after, times }).collect();
+        let pairs = pairs
+            .into_iter()
+            .map(|((before, after), times)| Pair { before, after, times })
+            .collect();
         let mut kinds_of = vec![Vec::new(); tools.len()];
         for (kind, set) in kinds.iter().enumerate() {
             set.iter().for_each(|&tool| kinds_of[tool].push(kind));
@@ -128,7 +139,11 @@ impl<'a> Shared<'a> {
 
     /// All tools, each after those that must come earlier, otherwise by rising `key`; `None` if they go round in a
     /// circle.
-    fn sorted<K: Ord>(&self, earlier: &[Vec<usize>], key: impl Fn(usize) -> K) -> Option<Vec<usize>> {
+    fn sorted<K: Ord>(
+        &self,
+        earlier: &[Vec<usize>],
+        key: impl Fn(usize) -> K,
+    ) -> Option<Vec<usize>> {
         let mut placed = vec![false; self.tools.len()];
         let mut order = Vec::with_capacity(self.tools.len());
         while order.len() < self.tools.len() {
@@ -235,7 +250,11 @@ impl<'a> Shared<'a> {
     }
 
     /// The cheapest permutation, if one costs less than `limit`.
-    pub(super) fn search(&self, limit: u64, most_labels: usize) -> Result<Option<Vec<usize>>, TooManyLabels> {
+    pub(super) fn search(
+        &self,
+        limit: u64,
+        most_labels: usize,
+    ) -> Result<Option<Vec<usize>>, TooManyLabels> {
         // The map's own order never matters: of two beginnings with one label the lesser (cost, beginning) stays.
         let mut labels: HashMap<Label, (u64, Vec<u8>)> = HashMap::new();
         labels.insert(Label::new(self), (0, Vec::new()));
@@ -285,7 +304,10 @@ struct Label {
 
 impl Label {
     fn new(part: &Shared<'_>) -> Self {
-        Self { placed: vec![false; part.tools.len()], kinds: vec![(0, NONE, NONE); part.kinds.len()] }
+        Self {
+            placed: vec![false; part.tools.len()],
+            kinds: vec![(0, NONE, NONE); part.kinds.len()],
+        }
     }
 
     /// With one more tool, and what that adds to the cost.
@@ -305,8 +327,9 @@ impl Label {
         }
         let is_complete =
             |label: &Self, kind: usize| usize::from(label.kinds[kind].0) == part.kinds[kind].len();
-        let is_due =
-            |label: &Self, pair: &Pair| is_complete(label, pair.before) && label.kinds[pair.after].0 > 0;
+        let is_due = |label: &Self, pair: &Pair| {
+            is_complete(label, pair.before) && label.kinds[pair.after].0 > 0
+        };
         // Which ends something still waits for.
         let mut wanted = vec![(false, false); part.kinds.len()];
         for (kind, (_, last)) in wanted.iter_mut().enumerate() {

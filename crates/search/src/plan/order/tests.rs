@@ -53,7 +53,9 @@ fn slow_free(
         plans = plans
             .into_iter()
             .flat_map(|plan| {
-                orders.iter().map(move |order| [plan.as_slice(), std::slice::from_ref(order)].concat())
+                orders
+                    .iter()
+                    .map(move |order| [plan.as_slice(), std::slice::from_ref(order)].concat())
             })
             .collect();
     }
@@ -62,7 +64,11 @@ fn slow_free(
 }
 
 /// The cheapest permutation for all layers, by trying all.
-fn slow_shared(layers: &[Vec<u8>], costs: &ToolCosts, constraints: &Constraints) -> Option<(u64, Vec<u8>)> {
+fn slow_shared(
+    layers: &[Vec<u8>],
+    costs: &ToolCosts,
+    constraints: &Constraints,
+) -> Option<(u64, Vec<u8>)> {
     let tried = permutations(&set(&layers.concat())).into_iter().filter_map(|permutation| {
         let orders = followed(layers, &permutation);
         is_allowed(&orders, constraints).then(|| (sum(&orders, costs).cost, permutation))
@@ -157,7 +163,8 @@ fn any_case(tools: u8, most_tools: usize, most_layers: usize) -> impl Strategy<V
             // No circles: all pairs rise in some order.
             let rank = |tool: u8| (tool + shift) % tools;
             let pairs = pairs.into_iter().filter(|(a, b)| a != b);
-            let before = pairs.map(|(a, b)| if rank(a) < rank(b) { (a, b) } else { (b, a) }).collect();
+            let before =
+                pairs.map(|(a, b)| if rank(a) < rank(b) { (a, b) } else { (b, a) }).collect();
             let first = first.map(|index| *index.get(&layers[0]));
             Case { layers, costs, constraints: Constraints { before, first, same_order: false } }
         },
@@ -277,7 +284,8 @@ fn two_tools_alternate() {
         let fixed = fixed_order_cost(&layers, &costs).unwrap();
         assert_eq!((fixed.changes as usize, fixed.cost), (2 * count - 1, 2 * count as u64 - 1));
         let same =
-            order(&layers, &costs, &Constraints { same_order: true, ..Constraints::default() }).unwrap();
+            order(&layers, &costs, &Constraints { same_order: true, ..Constraints::default() })
+                .unwrap();
         assert_eq!((same.changes, same.is_optimal()), (fixed.changes, true));
         assert_eq!((same.bound, same.least_changes as usize), (count as u64, count));
     }
@@ -285,7 +293,9 @@ fn two_tools_alternate() {
 
 /// Costs that look drawn.
 fn uneven(tools: usize) -> ToolCosts {
-    let cost = |from: usize, to: usize| if from == to { 0 } else { 50 + (from * 7_919 + to * 104_729) % 97 };
+    let cost = |from: usize, to: usize| {
+        if from == to { 0 } else { 50 + (from * 7_919 + to * 104_729) % 97 }
+    };
     let rows: Vec<Vec<u32>> =
         (0..tools).map(|from| (0..tools).map(|to| cost(from, to) as u32).collect()).collect();
     ToolCosts::new(&rows).unwrap()
@@ -324,14 +334,18 @@ fn many_kinds_of_layers_end_early_with_a_bound() {
 #[test]
 fn what_has_no_order_is_refused() {
     let costs = ToolCosts::uniform(20);
-    let error =
-        |layers: &[Vec<u8>], constraints: Constraints| order(layers, &costs, &constraints).unwrap_err();
+    let error = |layers: &[Vec<u8>], constraints: Constraints| {
+        order(layers, &costs, &constraints).unwrap_err()
+    };
     let none = Constraints::default;
     assert_eq!(error(&[vec![1], vec![]], none()), OrderError::EmptyLayer { layer: 1 });
     assert_eq!(error(&[(0..13).collect()], none()), OrderError::TooManyTools { layer: 0, got: 13 });
     assert_eq!(error(&[vec![20]], none()), OrderError::UnknownTool { tool: 20, tools: 20 });
     let before = |pairs: &[(u8, u8)]| Constraints { before: pairs.to_vec(), ..none() };
-    assert_eq!(error(&[vec![1]], before(&[(1, 30)])), OrderError::UnknownTool { tool: 30, tools: 20 });
+    assert_eq!(
+        error(&[vec![1]], before(&[(1, 30)])),
+        OrderError::UnknownTool { tool: 30, tools: 20 }
+    );
     let circle = error(&[vec![1]], before(&[(0, 1), (1, 2), (2, 3), (3, 1), (3, 4), (4, 5)]));
     assert!(matches!(circle, OrderError::Circle { a: 1..=3, b: 1..=3 }), "{circle}");
     assert_eq!(error(&[vec![1]], before(&[(4, 4)])), OrderError::Circle { a: 4, b: 4 });

@@ -29,8 +29,11 @@ impl Within {
         }
         let step = |from: usize, to: usize| u64::from(costs.cost(set[from], set[to]));
         let all = (1_usize << count) - 1;
-        let mut within =
-            Self { count, costs: vec![NEVER; count * count], orders: vec![Vec::new(); count * count] };
+        let mut within = Self {
+            count,
+            costs: vec![NEVER; count * count],
+            orders: vec![Vec::new(); count * count],
+        };
         // At `left * count + now`: the cheapest way to use the tools of `left`, from `now` in it to the last tool.
         // Backwards, so that orders can be read off from the front.
         let mut to_go = vec![NEVER; (all + 1) * count];
@@ -44,7 +47,8 @@ impl Within {
                     }
                     let rest = left & !(1 << now);
                     let next = (0..count).filter(|next| rest & 1 << next != 0);
-                    let ways = next.map(|next| to_go[rest * count + next].saturating_add(step(now, next)));
+                    let ways =
+                        next.map(|next| to_go[rest * count + next].saturating_add(step(now, next)));
                     to_go[left * count + now] = ways.min().unwrap_or(NEVER);
                 }
             }
@@ -58,7 +62,8 @@ impl Within {
                     now = (0..count)
                         .find(|&next| {
                             rest & 1 << next != 0
-                                && to_go[rest * count + next].saturating_add(step(now, next)) == cost
+                                && to_go[rest * count + next].saturating_add(step(now, next))
+                                    == cost
                         })
                         .expect("the least way goes on over one of the tools left");
                     left = rest;

@@ -60,10 +60,14 @@ fn judge(plan: &ToolPlan, layers: &Sliced, costs: &ToolCosts) {
         assert_eq!(layer.kept_links.is_some(), number > 0);
         // The pieces of the cover, told apart again where two of them met.
         let zone = |cell: u32| zones.id(cell);
-        let uncrossed: Vec<&[u32]> =
-            layer.path.iter_pieces().flat_map(|piece| piece.chunk_by(|&a, &b| zone(a) == zone(b))).collect();
+        let uncrossed: Vec<&[u32]> = layer
+            .path
+            .iter_pieces()
+            .flat_map(|piece| piece.chunk_by(|&a, &b| zone(a) == zone(b)))
+            .collect();
         let step = |pair: &[u32]| u64::from(costs.cost(zone(pair[0]), zone(pair[1])));
-        let all_crossings: u64 = layer.path.iter_pieces().flat_map(|piece| piece.windows(2)).map(step).sum();
+        let all_crossings: u64 =
+            layer.path.iter_pieces().flat_map(|piece| piece.windows(2)).map(step).sum();
         match layer.crossing_cost {
             None => assert!(layer.pieces as usize >= uncrossed.len()),
             // Pieces that met add crossings to the path, but none to the cover.
@@ -72,7 +76,9 @@ fn judge(plan: &ToolPlan, layers: &Sliced, costs: &ToolCosts) {
                 assert!(bound <= cost);
             }
             Some([cost, bound]) => {
-                assert!(layer.pieces > layer.path.pieces() && bound <= cost && cost <= all_crossings);
+                assert!(
+                    layer.pieces > layer.path.pieces() && bound <= cost && cost <= all_crossings
+                );
             }
         }
         assert!(layer.piece_bound <= layer.pieces);
@@ -97,8 +103,13 @@ fn plans_are_what_they_say() {
         let costs = draw_costs(&mut rng);
         let constraints = Constraints::default();
         let plan = |mode, lift_cost, stacking| {
-            let settings =
-                Settings { mode, lift_cost, stacking, attempts: 10, ..Settings::new(&costs, &constraints) };
+            let settings = Settings {
+                mode,
+                lift_cost,
+                stacking,
+                attempts: 10,
+                ..Settings::new(&costs, &constraints)
+            };
             let plan = tools_plan(&refs(&layers), &settings).unwrap();
             judge(&plan, &layers, &costs);
             plan
@@ -120,7 +131,9 @@ fn plans_are_what_they_say() {
             cheapest.cost(lift_cost) <= best,
             "the plan is one of the frontier, with a lift less here and there"
         );
-        assert!(best <= free.frontier.iter().chain(&continuous.frontier).map(at_price).min().unwrap());
+        assert!(
+            best <= free.frontier.iter().chain(&continuous.frontier).map(at_price).min().unwrap()
+        );
     }
 }
 
@@ -143,7 +156,8 @@ fn constraints_are_obeyed() {
         judge(&plan, &layers, &costs);
         assert!(first.is_none_or(|first| plan.visits[0] == first));
         for ((_, zones), layer) in layers.iter().zip(&plan.layers) {
-            let mut tools: Vec<u8> = layer.path.order().iter().map(|&cell| zones.id(cell)).collect();
+            let mut tools: Vec<u8> =
+                layer.path.order().iter().map(|&cell| zones.id(cell)).collect();
             tools.dedup();
             let place = |tool| tools.iter().position(|&other| other == tool);
             for &(a, b) in &before {
@@ -151,8 +165,10 @@ fn constraints_are_obeyed() {
             }
             if same_order {
                 let permutation = plan.order.as_ref().unwrap().permutation.as_ref().unwrap();
-                let places: Vec<_> =
-                    tools.iter().map(|tool| permutation.iter().position(|other| other == tool)).collect();
+                let places: Vec<_> = tools
+                    .iter()
+                    .map(|tool| permutation.iter().position(|other| other == tool))
+                    .collect();
                 assert!(places.is_sorted(), "{tools:?} {permutation:?}");
             }
         }
@@ -213,7 +229,8 @@ fn leaning(layers: u32) -> Sliced {
         };
         let mask = (0..region.plane_len() as u32).map(shifted).collect();
         let region = Region::from_mask(24, 24, mask).unwrap();
-        let zones = LayoutSpec::new(Layout::Voronoi).zones(&Region::rectangle(24, 24).unwrap(), 3).unwrap();
+        let zones =
+            LayoutSpec::new(Layout::Voronoi).zones(&Region::rectangle(24, 24).unwrap(), 3).unwrap();
         let zones = Zones::new(&region, zones.ids().to_vec()).unwrap();
         (region, zones)
     };
@@ -225,11 +242,13 @@ fn stacking_decides_between_equals() {
     let layers = leaning(8);
     let (costs, constraints) = (ToolCosts::uniform(3), Constraints::default());
     let plan = |stacking| {
-        let settings = Settings { mode: Mode::Continuous, stacking, ..Settings::new(&costs, &constraints) };
+        let settings =
+            Settings { mode: Mode::Continuous, stacking, ..Settings::new(&costs, &constraints) };
         let plan = tools_plan(&refs(&layers), &settings).unwrap();
         judge(&plan, &layers, &costs);
         let kept: u32 = plan.layers.iter().filter_map(|layer| layer.kept_links).sum();
-        let merit: Vec<_> = plan.layers.iter().map(|layer| (layer.path.pieces(), layer.crossings)).collect();
+        let merit: Vec<_> =
+            plan.layers.iter().map(|layer| (layer.path.pieces(), layer.crossings)).collect();
         (kept, merit)
     };
     let [alone, keep, cross] = [None, Some(Stacking::Keep), Some(Stacking::Break)].map(plan);
@@ -255,8 +274,9 @@ fn threads_change_nothing_and_progress_is_told() {
         let one = tools_plan(&refs(&layers), &settings).unwrap();
         let two = Settings { pool: Some(&pool), observer: Some(&told), ..settings };
         let two = tools_plan(&refs(&layers), &two).unwrap();
-        let orders =
-            |plan: &ToolPlan| plan.layers.iter().map(|layer| layer.path.order().to_vec()).collect::<Vec<_>>();
+        let orders = |plan: &ToolPlan| {
+            plan.layers.iter().map(|layer| layer.path.order().to_vec()).collect::<Vec<_>>()
+        };
         assert_eq!(orders(&one), orders(&two));
         assert_eq!(most.load(Ordering::Relaxed), layers.len());
     }

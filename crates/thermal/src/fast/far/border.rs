@@ -41,7 +41,13 @@ impl Flows {
 
 impl Rim {
     /// Closes the rim of a window into a part: its voxels conduct nothing to those beyond, but are given what the rim says.
-    pub(crate) fn close(window: &mut Patch, part: &Patch, region: Region, tally: &Tally, law: &Law) -> Self {
+    pub(crate) fn close(
+        window: &mut Patch,
+        part: &Patch,
+        region: Region,
+        tally: &Tally,
+        law: &Law,
+    ) -> Self {
         let Patch { shape, origin, activity, theta } = window;
         let sizes = [shape.row, shape.planes, shape.rows];
         let strides = [1, shape.plane(), shape.row];
@@ -73,8 +79,9 @@ impl Rim {
                     let there = part.activity.damping[beyond(outer, outer_strides)];
                     if there < 0.0 && activity.damping[own] < 0.0 {
                         activity.damping[own] = law.closed(activity.damping[own], axis);
-                        let block = [0, 1, 2]
-                            .map(|axis: usize| ((at[axis] - 1) / tally.fold[axis] + 1) - sheet.low[axis]);
+                        let block = [0, 1, 2].map(|axis: usize| {
+                            ((at[axis] - 1) / tally.fold[axis] + 1) - sheet.low[axis]
+                        });
                         let pair = (block[1] * sheet_size[2] + block[2]) * sheet_size[0] + block[0];
                         voxels.push((index, pairs + pair));
                     }

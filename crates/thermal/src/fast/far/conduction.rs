@@ -61,7 +61,9 @@ impl Conduction {
         for line in region.lines(tally) {
             for i in line {
                 let block = &tally.blocks[i];
-                if *block == whole && strides.iter().all(|&stride| tally.blocks[i + stride] == whole) {
+                if *block == whole
+                    && strides.iter().all(|&stride| tally.blocks[i + stride] == whole)
+                {
                     (0..3).for_each(|axis| self.links[axis][i] = inner[axis]);
                     (self.share[i], self.losses[i]) = (inner_share, 0.0);
                     self.fastest = self.fastest.max(inner_fastest);
@@ -75,7 +77,8 @@ impl Conduction {
                 (0..3).for_each(|axis| self.links[axis][i] = link_at(i, axis));
                 self.share[i] = 1.0 / f32::from(block.voxels);
                 let plate = if law.plate && block.plate > 0 {
-                    2.0 * law.vertical * f32::from(block.plate) / reach(block, block.plate, 2, tally)
+                    2.0 * law.vertical * f32::from(block.plate)
+                        / reach(block, block.plate, 2, tally)
                 } else {
                     0.0
                 };
@@ -90,7 +93,8 @@ impl Conduction {
         }
         let part = |i: &usize| tally.blocks[*i].voxels > 0 && tally.blocks[*i] != whole;
         for i in region.blocks(tally).filter(part) {
-            let out: f32 = (0..3).map(|axis| self.links[axis][i] + self.links[axis][i - strides[axis]]).sum();
+            let out: f32 =
+                (0..3).map(|axis| self.links[axis][i] + self.links[axis][i - strides[axis]]).sum();
             self.fastest = self.fastest.max((2.0 * out + self.losses[i]) * self.share[i]);
         }
     }

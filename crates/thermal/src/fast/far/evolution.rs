@@ -4,7 +4,10 @@
 //! through the planes together, each as far behind the one before as it needs: the second of a pair by a plane, the next
 //! pair by another one. This is wavefront blocking in time (Wellein et al. 2009).
 
-#![expect(clippy::inline_always, reason = "only what is inlined is compiled for the processor's lanes")]
+#![expect(
+    clippy::inline_always,
+    reason = "only what is inlined is compiled for the processor's lanes"
+)]
 
 use std::ops::Range;
 
@@ -53,7 +56,8 @@ impl Evolution {
         crossings: &mut [Crossing],
     ) {
         let factors = Polynomial::reaching(seconds * f64::from(conduction.fastest)).factors;
-        let factors = factors.iter().map(|factor| [factor.a * seconds, factor.b * seconds * seconds]);
+        let factors =
+            factors.iter().map(|factor| [factor.a * seconds, factor.b * seconds * seconds]);
         let factors: Vec<_> = factors.map(|factor| factor.map(|number| number as f32)).collect();
         let (row, plane, inner) = (tally.shape.row, tally.shape.plane(), tally.shape.planes - 2);
         self.sort(crossings, tally);
@@ -62,14 +66,18 @@ impl Evolution {
         let blocks = row..(layers + 1) * row;
         let behind = 2 * (factors.len() - 1);
         for front in 1..=inner + 1 + behind {
-            for (i, (&[a, b], slopes)) in factors.iter().zip(slopes.chunks_exact_mut(3 * plane)).enumerate() {
-                let Some(y) = front.checked_sub(2 * i).filter(|y| (1..=inner + 1).contains(y)) else {
+            for (i, (&[a, b], slopes)) in
+                factors.iter().zip(slopes.chunks_exact_mut(3 * plane)).enumerate()
+            {
+                let Some(y) = front.checked_sub(2 * i).filter(|y| (1..=inner + 1).contains(y))
+                else {
                     continue;
                 };
                 let slopes = thirds(slopes);
                 if y <= inner {
                     let start = y * plane;
-                    let field = [start - plane, start, start + plane].map(|start| &w[start..][..plane]);
+                    let field =
+                        [start - plane, start, start + plane].map(|start| &w[start..][..plane]);
                     let (added, out) = (&rates[start..][..plane], &mut *slopes[y % 3]);
                     let (blocks, times) = (blocks.clone(), [0.0, 1.0, 1.0]);
                     dispatch(Flow { conduction, field, added, start, row, blocks, times, out });
@@ -144,9 +152,11 @@ impl WithSimd for Flow<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { conduction, field: [back, own, front], added, start, row, blocks, times, out } = self;
+        let Self { conduction, field: [back, own, front], added, start, row, blocks, times, out } =
+            self;
         let (plane, first, n) = (own.len(), blocks.start, blocks.len());
-        let (left, here, right) = (&own[first - 1..][..n], &own[first..][..n], &own[first + 1..][..n]);
+        let (left, here, right) =
+            (&own[first - 1..][..n], &own[first..][..n], &own[first + 1..][..n]);
         let (below, above) = (&own[first - row..][..n], &own[first + row..][..n]);
         let (back, front) = (&back[first..][..n], &front[first..][..n]);
         let (added, out) = (&added[first..][..n], &mut out[first..][..n]);

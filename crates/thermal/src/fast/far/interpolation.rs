@@ -1,6 +1,9 @@
 //! From blocks to their voxels: linear between the blocks' middles, and in the mean of each block the block's own.
 
-#![expect(clippy::inline_always, reason = "only what is inlined is compiled for the processor's lanes")]
+#![expect(
+    clippy::inline_always,
+    reason = "only what is inlined is compiled for the processor's lanes"
+)]
 
 use std::ops::Range;
 
@@ -64,7 +67,8 @@ impl WithSimd for Add<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { spread: Spread { blocks: numbers, share, times }, patch, region, tally, lines } = self;
+        let Self { spread: Spread { blocks: numbers, share, times }, patch, region, tally, lines } =
+            self;
         let (coarse, [fold, deep, high]) = (tally.shape, tally.fold);
         let row = patch.shape.row;
         // Blocks of a patch's row, with one more at each end.
@@ -88,7 +92,8 @@ impl WithSimd for Add<'_> {
                     (weight(plane - own_planes.start, deep), weight(voxels - own_rows.start, high));
                 let (ny, nz) = (next(y, after_y), next(z, after_z));
                 let corners = [at(y, z), at(ny, z), at(y, nz), at(ny, nz)];
-                let damping = &patch.activity.damping[patch.shape.index([0, plane, voxels])..][..row];
+                let damping =
+                    &patch.activity.damping[patch.shape.index([0, plane, voxels])..][..row];
                 mix(mixed, corners, by_y, by_z);
                 repeat(spread, mixed);
                 smooth(line, spread, damping, sums);
@@ -154,7 +159,13 @@ fn add(theta: &mut [f32], line: &[f32], damping: &[f32], lacking: &[f32], times:
 
 /// Gives blocks without voxels, in a region and around it, the mean number of their neighbours, so that there is something
 /// to interpolate towards beside every block; across the plate, which keeps its temperature, that is the opposite.
-pub(super) fn extend(blocks: &mut [f32], known: &mut [bool], region: Region, tally: &Tally, law: &Law) {
+pub(super) fn extend(
+    blocks: &mut [f32],
+    known: &mut [bool],
+    region: Region,
+    tally: &Tally,
+    law: &Law,
+) {
     let (shape, strides) = (tally.shape, tally.strides());
     let ends = [shape.row, shape.planes, shape.rows];
     // Each pass below reaches one block farther.
@@ -169,9 +180,11 @@ pub(super) fn extend(blocks: &mut [f32], known: &mut [bool], region: Region, tal
         for line in around.lines(tally) {
             beside_known(&mut edge, known, line.clone(), strides);
             for (i, _) in line.zip(&edge).filter(|&(_, edge)| *edge) {
-                let beside = strides.into_iter().flat_map(|stride| [i.wrapping_sub(stride), i + stride]);
+                let beside =
+                    strides.into_iter().flat_map(|stride| [i.wrapping_sub(stride), i + stride]);
                 let near = beside.filter(|&j| known.get(j) == Some(&true));
-                let (sum, count) = near.fold((0.0, 0.0), |(sum, count), j| (sum + blocks[j], count + 1.0));
+                let (sum, count) =
+                    near.fold((0.0, 0.0), |(sum, count), j| (sum + blocks[j], count + 1.0));
                 if count > 0.0 {
                     all.push((i, sum / count));
                 }

@@ -1,6 +1,9 @@
 //! What blocks are told by their voxels: their means, and what surfaces exchange with plate and air.
 
-#![expect(clippy::inline_always, reason = "only what is inlined is compiled for the processor's lanes")]
+#![expect(
+    clippy::inline_always,
+    reason = "only what is inlined is compiled for the processor's lanes"
+)]
 
 use pulp::{Simd, WithSimd};
 
@@ -33,7 +36,14 @@ impl Sums {
     }
 
     /// Takes the sums of a region, whose voxels are the inside of a patch; rows of the part from `top` on are empty.
-    pub(super) fn take(&mut self, patch: &Patch, region: Region, tally: &Tally, law: &Law, top: usize) {
+    pub(super) fn take(
+        &mut self,
+        patch: &Patch,
+        region: Region,
+        tally: &Tally,
+        law: &Law,
+        top: usize,
+    ) {
         dispatch(Take { sums: self, patch, region, tally, law, top });
     }
 }
@@ -68,11 +78,14 @@ impl WithSimd for Take<'_> {
                     let start = fine.index([0, plane, z]);
                     let theta = &patch.theta[start..][..row];
                     add(warm, theta);
-                    for (i, line) in patch.activity.lines[start / LINE..][..row / LINE].iter().enumerate() {
+                    for (i, line) in
+                        patch.activity.lines[start / LINE..][..row / LINE].iter().enumerate()
+                    {
                         if line.is_open() {
                             let caps = patch.activity.caps.get(start..).unwrap_or(&[]);
                             let range = i * LINE..(i + 1) * LINE;
-                            let (theta, gained) = (&theta[range.clone()], &mut gained[range.clone()]);
+                            let (theta, gained) =
+                                (&theta[range.clone()], &mut gained[range.clone()]);
                             let exposure = &patch.activity.exposure[start..][range.clone()];
                             let caps = caps.get(range).unwrap_or(exposure);
                             lose(gained, theta, exposure, caps, law);
@@ -116,6 +129,7 @@ fn touch(gained: &mut [f32], theta: &[f32], damping: &[f32], law: &Law) {
     let n = gained.len();
     let (theta, damping) = (&theta[..n], &damping[..n]);
     for i in 0..n {
-        gained[i] += if damping[i] < 0.0 { law.vertical * (law.ghost - 2.0 * theta[i]) } else { 0.0 };
+        gained[i] +=
+            if damping[i] < 0.0 { law.vertical * (law.ghost - 2.0 * theta[i]) } else { 0.0 };
     }
 }

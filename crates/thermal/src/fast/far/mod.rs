@@ -78,7 +78,14 @@ impl FarField {
     }
 
     /// Looks at the voxels of a region, which are the inside of a patch with nothing beyond its border.
-    pub(super) fn look(&mut self, patch: &Patch, region: Region, tally: &Tally, law: &Law, top: usize) {
+    pub(super) fn look(
+        &mut self,
+        patch: &Patch,
+        region: Region,
+        tally: &Tally,
+        law: &Law,
+        top: usize,
+    ) {
         self.sums.take(patch, region, tally, law, top);
         let Self { conduction, sums, theta, shown, rates, known, .. } = self;
         for i in region.blocks(tally).filter(|&i| tally.blocks[i].voxels > 0) {
@@ -118,16 +125,32 @@ impl FarField {
             Crossing { from: border.inside, to: border.outside, link, sum: 0.0 }
         };
         let mut crossings: Vec<Crossing> = border.iter().map(crossing).collect();
-        evolution.advance(conduction, theta, rates, seconds, tally, tally.layers(top), &mut crossings);
+        evolution.advance(
+            conduction,
+            theta,
+            rates,
+            seconds,
+            tally,
+            tally.layers(top),
+            &mut crossings,
+        );
         let crossed = crossings.iter().map(|crossing| crossing.sum);
         Flows::new(border.iter().zip(crossed), seconds, tally, law)
     }
 
     /// Adds the change to the voxels of a region, which are the inside of a patch, so many times.
-    pub(super) fn add(&mut self, times: f32, patch: &mut Patch, region: Region, tally: &Tally, law: &Law) {
+    pub(super) fn add(
+        &mut self,
+        times: f32,
+        patch: &mut Patch,
+        region: Region,
+        tally: &Tally,
+        law: &Law,
+    ) {
         let Self { theta, shown, change, known, conduction, lines, .. } = self;
         for line in region.grown(4, tally).lines(tally) {
-            let numbers = change[line.clone()].iter_mut().zip(&theta[line.clone()]).zip(&shown[line]);
+            let numbers =
+                change[line.clone()].iter_mut().zip(&theta[line.clone()]).zip(&shown[line]);
             numbers.for_each(|((change, theta), shown)| *change = theta - shown);
         }
         interpolation::extend(change, known, region, tally, law);

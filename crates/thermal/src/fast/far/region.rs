@@ -55,7 +55,8 @@ impl Region {
     pub(crate) fn window(self, tally: &Tally, part: Shape) -> Window {
         let ends = [part.row, part.planes, part.rows];
         let origin = [0, 1, 2].map(|axis: usize| (self.low[axis] - 1) * tally.fold[axis]);
-        let end = [0, 1, 2].map(|axis: usize| ((self.high[axis] - 1) * tally.fold[axis] + 2).min(ends[axis]));
+        let end = [0, 1, 2]
+            .map(|axis: usize| ((self.high[axis] - 1) * tally.fold[axis] + 2).min(ends[axis]));
         let [row, planes, rows] = [0, 1, 2].map(|axis: usize| end[axis] - origin[axis]);
         Window { origin, shape: Shape { row, rows, planes } }
     }

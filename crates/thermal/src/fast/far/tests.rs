@@ -57,7 +57,9 @@ fn random_state(random: &mut Xoshiro256PlusPlus) -> (State, Law) {
     let law = Law::new(&Material::abs(), &process, 0.5e-3, 0.25e-3);
     let size = [0, 1, 2].map(|axis: usize| random.random_range(2..[50, 12, 14][axis]));
     let filled = random.random_range(0.5..1.0);
-    let state = printed(size, &law, |_| random.random_bool(filled).then(|| random.random_range(10.0..200.0)));
+    let state = printed(size, &law, |_| {
+        random.random_bool(filled).then(|| random.random_range(10.0..200.0))
+    });
     (state, law)
 }
 
@@ -85,7 +87,8 @@ fn blocks_hear_what_voxels_lose() {
         let mut sums = Sums::default();
         sums.reset(tally.shape.len());
         sums.take(&patch, region, tally, &law, state.top);
-        let size = [state.patch.shape.row, state.patch.shape.planes, state.patch.shape.rows].map(|n| n - 2);
+        let size = [state.patch.shape.row, state.patch.shape.planes, state.patch.shape.rows]
+            .map(|n| n - 2);
         let mut slow = vec![[0.0_f64; 2]; tally.shape.len()];
         for at in places(size) {
             let index = state.patch.shape.index(at);
@@ -105,7 +108,11 @@ fn blocks_hear_what_voxels_lose() {
         }
         for i in region.blocks(tally) {
             let [theta, gain] = slow[i];
-            assert!((f64::from(sums.theta[i]) - theta).abs() < 1e-2, "{} and {theta}", sums.theta[i]);
+            assert!(
+                (f64::from(sums.theta[i]) - theta).abs() < 1e-2,
+                "{} and {theta}",
+                sums.theta[i]
+            );
             assert!((f64::from(sums.gains[i]) - gain).abs() < 1e-5 * gain.abs().max(100.0));
         }
     }
@@ -116,7 +123,8 @@ fn blocks_hear_what_voxels_lose() {
 fn the_air_takes_what_the_sweeps_take() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
     for resistance in [false, true] {
-        let process = Process { plate_c: None, surface_resistance: resistance, ..Process::default() };
+        let process =
+            Process { plate_c: None, surface_resistance: resistance, ..Process::default() };
         let law = Law::new(&Material::abs(), &process, 0.5e-3, 0.25e-3);
         for _ in 0..100 {
             let warm = random.random_range(1.0..200.0);
@@ -158,8 +166,9 @@ fn conductances_do_not_depend_on_the_region_they_are_taken_in() {
         for i in region.blocks(tally) {
             assert_eq!((whole.share[i], whole.losses[i]), (parts.share[i], parts.losses[i]));
             for (axis, stride) in strides.into_iter().enumerate() {
-                let links =
-                    |conduction: &Conduction| [i, i - stride].map(|i| conduction.links[axis][i].to_bits());
+                let links = |conduction: &Conduction| {
+                    [i, i - stride].map(|i| conduction.links[axis][i].to_bits())
+                };
                 assert_eq!(links(&whole), links(&parts));
             }
         }
@@ -228,7 +237,10 @@ fn what_crosses_the_border_of_a_region_is_what_its_window_loses() {
             places.filter_map(|at| patch.index(at)).map(|i| f64::from(patch.theta[i])).sum()
         };
         let blocks = |far: &FarField| -> f64 {
-            region.blocks(&tally).map(|i| f64::from(far.theta[i]) * f64::from(tally.blocks[i].voxels)).sum()
+            region
+                .blocks(&tally)
+                .map(|i| f64::from(far.theta[i]) * f64::from(tally.blocks[i].voxels))
+                .sum()
         };
         let (before, blocks_before) = (inside(&window), blocks(&far));
         let border: Vec<_> = region.border(&tally).collect();
@@ -245,8 +257,10 @@ fn what_crosses_the_border_of_a_region_is_what_its_window_loses() {
         assert!((gained - coarse).abs() < 2e-5 * before, "{gained} and {coarse} of {before}");
         // And outside, blocks have the opposite.
         let all = Region::whole(&tally, top);
-        let total: f64 =
-            all.blocks(&tally).map(|i| f64::from(far.theta[i]) * f64::from(tally.blocks[i].voxels)).sum();
+        let total: f64 = all
+            .blocks(&tally)
+            .map(|i| f64::from(far.theta[i]) * f64::from(tally.blocks[i].voxels))
+            .sum();
         assert!((total / heat(&state) - 1.0).abs() < 1e-5);
         far.end(state.make_mut().patch, &tally, &law, top);
         assert!((total / heat(&state) - 1.0).abs() < 1e-5);
@@ -330,7 +344,8 @@ fn stages_that_share_the_planes_do_what_they_do_one_after_the_other() {
         let mut known: Vec<f32> = vec![0.0; len];
         let mut rates = known.clone();
         for i in Region::whole(tally, top).blocks(tally).filter(|&i| tally.blocks[i].voxels > 0) {
-            (known[i], rates[i]) = (random.random_range(0.0..200.0), random.random_range(-5.0..5.0));
+            (known[i], rates[i]) =
+                (random.random_range(0.0..200.0), random.random_range(-5.0..5.0));
         }
         let mut conduction = Conduction::default();
         conduction.reset(len);
@@ -347,7 +362,9 @@ fn stages_that_share_the_planes_do_what_they_do_one_after_the_other() {
         evolution.advance(&conduction, theta, &rates, seconds, tally, layers, crossings);
         evolve_slowly(&conduction, slow_theta, &rates, seconds, tally, layers, slow_crossings);
         assert_eq!(theta, slow_theta);
-        let sums = |crossings: &[Crossing]| crossings.iter().map(|crossing| crossing.sum).collect::<Vec<_>>();
+        let sums = |crossings: &[Crossing]| {
+            crossings.iter().map(|crossing| crossing.sum).collect::<Vec<_>>()
+        };
         assert_eq!(sums(crossings), sums(slow_crossings));
     }
 }
@@ -359,10 +376,15 @@ fn blocks_without_voxels_get_the_means_of_those_beside_them() {
         let (state, law) = random_state(&mut random);
         let (tally, shape) = (state.occupancy.tally(), state.occupancy.tally().shape);
         let filled = random.random_range(0.0..1.0);
-        let known: Vec<bool> =
-            tally.blocks.iter().map(|block| block.voxels > 0 && random.random_bool(filled)).collect();
-        let numbers: Vec<f32> =
-            known.iter().map(|&known| f32::from(u8::from(known)) * random.random::<f32>()).collect();
+        let known: Vec<bool> = tally
+            .blocks
+            .iter()
+            .map(|block| block.voxels > 0 && random.random_bool(filled))
+            .collect();
+        let numbers: Vec<f32> = known
+            .iter()
+            .map(|&known| f32::from(u8::from(known)) * random.random::<f32>())
+            .collect();
         let (region, _) = random_region(&mut random, &state);
         let (mut extended, mut after) = (numbers.clone(), known.clone());
         interpolation::extend(&mut extended, &mut after, region, tally, &law);
@@ -371,16 +393,21 @@ fn blocks_without_voxels_get_the_means_of_those_beside_them() {
         let around = |at: [usize; 3]| {
             (0..3).all(|i| (region.low[i].saturating_sub(3)..region.high[i] + 3).contains(&at[i]))
         };
-        let all = (0..shape.rows)
-            .flat_map(|z| (0..shape.planes).flat_map(move |y| (0..shape.row).map(move |x| [x, y, z])));
+        let all = (0..shape.rows).flat_map(|z| {
+            (0..shape.planes).flat_map(move |y| (0..shape.row).map(move |x| [x, y, z]))
+        });
         let all: Vec<_> = all.filter(|&at| around(at)).map(|at| shape.index(at)).collect();
         for _ in 0..3 {
             let (before, known_before) = (slow.clone(), known.clone());
             for &i in all.iter().filter(|&&i| !known_before[i]) {
-                let beside =
-                    tally.strides().into_iter().flat_map(|stride| [i.wrapping_sub(stride), i + stride]);
-                let near: Vec<_> =
-                    beside.filter(|&i| known_before.get(i) == Some(&true)).map(|i| before[i]).collect();
+                let beside = tally
+                    .strides()
+                    .into_iter()
+                    .flat_map(|stride| [i.wrapping_sub(stride), i + stride]);
+                let near: Vec<_> = beside
+                    .filter(|&i| known_before.get(i) == Some(&true))
+                    .map(|i| before[i])
+                    .collect();
                 if !near.is_empty() {
                     (slow[i], known[i]) = (near.iter().sum::<f32>() / near.len() as f32, true);
                 }
