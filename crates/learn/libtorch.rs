@@ -1,4 +1,5 @@
-//! What a build script says to the linker, for whatever runs on libtorch: this package's tests, and the binary if it learns.
+//! What a build script says to the linker, for whatever runs on libtorch: this package's tests, and
+//! the binary if it learns.
 
 use std::path::Path;
 
@@ -11,7 +12,8 @@ pub(crate) fn link() {
     let lib = lib.canonicalize().unwrap_or(lib);
     println!("cargo::rustc-link-arg=-Wl,-rpath,{}", lib.display());
     if lib.join("libtorch_cuda.so").exists() {
-        // Nobody calls it by name: it makes itself known to libtorch when it is loaded, and the linker would leave it out.
+        // Nobody calls it by name: it makes itself known to libtorch when it is loaded, and the
+        // linker would leave it out.
         println!("cargo::rustc-link-arg=-Wl,--push-state,--no-as-needed,-ltorch_cuda,--pop-state");
     }
 }

@@ -1,7 +1,7 @@
 //! End-to-end tests of the binary `beadwork`: what these helpers start is what a user would.
 //!
-//! It is the one in the target folder, which cargo builds with the tests of the whole workspace, or the one that
-//! `BEADWORK_BIN` names.
+//! It is the one in the target folder, which cargo builds with the tests of the whole workspace, or
+//! the one that `BEADWORK_BIN` names.
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -225,7 +225,8 @@ fn a_folder_that_can_not_be_made_is_named() {
     assert!(error.contains("file/out"), "{error}");
 }
 
-/// A limit on the size of files stands in for a full disk: writing fails in the middle of a shard just the same.
+/// A limit on the size of files stands in for a full disk: writing fails in the middle of a shard
+/// just the same.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_leaves_nothing_half_written() {

@@ -1,4 +1,5 @@
-//! `cargo xtask WORD ...`: the binary `beadwork`, built in release, and with what learns where the words ask for it.
+//! `cargo xtask WORD ...`: the binary `beadwork`, built in release, and with what learns where the
+//! words ask for it.
 
 use std::ffi::OsString;
 use std::process::Command;
@@ -7,7 +8,8 @@ use anyhow::Result;
 
 use crate::{setup, workspace};
 
-/// Builds and runs the binary in the caller's folder, where relative paths among the words mean what they say.
+/// Builds and runs the binary in the caller's folder, where relative paths among the words mean
+/// what they say.
 pub(crate) fn run(words: &[OsString]) -> Result<()> {
     let mut cargo = workspace::cargo();
     cargo.args([
@@ -28,7 +30,8 @@ pub(crate) fn run(words: &[OsString]) -> Result<()> {
     become_it(cargo)
 }
 
-/// Whether words need the feature `learn`, with which the binary takes minutes longer to build for the first time.
+/// Whether words need the feature `learn`, with which the binary takes minutes longer to build for
+/// the first time.
 fn learns(words: &[OsString]) -> bool {
     let word = |at: usize| words.get(at).and_then(|word| word.to_str()).unwrap_or_default();
     match word(0) {
@@ -43,7 +46,8 @@ fn learns(words: &[OsString]) -> bool {
     }
 }
 
-/// Cargo takes this process's place, and the binary cargo's: signals reach it and its end is ours, without anyone between.
+/// Cargo takes this process's place, and the binary cargo's: signals reach it and its end is ours,
+/// without anyone between.
 #[cfg(unix)]
 fn become_it(mut cargo: Command) -> Result<()> {
     use std::os::unix::process::CommandExt;

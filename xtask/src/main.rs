@@ -1,7 +1,8 @@
 //! `cargo xtask`: the project's tasks by short names.
 //!
-//! Checks run here; every other word is the business of the binary `beadwork`, which is built in release and handed the
-//! words as they came. Nothing of the workspace is linked, so the runner itself builds in seconds.
+//! Checks run here; every other word is the business of the binary `beadwork`, which is built in
+//! release and handed the words as they came.
+//! Nothing of the workspace is linked, so the runner itself builds in seconds.
 //!
 //! Exit codes: 0 done, 1 failed, 2 wrong use; a forwarded word ends as the binary ends.
 

@@ -1,9 +1,12 @@
 //! `cargo xtask setup`: libtorch, once for each user.
 //!
-//! tch is built against one version of libtorch, which the Python package index has as wheels. Pip fetches them, for it
-//! knows the user's proxies, mirrors and certificates; it keeps those that are whole, and compares checksums. What a build
-//! needs is unpacked into the user's cache, whole or not at all, and `.libtorch` in the checkout points there: that is
-//! where `.cargo/config.toml` has builds look, from a shell or from an editor. Who sets LIBTORCH has it used instead.
+//! tch is built against one version of libtorch, which the Python package index has as wheels.
+//! Pip fetches them, for it knows the user's proxies, mirrors and certificates; it keeps those that
+//! are whole, and compares checksums.
+//! What a build needs is unpacked into the user's cache, whole or not at all, and `.libtorch` in
+//! the checkout points there: that is where `.cargo/config.toml` has builds look, from a shell or
+//! from an editor.
+//! Who sets LIBTORCH has it used instead.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -20,8 +23,10 @@ const VERSION: &str = "2.13.0";
 /// A wheel of the index: name, version and checksum.
 type Wheel = (&'static str, &'static str, &'static str);
 
-/// What every build needs. All builds of torch hold the same libraries, whatever the Python that they are for; this one is for
-/// Python 3.12. The other two are asked for by libtorch even where no graphics card is.
+/// What every build needs.
+/// All builds of torch hold the same libraries, whatever the Python that they are for; this one is
+/// for Python 3.12.
+/// The other two are asked for by libtorch even where no graphics card is.
 const WHEELS: [Wheel; 3] = [
     ("torch", VERSION, "796633c4cdf0fe2cdced72d8f88f22e73dbcfce83132763162f6d4bff13b820b"),
     (
@@ -36,7 +41,8 @@ const WHEELS: [Wheel; 3] = [
     ),
 ];
 
-/// What graphics cards need beside them: the libraries that torch's own wheel names as its dependencies.
+/// What graphics cards need beside them: the libraries that torch's own wheel names as its
+/// dependencies.
 const CUDA_WHEELS: [Wheel; 12] = [
     (
         "nvidia-cublas",
@@ -171,7 +177,8 @@ pub(crate) fn provide_any() -> Result<()> {
     if own(&link).is_none() && check(&link).is_ok() { Ok(()) } else { run(Target::Cpu) }
 }
 
-/// The folder that the user has chosen. Cargo itself sets the variable to the link, for what it runs.
+/// The folder that the user has chosen.
+/// Cargo itself sets the variable to the link, for what it runs.
 fn own(link: &Path) -> Option<PathBuf> {
     std::env::var_os("LIBTORCH").map(PathBuf::from).filter(|own| own != link)
 }
@@ -278,8 +285,8 @@ fn provide(cache: &Path, folder: &Path, target: Target, python: &OsStr) -> Resul
         .with_context(|| format!("'{}' could not be removed", wheels.display()))
 }
 
-/// Fetches the wheels one by one, so that each that is whole stays, whatever becomes of the next. Pip knows those that are
-/// there already, and fetches anew what has another checksum.
+/// Fetches the wheels one by one, so that each that is whole stays, whatever becomes of the next.
+/// Pip knows those that are there already, and fetches anew what has another checksum.
 fn fetch(wheels: &Path, target: Target, python: &OsStr) -> Result<()> {
     for (name, version, sha256) in target.wheels() {
         let wanted = wheels.join("wanted.txt");
@@ -309,7 +316,8 @@ fn fetch(wheels: &Path, target: Target, python: &OsStr) -> Result<()> {
     Ok(())
 }
 
-/// The wheels of a folder that are wanted: others may have been left there by a fetch of another version.
+/// The wheels of a folder that are wanted: others may have been left there by a fetch of another
+/// version.
 fn wheels_of_target(wheels: &Path, target: Target) -> Result<Vec<PathBuf>> {
     let wanted: Vec<_> = target
         .wheels()
@@ -336,7 +344,8 @@ fn unpack(wheels: &Path, part: &Path, target: Target, python: &OsStr) -> Result<
     Ok(())
 }
 
-/// Has the next build ask anew what there is to link: what LIBTORCH says is the same link, so cargo sees no change.
+/// Has the next build ask anew what there is to link: what LIBTORCH says is the same link, so cargo
+/// sees no change.
 fn forget_builds() -> Result<()> {
     for profile in ["dev", "release"] {
         let mut clean = workspace::cargo();

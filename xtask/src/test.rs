@@ -27,14 +27,16 @@ pub(crate) fn run() -> Result<()> {
     // In the tests' own profile, so that C++ is compiled once for both.
     let lints = ["clippy", "--locked", "--all-targets", "--profile", "test"];
     cargo_step(&learning(&lints, &["--", "-D", "warnings"]), None)?;
-    // Tests already run side by side, and threads that wait for each other's cores cost more than they bring.
+    // Tests already run side by side, and threads that wait for each other's cores cost more than
+    // they bring.
     cargo_step(&learning(&["test", "--locked"], &[]), Some(("OMP_NUM_THREADS", "1")))?;
     cargo_step(&["doc", "--no-deps", "--locked", "-p", "beadwork-learn"], strict)?;
     eprintln!("xtask: all passed in {:.1} s", begin.elapsed().as_secs_f64());
     Ok(())
 }
 
-/// Words of cargo for what needs libtorch: it is not among the workspace's default members, for it takes minutes to build.
+/// Words of cargo for what needs libtorch: it is not among the workspace's default members, for it
+/// takes minutes to build.
 fn learning<'a>(first: &[&'a str], last: &[&'a str]) -> Vec<&'a str> {
     let packages =
         ["-p", "beadwork-learn", "-p", "beadwork-cli", "--features", "beadwork-cli/learn"];

@@ -16,7 +16,8 @@ const MAX_LINES: usize = 1200;
 /// Git keeps every version of a file for ever.
 const MAX_BYTES: u64 = 4 << 20;
 
-/// Macros of unfinished work; without the exclamation mark, so that this list does not report itself.
+/// Macros of unfinished work; without the exclamation mark, so that this list does not report
+/// itself.
 const LEFTOVERS: [&str; 3] = ["todo", "unimplemented", "dbg"];
 
 /// What a crate takes from the workspace.
@@ -97,7 +98,8 @@ fn is_checked(path: &str) -> bool {
     ["rs", "toml", "md"].into_iter().any(|extension| has_extension(path, extension))
 }
 
-/// All problems of a file, in the order of its lines. The path has slashes and begins at the root.
+/// All problems of a file, in the order of its lines.
+/// The path has slashes and begins at the root.
 fn check(path: &str, text: &str) -> Vec<Problem> {
     let mut found = blanks(text);
     if has_extension(path, "rs") {

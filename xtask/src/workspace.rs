@@ -9,7 +9,8 @@ pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in a folder of the workspace")
 }
 
-/// The cargo that started this program, so that `cargo +VERSION xtask` means that version throughout.
+/// The cargo that started this program, so that `cargo +VERSION xtask` means that version
+/// throughout.
 pub(crate) fn cargo() -> Command {
     Command::new(std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo")))
 }

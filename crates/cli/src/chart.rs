@@ -183,7 +183,8 @@ pub(crate) struct Map {
     pub(crate) values: Vec<f64>,
 }
 
-/// Draws maps row by row; all share one scale of colours, dark where a number is high, from 0 to `most`.
+/// Draws maps row by row; all share one scale of colours, dark where a number is high, from 0 to
+/// `most`.
 pub(crate) fn maps(maps: &[Map], columns: usize, most: f64) -> anyhow::Result<String> {
     const CELL: (i32, i32) = (62, 34);
     const LEFT: i32 = 84;

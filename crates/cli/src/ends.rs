@@ -59,7 +59,8 @@ impl Place {
     }
 }
 
-/// Reads costs of crossings: a line for each zone with a whole number for each zone, what a step from the one to the other costs.
+/// Reads costs of crossings: a line for each zone with a whole number for each zone, what a step
+/// from the one to the other costs.
 pub(crate) fn read_costs(path: &PathBuf) -> anyhow::Result<ZoneCosts> {
     let in_file = || format!("cannot read costs from '{}'", path.display());
     let text = fs::read_to_string(path).with_context(in_file)?;

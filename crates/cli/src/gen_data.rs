@@ -11,8 +11,8 @@ use crate::{cancel, machine, output, progress};
 
 /// Write training data: records of searches in checked, resumable shards.
 ///
-/// The same configuration gives the same bytes with any number of threads. An interrupted run goes on when the same
-/// command is run again.
+/// The same configuration gives the same bytes with any number of threads.
+/// An interrupted run goes on when the same command is run again.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -39,8 +39,8 @@ pub(crate) struct Args {
     /// Threads; 0 for one a core.
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
-    /// Make only the I-th of N equal slices. All slices in one folder equal a whole run; the last one to end writes the
-    /// manifest.
+    /// Make only the I-th of N equal slices.
+    /// All slices in one folder equal a whole run; the last one to end writes the manifest.
     #[arg(long, value_name = "I/N", default_value_t = Slice::WHOLE)]
     shard: Slice,
     /// Print one JSON document.
@@ -51,8 +51,9 @@ pub(crate) struct Args {
 #[derive(clap::Args)]
 #[group(required = true, multiple = false)]
 struct ConfigSource {
-    /// A built-in configuration: smoke (seconds), paper (22,111 trajectories), genetic (240 solutions of the genetic
-    /// algorithm), chains (what FusionNet learns from), pictures (a folder of PNG files).
+    /// A built-in configuration: smoke (seconds), paper (22,111 trajectories), genetic (240
+    /// solutions of the genetic algorithm), chains (what FusionNet learns from), pictures (a folder
+    /// of PNG files).
     #[arg(long, value_name = "NAME", value_parser = ["smoke", "paper", "genetic", "chains", "pictures"])]
     preset: Option<String>,
     /// A configuration file; see configs/gen-data.

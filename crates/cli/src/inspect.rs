@@ -160,7 +160,8 @@ fn first_records(shards: &[Shard], count: usize) -> anyhow::Result<Vec<Trajector
     Ok(shown)
 }
 
-/// Checks every byte against the manifest and replays all trajectories, in parallel; stops at the first that is wrong.
+/// Checks every byte against the manifest and replays all trajectories, in parallel; stops at the
+/// first that is wrong.
 fn verify(shards: &[Shard], dataset: Option<&Dataset>, threads: usize) -> anyhow::Result<()> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(machine::threads(threads)).build()?;
     let cancel = cancel::token()?;

@@ -17,7 +17,8 @@ pub(crate) struct InstanceArgs {
     /// Size in cells.
     #[arg(long, value_name = "WxH", default_value = "30x30", conflicts_with = "image")]
     size: Size,
-    /// Outline of the region: disc, ring, blob, rotated_rectangle, star or l; the whole plane if not given.
+    /// Outline of the region: disc, ring, blob, rotated_rectangle, star or l; the whole plane if
+    /// not given.
     #[arg(long, value_name = "NAME", conflicts_with = "image")]
     shape: Option<Shape>,
     /// Number of zones; the layout's own if not given.

@@ -51,7 +51,8 @@ pub(crate) fn memory_bytes() -> Option<u64> {
 
 /// Lets the peak begin anew, where the system can do so.
 pub(crate) fn forget_peak_memory() {
-    // Without it a later peak is only counted if it is the highest of all, which the figures then say too little of.
+    // Without it a later peak is only counted if it is the highest of all, which the figures then
+    // say too little of.
     let _ = fs::write("/proc/self/clear_refs", "5");
 }
 

@@ -1,7 +1,8 @@
 //! The command line of beadwork.
 //!
-//! Exit codes: 0 done, 1 failed, 2 wrong use. Results go to stdout (with `--json` one JSON document and nothing else),
-//! progress and errors to stderr; a reader that closes the pipe early has seen enough.
+//! Exit codes: 0 done, 1 failed, 2 wrong use.
+//! Results go to stdout (with `--json` one JSON document and nothing else), progress and errors to
+//! stderr; a reader that closes the pipe early has seen enough.
 
 #![allow(clippy::print_stderr, reason = "a command line talks to its terminal")]
 #![allow(

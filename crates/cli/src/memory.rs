@@ -1,15 +1,18 @@
 //! Memory that stays with the process between two steps of training.
 
-/// Blocks up to 32 MiB, the most that all versions allow, come from the heap; what is free at its end stays there; and its pages
-/// are large ones where the system has them.
+/// Blocks up to 32 MiB, the most that all versions allow, come from the heap; what is free at its
+/// end stays there; and its pages are large ones where the system has them.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const KEEP: &str = "glibc.malloc.mmap_threshold=33554432:glibc.malloc.trim_threshold=17179869184:glibc.malloc.hugetlb=1";
 
-/// Begins the process anew with an allocator that keeps what is freed, unless the caller has settings of their own.
+/// Begins the process anew with an allocator that keeps what is freed, unless the caller has
+/// settings of their own.
 ///
-/// A step of training frees all its features at its end. By default the C library then gives the memory back, the next step asks for
-/// it again, and the system clears it page by page: an eighth of the step. Settings can't be changed from within without unsafe code, so
-/// the process takes its own place. Where that fails it goes on as it is.
+/// A step of training frees all its features at its end.
+/// By default the C library then gives the memory back, the next step asks for it again, and the
+/// system clears it page by page: an eighth of the step.
+/// Settings can't be changed from within without unsafe code, so the process takes its own place.
+/// Where that fails it goes on as it is.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub(crate) fn keep() {
     use std::os::unix::process::CommandExt;

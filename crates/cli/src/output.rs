@@ -7,7 +7,8 @@ use std::path::Path;
 use anyhow::Context;
 use beadwork_dataset::write_whole;
 
-/// Writes text to stdout; an error, unlike a panic of `print!`, can be told apart when the pipe is closed.
+/// Writes text to stdout; an error, unlike a panic of `print!`, can be told apart when the pipe is
+/// closed.
 pub(crate) fn text(text: &str) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes())?;

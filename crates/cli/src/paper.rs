@@ -9,7 +9,8 @@ use beadwork_search::Preset;
 pub(crate) const AVERAGED: [Preset; 4] =
     [Preset::Medium, Preset::Paper, Preset::Long, Preset::ExtraLong];
 
-/// The sizes of the paper's tables. Its 30x100 has 100 rows of 30 cells.
+/// The sizes of the paper's tables.
+/// Its 30x100 has 100 rows of 30 cells.
 pub(crate) const SIZES: [Size; 6] =
     [size(30, 30), size(50, 50), size(60, 60), size(80, 80), size(100, 100), size(30, 100)];
 
@@ -73,7 +74,8 @@ pub(crate) fn cells() -> impl Iterator<Item = Cell> {
 }
 
 impl Cell {
-    /// Seeds of instances whose zigzag crosses within 10 % as often as the paper's, at most so many.
+    /// Seeds of instances whose zigzag crosses within 10 % as often as the paper's, at most so
+    /// many.
     ///
     /// A layout that is not drawn at random has one instance, of seed 0.
     pub(crate) fn matching_seeds(&self, most: u64) -> anyhow::Result<Vec<u64>> {

@@ -20,8 +20,8 @@ const EXAMPLE: &str = "example:";
 /// Flags that name a part and how it is cut.
 #[derive(clap::Args)]
 pub(crate) struct PartArgs {
-    /// Files of meshes (STL, 3MF or OBJ) in one frame, or examples: example:rectangular, example:u-shape,
-    /// example:pyramid, example:logo-plate, example:palette.
+    /// Files of meshes (STL, 3MF or OBJ) in one frame, or examples: example:rectangular,
+    /// example:u-shape, example:pyramid, example:logo-plate, example:palette.
     #[arg(value_name = "PART", required = true)]
     parts: Vec<PathBuf>,
     /// Unit of STL and OBJ files, which do not say.
@@ -45,8 +45,8 @@ pub(crate) struct PartArgs {
     /// What lies within a body whose surface runs into itself.
     #[arg(long, value_name = "RULE", default_value = "nonzero")]
     fill: Fill,
-    /// What is a material, and so a tool, of its own: as the files state it (a body they say nothing of is one), every
-    /// body, or all together.
+    /// What is a material, and so a tool, of its own: as the files state it (a body they say
+    /// nothing of is one), every body, or all together.
     #[arg(long, value_name = "RULE", default_value = "stated")]
     pub(crate) materials: Rule,
 }

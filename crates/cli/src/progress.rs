@@ -17,7 +17,8 @@ pub(crate) fn bar(items: u64, what: &'static str) -> ProgressBar {
     bar
 }
 
-/// A bar over items of which some were done by an earlier run; its rate counts only those of this one.
+/// A bar over items of which some were done by an earlier run; its rate counts only those of this
+/// one.
 pub(crate) fn resumed(items: u64, done: u64, what: &'static str) -> ProgressBar {
     let bar = bar(items, what);
     bar.set_position(done);

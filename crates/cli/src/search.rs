@@ -109,7 +109,8 @@ pub(crate) struct GeneticRow {
     pub(crate) history: Vec<Generation>,
 }
 
-/// What a walk led by a network tells beside the common row, whose moves are those to the best path alone.
+/// What a walk led by a network tells beside the common row, whose moves are those to the best path
+/// alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct FusionRow {
     /// Crossings that are enough.
@@ -156,7 +157,8 @@ pub(crate) struct Breeding<'a> {
     pub(crate) preset: genetic::Preset,
     pub(crate) pool: Option<&'a rayon::ThreadPool>,
     pub(crate) observer: Option<&'a (dyn Fn(genetic::Progress) + Sync)>,
-    /// A population annealed by the same preset's seeding and seed before, and the seconds that it took.
+    /// A population annealed by the same preset's seeding and seed before, and the seconds that it
+    /// took.
     pub(crate) population: Option<(&'a [Vec<Move>], f64)>,
 }
 
@@ -187,7 +189,8 @@ pub(crate) struct Search<'a> {
     pub(crate) choice: Choice<'a>,
     pub(crate) seed: u64,
     pub(crate) start: Start,
-    /// Lower bounds; `None` where only the pieces and the number of zone components shall bound the crossings.
+    /// Lower bounds; `None` where only the pieces and the number of zone components shall bound the
+    /// crossings.
     pub(crate) bounds: Option<Bounds>,
 }
 

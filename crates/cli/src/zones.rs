@@ -55,11 +55,12 @@ pub(crate) struct Args {
     /// Exact: where the path ends: X,Y, left, top, right, bottom or any.
     #[arg(long, value_name = "PLACE", default_value = "any")]
     end_at: Place,
-    /// Exact: a file with what crossings cost: a row for each zone, a whole number for each zone to step to.
+    /// Exact: a file with what crossings cost: a row for each zone, a whole number for each zone to
+    /// step to.
     #[arg(long, value_name = "FILE")]
     costs: Option<PathBuf>,
-    /// Anneal: paper (if not given), short, medium, long, extra_long or fast. Genetic: paper (if not given), two_point,
-    /// window, short or fast.
+    /// Anneal: paper (if not given), short, medium, long, extra_long or fast.
+    /// Genetic: paper (if not given), two_point, window, short or fast.
     #[arg(long, value_name = "NAME")]
     preset: Option<String>,
     /// Fusion: folder of the trained network; models/fusion-small if not given.
@@ -71,14 +72,15 @@ pub(crate) struct Args {
     /// Fusion: most moves; 1000 if not given.
     #[arg(long, value_name = "N")]
     budget: Option<usize>,
-    /// Path to start from: row_zigzag, column_zigzag, spiral, cover, or auto (the row zigzag where there is one, else
-    /// the cover).
+    /// Path to start from: row_zigzag, column_zigzag, spiral, cover, or auto (the row zigzag where
+    /// there is one, else the cover).
     #[arg(long, value_name = "START", default_value = "auto")]
     start: StartChoice,
     /// Draw the layer before and after.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
-    /// Genetic: threads; 0 for one a core. They change the time and nothing else.
+    /// Genetic: threads; 0 for one a core.
+    /// They change the time and nothing else.
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
     /// Genetic: draw the crossings and the diversity of each generation.

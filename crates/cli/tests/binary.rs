@@ -1,7 +1,8 @@
 //! The binary starts.
 //!
-//! What it does is tested in the workspace's `tests`. For their sake too this test is here: it makes cargo build the binary
-//! together with the tests, in the same profile, and so most of it once.
+//! What it does is tested in the workspace's `tests`.
+//! For their sake too this test is here: it makes cargo build the binary together with the tests,
+//! in the same profile, and so most of it once.
 
 use std::process::Command;
 

@@ -1,4 +1,5 @@
-//! What learns, end to end: records, a training that is killed and goes on, walks and tables by its network.
+//! What learns, end to end: records, a training that is killed and goes on, walks and tables by its
+//! network.
 
 #![cfg(feature = "learn")]
 #![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
@@ -101,7 +102,8 @@ fn a_network_is_trained_and_walks() {
         ["eval", "fusion", "--model", model, "--sizes", "30x30", "--seeds", "1", "--runs", "2"];
     let told = json(&[&table[..], &["--budget", "40", "--data", text(&data)]].concat());
     assert_eq!(told["rows"].as_array().unwrap().len(), 2, "a seed of two layouts: {told}");
-    // Of each layout four trajectories are kept for the end; of each 20 moves count, or fewer if it is shorter.
+    // Of each layout four trajectories are kept for the end; of each 20 moves count, or fewer if it
+    // is shorter.
     assert!(
         (4..=80).contains(&told["held_out"]["islands"]["examples"].as_u64().unwrap()),
         "{told}"
@@ -131,7 +133,8 @@ fn a_training_that_was_killed_goes_on_with_the_same_losses() {
     let data = folder.path().join("data");
     let (whole, killed) = (folder.path().join("whole"), folder.path().join("killed"));
     run(&train(&data, &whole));
-    // Lines are its head and 20 steps; evaluations, with checkpoints, come after 10 of them and after the last.
+    // Lines are its head and 20 steps; evaluations, with checkpoints, come after 10 of them and
+    // after the last.
     for (resume, lines) in [(&[][..], 0), (&["--resume"], 4), (&["--resume"], 12)] {
         let mut training = beadwork().args(train(&data, &killed)).args(resume).spawn().unwrap();
         let told =

@@ -1,11 +1,15 @@
 //! Values as bytes: the only place that knows the codec.
 //!
-//! The wire format is bincode 2's standard one, which is simple enough to be written anew should the unmaintained crate
-//! (RUSTSEC-2025-0141) have to go; the tests hold golden bytes. All of it is little endian. `u8`, `i8` and `bool` are one
-//! byte. Wider unsigned integers below 251 are one byte, others a mark 251, 252 or 253 and then 2, 4 or 8 bytes; signed ones
-//! become unsigned by zigzag (0, -1, 1, -2 are 0, 1, 2, 3). Floats are 4 or 8 bytes. Sequences and strings begin with their
-//! length, an option with 0 or 1, an enum with its variant's number as `u32`. Structs and tuples are their fields in order,
-//! without names.
+//! The wire format is bincode 2's standard one, which is simple enough to be written anew should
+//! the unmaintained crate (RUSTSEC-2025-0141) have to go; the tests hold golden bytes.
+//! All of it is little endian.
+//! `u8`, `i8` and `bool` are one byte.
+//! Wider unsigned integers below 251 are one byte, others a mark 251, 252 or 253 and then 2, 4 or 8
+//! bytes; signed ones become unsigned by zigzag (0, -1, 1, -2 are 0, 1, 2, 3).
+//! Floats are 4 or 8 bytes.
+//! Sequences and strings begin with their length, an option with 0 or 1, an enum with its variant's
+//! number as `u32`.
+//! Structs and tuples are their fields in order, without names.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -14,8 +18,9 @@ use thiserror::Error;
 /// The most bytes one encoded value may have.
 pub(crate) const MAX_BYTES: usize = 1 << 26;
 
-/// bincode counts a varint at its full width, up to 16 bytes for each byte of input. It allocates a string before it sees
-/// whether the input is that long: this bounds what a damaged length can ask for.
+/// bincode counts a varint at its full width, up to 16 bytes for each byte of input.
+/// It allocates a string before it sees whether the input is that long: this bounds what a damaged
+/// length can ask for.
 const MAX_CLAIMED: usize = 16 * MAX_BYTES;
 
 /// Why a value could not become bytes, or bytes a value.

@@ -10,10 +10,12 @@ use thiserror::Error;
 use crate::by_name;
 use crate::source::{ForeignPreset, PresetName, Search, Source};
 
-/// A configuration of the trajectory factory: searches over every combination of instances, presets and starts.
+/// A configuration of the trajectory factory: searches over every combination of instances, presets
+/// and starts.
 ///
-/// The instances are either layouts in sizes or pictures. Trajectory i belongs to combination i modulo their number, so
-/// that every part of the dataset, and every dataset cut short, has all of them in equal shares.
+/// The instances are either layouts in sizes or pictures.
+/// Trajectory i belongs to combination i modulo their number, so that every part of the dataset,
+/// and every dataset cut short, has all of them in equal shares.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
@@ -22,7 +24,8 @@ pub struct Config {
     pub seed: u64,
     /// Number of trajectories, at least 1.
     pub count: u64,
-    /// Trajectories in one file: what an interrupted run can lose for each thread. At least 1.
+    /// Trajectories in one file: what an interrupted run can lose for each thread.
+    /// At least 1.
     #[serde(default = "default_per_shard")]
     pub per_shard: u32,
     /// Drawn layouts.
@@ -135,8 +138,8 @@ pub enum StartChoice {
 }
 
 impl StartChoice {
-    /// The start that it comes to on a region, and its path. `cover` gives the region's cover where that is needed, for it
-    /// is worth keeping.
+    /// The start that it comes to on a region, and its path.
+    /// `cover` gives the region's cover where that is needed, for it is worth keeping.
     pub fn path(
         self,
         region: &Region,

@@ -21,7 +21,8 @@ use crate::trajectory::{DrawError, Instance, Moves, Trajectory};
 
 /// A configuration with its pictures, ready to make trajectories.
 ///
-/// Trajectory i depends on the configuration, the pictures and i alone: it has a random stream of its own.
+/// Trajectory i depends on the configuration, the pictures and i alone: it has a random stream of
+/// its own.
 #[derive(Debug)]
 pub struct Factory {
     config: Config,
@@ -105,7 +106,8 @@ pub enum FactoryError {
 }
 
 impl Factory {
-    /// Takes a configuration, and the pictures of its folder if it names one: their names and their files' bytes.
+    /// Takes a configuration, and the pictures of its folder if it names one: their names and their
+    /// files' bytes.
     ///
     /// Every combination is tried once, so that an impossible one is found before hours of work.
     pub fn new(config: Config, mut pictures: Vec<(String, Vec<u8>)>) -> Result<Self, FactoryError> {
@@ -116,7 +118,8 @@ impl Factory {
             if pictures.is_empty() {
                 return Err(FactoryError::NoPictures);
             }
-            // The pictures count, not the folder they came from: two machines may keep them in two places.
+            // The pictures count, not the folder they came from: two machines may keep them in two
+            // places.
             let listed = pictures.iter().map(
                 |(name, bytes)| json!({ "name": name, "sha256": hex(&Sha256::digest(bytes)) }),
             );
@@ -163,7 +166,8 @@ impl Factory {
         &self.config
     }
 
-    /// The configuration with all defaults, and with the pictures' checksums in place of their folder.
+    /// The configuration with all defaults, and with the pictures' checksums in place of their
+    /// folder.
     pub fn echo(&self) -> &serde_json::Value {
         &self.echo
     }
@@ -192,7 +196,8 @@ impl Factory {
 
     /// Runs the search of one number; `None` if it was cancelled.
     ///
-    /// Costs what the search does: 1 to 20 ms with the paper's annealers and sizes, seconds with the genetic algorithm.
+    /// Costs what the search does: 1 to 20 ms with the paper's annealers and sizes, seconds with
+    /// the genetic algorithm.
     pub fn trajectory(
         &self,
         index: u64,

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// Why something could not be done with a file or folder. The message names it and gives the cause, on one line.
+/// Why something could not be done with a file or folder.
+/// The message names it and gives the cause, on one line.
 #[derive(Debug, Error)]
 #[error("cannot {action} '{path}': {cause}", path = path.display())]
 pub struct FileError {
@@ -27,9 +28,11 @@ impl FileError {
 
 /// Writes a file that is whole or absent.
 ///
-/// `write` fills a temporary file, `.NAME.PROCESS.partial` in the same folder, which gets its name only when all of its bytes are on
-/// disk; a file of that name is replaced. On an error, and when `write` panics, the temporary file is removed and whatever
-/// had the name stays. A killed process leaves the temporary file behind.
+/// `write` fills a temporary file, `.NAME.PROCESS.partial` in the same folder, which gets its name
+/// only when all of its bytes are on disk; a file of that name is replaced.
+/// On an error, and when `write` panics, the temporary file is removed and whatever had the name
+/// stays.
+/// A killed process leaves the temporary file behind.
 ///
 /// `write` can report errors of its own kind with [`io::Error::other`].
 pub fn write_whole<T>(
@@ -44,7 +47,8 @@ pub fn write_whole<T>(
     })
 }
 
-/// [`write_whole`] for those who can only write to a path: `write` makes the temporary file at the one it is given.
+/// [`write_whole`] for those who can only write to a path: `write` makes the temporary file at the
+/// one it is given.
 pub fn write_whole_at<T>(
     path: &Path,
     write: impl FnOnce(&Path) -> io::Result<T>,
@@ -74,7 +78,8 @@ struct Partial {
 
 impl Drop for Partial {
     fn drop(&mut self) {
-        // It is gone when all went well, and an error on the way out would hide the one that matters.
+        // It is gone when all went well, and an error on the way out would hide the one that
+        // matters.
         let _ = fs::remove_file(&self.path);
     }
 }
@@ -92,7 +97,8 @@ fn sync_folder(_: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Removes the temporary files that killed runs left in a folder; no other process may be writing there.
+/// Removes the temporary files that killed runs left in a folder; no other process may be writing
+/// there.
 pub(crate) fn remove_partials(folder: &Path) -> Result<(), FileError> {
     let list_error = |cause| FileError::new("list", folder, cause);
     for entry in fs::read_dir(folder).map_err(list_error)? {

@@ -1,9 +1,12 @@
-//! Makes a dataset in a folder: shard by shard, so that an interrupted run goes on where it stopped.
+//! Makes a dataset in a folder: shard by shard, so that an interrupted run goes on where it
+//! stopped.
 //!
-//! A shard is written whole or not at all, and depends on nothing but the configuration and its number; the manifest
-//! comes when all are there. So the bytes of a finished dataset are the same however often the work was interrupted, by
-//! however many threads it was done, and however it was split into slices. How long each search took can't be the same: it
-//! lies beside the shard, in `shard-NNNNN.ms.csv`, and is no part of the dataset.
+//! A shard is written whole or not at all, and depends on nothing but the configuration and its
+//! number; the manifest comes when all are there.
+//! So the bytes of a finished dataset are the same however often the work was interrupted, by
+//! however many threads it was done, and however it was split into slices.
+//! How long each search took can't be the same: it lies beside the shard, in `shard-NNNNN.ms.csv`,
+//! and is no part of the dataset.
 
 use std::fmt;
 use std::fs::{self, File};
@@ -30,13 +33,16 @@ impl Record for Trajectory {
     const KIND: u16 = 1;
 }
 
-/// Most trajectories in a block: enough for zstd to find what they share, few enough to shuffle well.
+/// Most trajectories in a block: enough for zstd to find what they share, few enough to shuffle
+/// well.
 const PER_BLOCK: usize = 32;
 
-/// Bytes, about, after which a block takes no further trajectory: large pictures would outgrow the format's limit.
+/// Bytes, about, after which a block takes no further trajectory: large pictures would outgrow the
+/// format's limit.
 const BLOCK_BYTES: usize = 8 << 20;
 
-/// Level of compression; the search takes a hundred times as long, and higher levels gain a few per cent.
+/// Level of compression; the search takes a hundred times as long, and higher levels gain a few per
+/// cent.
 const LEVEL: i32 = Block::DEFAULT_LEVEL;
 
 /// One of several equal parts of a dataset, written "2/5": the second of five.
@@ -112,13 +118,15 @@ pub struct Generated {
     pub made: u64,
     /// Trajectories of this slice that earlier runs had made.
     pub kept: u64,
-    /// Shards of the whole dataset that are still missing: those of other slices, or all left by a cancelled run.
+    /// Shards of the whole dataset that are still missing: those of other slices, or all left by a
+    /// cancelled run.
     pub missing: u32,
     /// Whether it was cancelled.
     pub cancelled: bool,
 }
 
-/// Why a dataset can't be made. The messages name the file.
+/// Why a dataset can't be made.
+/// The messages name the file.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum GenerateError {
@@ -180,7 +188,8 @@ struct Made {
 
 /// Makes the dataset of a factory in a folder, or what is missing of it.
 ///
-/// Searches run in a pool of their own; the shard before is written meanwhile. Memory: two shards.
+/// Searches run in a pool of their own; the shard before is written meanwhile.
+/// Memory: two shards.
 pub fn generate(
     factory: &Factory,
     folder: &Path,
@@ -251,7 +260,8 @@ pub fn generate(
     Ok(Generated { manifest, made, kept, missing, cancelled })
 }
 
-/// Milliseconds that each search of a shard took, in the order of its records; `None` where they are not known.
+/// Milliseconds that each search of a shard took, in the order of its records; `None` where they
+/// are not known.
 pub fn search_times(shard: &Path) -> Option<Vec<f64>> {
     let text = fs::read_to_string(times_file(shard)).ok()?;
     text.lines().skip(1).map(|line| line.split_once(',')?.1.parse().ok()).collect()

@@ -1,10 +1,12 @@
 //! Trajectories of searches as checked, resumable files, and the factory that makes them.
 //!
-//! A dataset is a folder: **shards**, files of records in compressed **blocks** ([`ShardWriter`], [`ShardReader`]), and a
-//! **manifest** that lists them and is written last ([`Manifest`]). [`Dataset`] reads it, in order or shuffled for training.
+//! A dataset is a folder: **shards**, files of records in compressed **blocks** ([`ShardWriter`],
+//! [`ShardReader`]), and a **manifest** that lists them and is written last ([`Manifest`]).
+//! [`Dataset`] reads it, in order or shuffled for training.
 //!
-//! A [`Config`] says which searches to record, a [`Factory`] runs each of them from its number alone, [`generate()`] fills a
-//! folder with their [`Trajectory`] records. Every trajectory can be replayed and checked ([`Trajectory::replay`]).
+//! A [`Config`] says which searches to record, a [`Factory`] runs each of them from its number
+//! alone, [`generate()`] fills a folder with their [`Trajectory`] records.
+//! Every trajectory can be replayed and checked ([`Trajectory::replay`]).
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;
@@ -26,7 +28,8 @@
 //! ```
 //!
 //! # Limits
-//! This crate reads and writes files and measures how long searches take; nothing it computes depends on either.
+//! This crate reads and writes files and measures how long searches take; nothing it computes
+//! depends on either.
 
 mod by_name;
 mod codec;

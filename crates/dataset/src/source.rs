@@ -102,7 +102,8 @@ impl FromStr for PresetName {
     }
 }
 
-/// A search as a record names it: an annealer by its preset, `paper`, others with a prefix, `genetic_paper`, `chains_plain`.
+/// A search as a record names it: an annealer by its preset, `paper`, others with a prefix,
+/// `genetic_paper`, `chains_plain`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Search {
     /// Simulated annealing.

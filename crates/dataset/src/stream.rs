@@ -19,7 +19,8 @@ pub struct Dataset {
     manifest: Manifest,
 }
 
-/// Why a dataset could not be read. The messages name the file.
+/// Why a dataset could not be read.
+/// The messages name the file.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum DatasetError {
@@ -66,7 +67,8 @@ struct BlockId {
 type LastShard = Option<(usize, ShardReader<File>)>;
 
 impl Dataset {
-    /// Loads the manifest of a folder and checks that all shards are there and have the right lengths.
+    /// Loads the manifest of a folder and checks that all shards are there and have the right
+    /// lengths.
     pub fn open(folder: &Path) -> Result<Self, DatasetError> {
         let dataset = Self { manifest: Manifest::load(folder)?, folder: folder.to_owned() };
         for entry in &dataset.manifest.shards {
@@ -85,8 +87,8 @@ impl Dataset {
         &self.manifest
     }
 
-    /// Checks every byte of one shard, also against the manifest. Independent of other shards, so several can be checked in
-    /// parallel.
+    /// Checks every byte of one shard, also against the manifest.
+    /// Independent of other shards, so several can be checked in parallel.
     ///
     /// # Panics
     /// If the manifest lists no shard of this number.
@@ -101,8 +103,8 @@ impl Dataset {
         Ok(summary)
     }
 
-    /// All records in order, one block in memory at a time. A block that can't be read gives one error, and the records go on
-    /// with the next block's.
+    /// All records in order, one block in memory at a time.
+    /// A block that can't be read gives one error, and the records go on with the next block's.
     pub fn records<T: Record>(&self) -> impl Iterator<Item = Result<T, DatasetError>> {
         let mut last = None;
         flatten(self.blocks().map(move |id| self.read_block(id, &mut last)))
@@ -110,10 +112,12 @@ impl Dataset {
 
     /// All records in a random order, each once: the stream of one epoch of training.
     ///
-    /// The blocks of all shards are shuffled; `window` of them (0 counts as 1) are in memory at a time, and each record is
-    /// drawn from all that are, all being equally likely. A block of which the last record is drawn makes room for the next.
-    /// The order depends on the dataset's shape, the seed, the epoch and the window, and is the same on every machine. A block
-    /// that can't be read gives one error, and the stream goes on without it.
+    /// The blocks of all shards are shuffled; `window` of them (0 counts as 1) are in memory at a
+    /// time, and each record is drawn from all that are, all being equally likely.
+    /// A block of which the last record is drawn makes room for the next.
+    /// The order depends on the dataset's shape, the seed, the epoch and the window, and is the
+    /// same on every machine.
+    /// A block that can't be read gives one error, and the stream goes on without it.
     pub fn shuffled<T: Record>(&self, seed: u64, epoch: u64, window: usize) -> Shuffled<'_, T> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(epoch);
@@ -172,7 +176,8 @@ impl Dataset {
     }
 }
 
-/// The records of a dataset in a random order. See [`Dataset::shuffled`].
+/// The records of a dataset in a random order.
+/// See [`Dataset::shuffled`].
 pub struct Shuffled<'a, T> {
     dataset: &'a Dataset,
     rng: ChaCha8Rng,

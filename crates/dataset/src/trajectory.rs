@@ -9,10 +9,11 @@ use serde::{Deserialize, Serialize};
 use crate::by_name;
 use crate::source::Search;
 
-/// A search on one instance: enough to draw the instance again, replay every move, and check every number.
+/// A search on one instance: enough to draw the instance again, replay every move, and check every
+/// number.
 ///
-/// No times are kept: the same configuration gives the same bytes. They lie beside the shard, see
-/// [`generate`](crate::generate()).
+/// No times are kept: the same configuration gives the same bytes.
+/// They lie beside the shard, see [`generate`](crate::generate()).
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Trajectory {
     /// Its number in the dataset, from 0.
@@ -60,7 +61,8 @@ pub enum Instance {
         /// Seed of its drawing.
         seed: u64,
     },
-    /// A picture, kept whole so that the record stands alone; equal pictures in one block compress to almost nothing.
+    /// A picture, kept whole so that the record stands alone; equal pictures in one block compress
+    /// to almost nothing.
     Picture {
         /// Its file's name, without folder and extension.
         name: String,

@@ -18,7 +18,8 @@ impl Components {
         self.count
     }
 
-    /// The component of a cell, from 0 in the order of their first cells; [`Components::OUTSIDE`] outside the region.
+    /// The component of a cell, from 0 in the order of their first cells; [`Components::OUTSIDE`]
+    /// outside the region.
     ///
     /// # Panics
     /// If the cell lies outside the plane.
@@ -27,12 +28,14 @@ impl Components {
     }
 }
 
-/// The connected components of the region. Linear in the plane's cells.
+/// The connected components of the region.
+/// Linear in the plane's cells.
 pub fn region_components(region: &Region) -> Components {
     flood(region, |_, _| true)
 }
 
-/// The connected components of the zones: cells of one zone that hang together. Linear in the plane's cells.
+/// The connected components of the zones: cells of one zone that hang together.
+/// Linear in the plane's cells.
 pub fn zone_components(region: &Region, zones: &Zones) -> Components {
     flood(region, |a, b| zones.id(a) == zones.id(b))
 }

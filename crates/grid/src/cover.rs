@@ -11,19 +11,23 @@ use crate::{Cell, Path, Region, Start, region_components};
 
 /// A lower bound on the pieces of any cover.
 ///
-/// The p pieces that cover a connected component of n cells have n - p links, at most two at each cell; no set of links with
-/// at most two at each cell has more than a maximum 2-matching, so p is at least n minus its size, and at least 1.
-/// The bound is the sum over the components. It counts what colours cost: a component with d more black cells than white needs
-/// d pieces. Cost as for the matching: nearly linear in the cells on usual parts.
+/// The p pieces that cover a connected component of n cells have n - p links, at most two at each
+/// cell; no set of links with at most two at each cell has more than a maximum 2-matching, so p is
+/// at least n minus its size, and at least 1. The bound is the sum over the components.
+/// It counts what colours cost: a component with d more black cells than white needs d pieces.
+/// Cost as for the matching: nearly linear in the cells on usual parts.
 pub fn piece_bound(region: &Region) -> u32 {
     TwoMatching::maximum(region).pieces(&region_components(region)).iter().sum()
 }
 
-/// A path in few pieces through any region; of one piece wherever the row zigzag is. Deterministic.
+/// A path in few pieces through any region; of one piece wherever the row zigzag is.
+/// Deterministic.
 ///
-/// Elsewhere it takes a maximum 2-matching, joins its cycles to one another and to its paths, and opens the cycles that
-/// are left. While there are more pieces than [`piece_bound`], ends drawn at random take over cells of their
-/// neighbours, until two of them meet or the work, in cells rewritten, exceeds a fixed multiple of the region's.
+/// Elsewhere it takes a maximum 2-matching, joins its cycles to one another and to its paths, and
+/// opens the cycles that are left.
+/// While there are more pieces than [`piece_bound`], ends drawn at random take over cells of their
+/// neighbours, until two of them meet or the work, in cells rewritten, exceeds a fixed multiple of
+/// the region's.
 /// The number of pieces is small but not always the smallest.
 pub fn cover(region: &Region) -> Path {
     if let Ok(zigzag) = Start::RowZigzag.path(region) {
@@ -77,7 +81,8 @@ impl<'a> Strands<'a> {
         cell
     }
 
-    /// Whether these two belong to different strands, one of them a cycle: then a switch makes them one.
+    /// Whether these two belong to different strands, one of them a cycle: then a switch makes them
+    /// one.
     fn can_unite(&mut self, a: Cell, b: Cell) -> bool {
         let (a, b) = (self.root(a), self.root(b));
         a != b && (self.is_cycle[a as usize] || self.is_cycle[b as usize])
@@ -89,7 +94,8 @@ impl<'a> Strands<'a> {
         self.is_cycle[b as usize] &= self.is_cycle[a as usize];
     }
 
-    /// Joins cycles to other strands until none can be: by switches, and by ends that take a cycle in.
+    /// Joins cycles to other strands until none can be: by switches, and by ends that take a cycle
+    /// in.
     fn join(&mut self) {
         let cells: Vec<Cell> = self.region.cells().collect();
         loop {
@@ -124,7 +130,8 @@ impl<'a> Strands<'a> {
         true
     }
 
-    /// Lets the end of a path take in a cycle beside it: the path goes on with the cycle, opened there.
+    /// Lets the end of a path take in a cycle beside it: the path goes on with the cycle, opened
+    /// there.
     fn take_in(&mut self, end: Cell) -> bool {
         if self.matching.deficit(end) == 0 {
             return false;
@@ -179,10 +186,11 @@ impl Ends {
         ends
     }
 
-    /// Rotation and extension after Pósa, "Hamiltonian circuits in random graphs" (1976), until so many pieces are left or
-    /// the work is done.
+    /// Rotation and extension after Pósa, "Hamiltonian circuits in random graphs" (1976), until so
+    /// many pieces are left or the work is done.
     fn wander(&mut self, region: &Region, pieces: u32) {
-        // Ends drift together like random walks, so small regions get quadratic work; large ones must stay within seconds.
+        // Ends drift together like random walks, so small regions get quadratic work; large ones
+        // must stay within seconds.
         let cells = u64::from(region.cell_count());
         let mut work_left = (6_000 * cells).min(60_000_000 + 64 * cells);
         let mut rng = ChaCha8Rng::seed_from_u64(0);
@@ -207,8 +215,9 @@ impl Ends {
 
     /// Links the last cell of a piece to a neighbour; gives the number of cells rewritten.
     ///
-    /// In its own piece, that turns the stretch between them round and gives the piece a new end; inside another piece, it
-    /// cuts that one and takes over one part of it; at another piece's end, it joins the two.
+    /// In its own piece, that turns the stretch between them round and gives the piece a new end;
+    /// inside another piece, it cuts that one and takes over one part of it; at another piece's
+    /// end, it joins the two.
     fn extend(&mut self, piece: usize, to: Cell) -> u64 {
         let (other, index) = self.home[to as usize];
         let (other, index) = (other as usize, index as usize);
@@ -217,7 +226,8 @@ impl Ends {
             self.pieces[piece][changed.clone()].reverse();
             return self.settle(piece, changed);
         }
-        // Of the other piece, the longer part is taken over: long pieces have few ends in the way of their growth.
+        // Of the other piece, the longer part is taken over: long pieces have few ends in the way
+        // of their growth.
         let length = self.pieces[other].len();
         let mut taken = if index + 1 > length - index {
             let rest = self.pieces[other].split_off(index + 1);
@@ -246,7 +256,8 @@ impl Ends {
         changed.len() as u64 + 1
     }
 
-    /// All pieces in one order, in the order of their topmost, leftmost cells, so that the lifts between them stay short.
+    /// All pieces in one order, in the order of their topmost, leftmost cells, so that the lifts
+    /// between them stay short.
     fn into_order(mut self) -> Vec<Cell> {
         self.pieces.sort_unstable_by_key(|piece| piece.iter().min().copied());
         self.pieces.concat()

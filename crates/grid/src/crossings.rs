@@ -5,17 +5,20 @@ use crate::{Cell, Path, Region, Sides, Switch, Zones};
 
 /// Which links of a region cross from one zone to another.
 ///
-/// Its methods take paths, switches and cells of that region; they panic on cells outside the plane.
+/// Its methods take paths, switches and cells of that region; they panic on cells outside the
+/// plane.
 #[derive(Clone, Debug)]
 pub struct Crossings {
     /// For each cell, whether its links to the right and below cross.
     across: Vec<u8>,
-    /// For each corner, by how much a switch from the horizontal to the vertical links changes the crossings: -2..=2.
+    /// For each corner, by how much a switch from the horizontal to the vertical links changes the
+    /// crossings: -2..=2.
     gain: Vec<i8>,
 }
 
 impl Crossings {
-    /// Notes where zones meet. Linear in the plane's cells.
+    /// Notes where zones meet.
+    /// Linear in the plane's cells.
     pub fn new(region: &Region, zones: &Zones) -> Self {
         let width = region.width();
         let crosses = |a: Cell, b: Cell| {
@@ -39,7 +42,8 @@ impl Crossings {
         Self { gain: gain.collect(), across }
     }
 
-    /// Crossings of a path. Linear in the plane's cells.
+    /// Crossings of a path.
+    /// Linear in the plane's cells.
     pub fn count(&self, path: &Path) -> u32 {
         path.links
             .iter()
@@ -48,8 +52,8 @@ impl Crossings {
             .sum()
     }
 
-    /// By how much a switch changes the crossings: -2..=2. What several do together is the sum, also where they share a
-    /// side.
+    /// By how much a switch changes the crossings: -2..=2.
+    /// What several do together is the sum, also where they share a side.
     #[inline]
     pub fn change(&self, switch: Switch) -> i32 {
         let gain = i32::from(self.gain[switch.corner() as usize]);

@@ -16,9 +16,11 @@ pub enum Layout {
     LeftRight,
     /// Vertical bands of equal width.
     Stripes,
-    /// A background, zone 0, and squares at random places, each a zone of its own, at least one cell apart.
+    /// A background, zone 0, and squares at random places, each a zone of its own, at least one
+    /// cell apart.
     Islands,
-    /// Each cell belongs to the nearest of randomly chosen cells; of equally near ones, to the first.
+    /// Each cell belongs to the nearest of randomly chosen cells; of equally near ones, to the
+    /// first.
     Voronoi,
     /// Square blocks whose zones rise by one, round and round, to the right and downwards.
     Checkerboard,
@@ -31,9 +33,11 @@ pub enum Layout {
 pub struct LayoutSpec {
     /// The family.
     pub layout: Layout,
-    /// Number of zones: 2 for left-right and top-bottom, 1..=255 for the others. Islands have one zone for the background.
+    /// Number of zones: 2 for left-right and top-bottom, 1..=255 for the others.
+    /// Islands have one zone for the background.
     pub zones: u8,
-    /// Side of a square in cells, at least 1: of an island or of a checkerboard's block. The other layouts don't use it.
+    /// Side of a square in cells, at least 1: of an island or of a checkerboard's block.
+    /// The other layouts don't use it.
     pub side: u16,
 }
 
@@ -136,8 +140,8 @@ impl FromStr for Layout {
 }
 
 impl LayoutSpec {
-    /// The paper's parameters: 3 stripes, 3 islands of 8 x 8 cells, 3 Voronoi zones; 2 zones for the others, and blocks
-    /// of 5 x 5 cells.
+    /// The paper's parameters: 3 stripes, 3 islands of 8 x 8 cells, 3 Voronoi zones; 2 zones for
+    /// the others, and blocks of 5 x 5 cells.
     pub fn new(layout: Layout) -> Self {
         let (zones, side) = match layout {
             Layout::LeftRight | Layout::TopBottom => (2, 1),
@@ -150,7 +154,8 @@ impl LayoutSpec {
 
     /// Draws the zones of a region: on the whole plane, of which the region keeps its cells.
     ///
-    /// The same seed gives the same zones on every machine. Linear in the plane's cells; times the zones for Voronoi.
+    /// The same seed gives the same zones on every machine.
+    /// Linear in the plane's cells; times the zones for Voronoi.
     pub fn zones(&self, region: &Region, seed: u64) -> Result<Zones, LayoutError> {
         let Self { layout, zones, side } = *self;
         let two_halves = matches!(layout, Layout::LeftRight | Layout::TopBottom);
@@ -187,7 +192,8 @@ fn islands(
     side: u16,
     rng: &mut ChaCha8Rng,
 ) -> Result<Vec<u8>, LayoutError> {
-    // A crowded plane can leave no room for the last island, so the whole set is drawn anew after so many failures.
+    // A crowded plane can leave no room for the last island, so the whole set is drawn anew after
+    // so many failures.
     const DRAWS_PER_ISLAND: u32 = 200;
     const SETS: u32 = 100;
 

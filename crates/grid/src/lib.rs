@@ -1,15 +1,21 @@
-//! The Hamiltonian core: what a layer is, how a path visits it, and the moves that change a path without breaking it.
+//! The Hamiltonian core: what a layer is, how a path visits it, and the moves that change a path
+//! without breaking it.
 //!
 //! # Words
-//! A layer is a plane of **cells**, squares one bead wide. The [`Region`] is the set of cells to print, the [`Zones`] give
-//! each of them a material. A [`Path`] visits every cell of a region once in unit steps; a region that no single path can
-//! cover is visited in several **pieces**. A **crossing** is a step of the path between two zones ([`Crossings`]). A
-//! [`Switch`] takes two parallel links of a unit cell (a square of 2 x 2 cells) out of the path and puts the other two in;
-//! the [`Variant`]s are the twelve moves of Aali et al., each of them two switches.
+//! A layer is a plane of **cells**, squares one bead wide.
+//! The [`Region`] is the set of cells to print, the [`Zones`] give each of them a material.
+//! A [`Path`] visits every cell of a region once in unit steps; a region that no single path can
+//! cover is visited in several **pieces**.
+//! A **crossing** is a step of the path between two zones ([`Crossings`]).
+//! A [`Switch`] takes two parallel links of a unit cell (a square of 2 x 2 cells) out of the path
+//! and puts the other two in; the [`Variant`]s are the twelve moves of Aali et al., each of them
+//! two switches.
 //!
 //! # Axes and numbering
-//! x points right, y down, both from 0. Cells are numbered row by row, x fastest: `cell = y * width + x` ([`Cell`]). The
-//! **position** of a cell is its place on the path, from 0. A unit cell is named by its top-left cell, its **corner**.
+//! x points right, y down, both from 0. Cells are numbered row by row, x fastest:
+//! `cell = y * width + x` ([`Cell`]).
+//! The **position** of a cell is its place on the path, from 0. A unit cell is named by its
+//! top-left cell, its **corner**.
 //!
 //! # Example
 //! ```
@@ -29,13 +35,15 @@
 //! ```
 //!
 //! # Guarantees
-//! A [`Path`] is correct by construction: its constructors check the order they are given, and every move either keeps all
-//! cells once and in unit steps or is refused and changes nothing. [`verify`](verify()) checks an order from scratch, sharing no
-//! code with the moves. Nothing here does I/O or depends on the machine; layouts are drawn with ChaCha8.
+//! A [`Path`] is correct by construction: its constructors check the order they are given, and
+//! every move either keeps all cells once and in unit steps or is refused and changes nothing.
+//! [`verify`](verify()) checks an order from scratch, sharing no code with the moves.
+//! Nothing here does I/O or depends on the machine; layouts are drawn with ChaCha8.
 //!
 //! # Limits
-//! At most [`Region::MAX_SIDE`] cells a side and [`Zones::MAX`] zones. A move keeps the first and the last cell of
-//! all and the two cells of every jump between pieces; it cannot change the number of pieces.
+//! At most [`Region::MAX_SIDE`] cells a side and [`Zones::MAX`] zones.
+//! A move keeps the first and the last cell of all and the two cells of every jump between pieces;
+//! it cannot change the number of pieces.
 
 mod components;
 mod cover;

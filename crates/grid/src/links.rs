@@ -6,17 +6,17 @@ use crate::{Path, Placed, Variant};
 
 /// Which neighbours a path links: all that the variants of Aali et al. look at.
 ///
-/// A variant whose window matches keeps the path whole, whatever lies outside. So a record of variants can be replayed
-/// on the links alone, in a few nanoseconds each, where a [`Path`] rewrites all positions between the first and the
-/// last cut.
+/// A variant whose window matches keeps the path whole, whatever lies outside.
+/// So a record of variants can be replayed on the links alone, in a few nanoseconds each, where a
+/// [`Path`] rewrites all positions between the first and the last cut.
 ///
 /// Equal links in planes of equal size are equal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Links {
     width: u32,
     height: u32,
-    /// For each cell [`link::RIGHT`] and [`link::BELOW`]; two columns and two rows more than the plane has, without
-    /// links, so that windows which stick out match nothing.
+    /// For each cell [`link::RIGHT`] and [`link::BELOW`]; two columns and two rows more than the
+    /// plane has, without links, so that windows which stick out match nothing.
     bits: Vec<u8>,
 }
 
@@ -96,7 +96,8 @@ impl Links {
         self.bits.copy_from_slice(&other.bits);
     }
 
-    /// Whether the cell at (x, y) is linked to its right neighbour, and to the one below; neither outside the plane.
+    /// Whether the cell at (x, y) is linked to its right neighbour, and to the one below; neither
+    /// outside the plane.
     #[inline]
     pub fn of_cell(&self, x: u32, y: u32) -> (bool, bool) {
         if x >= self.width || y >= self.height {
@@ -149,7 +150,9 @@ impl Links {
         }
     }
 
-    /// Visits the variants that apply at a window's first cell, in the order of their classes; none outside the plane. O(1).
+    /// Visits the variants that apply at a window's first cell, in the order of their classes; none
+    /// outside the plane.
+    /// O(1).
     #[inline]
     pub fn for_each_variant_at(&self, x: u16, y: u16, mut visit: impl FnMut(Placed)) {
         if u32::from(x) >= self.width || u32::from(y) >= self.height {
@@ -168,7 +171,8 @@ impl Links {
         }
     }
 
-    /// Visits all variants that apply, by their windows row by row. Linear in the plane's cells.
+    /// Visits all variants that apply, by their windows row by row.
+    /// Linear in the plane's cells.
     pub fn for_each_variant(&self, mut visit: impl FnMut(Placed)) {
         for y in 0..self.height as u16 {
             for x in 0..self.width as u16 {

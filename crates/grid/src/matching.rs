@@ -1,9 +1,11 @@
-//! Maximum simple 2-matchings: as many links as any set of paths and cycles through a region can have.
+//! Maximum simple 2-matchings: as many links as any set of paths and cycles through a region can
+//! have.
 //!
-//! A simple 2-matching is a set of links with at most two at each cell: disjoint paths and cycles. A cover by p paths has
-//! cells - p links, so a maximum 2-matching bounds the pieces from below, and it is the raw material of a cover. The grid
-//! is bipartite (colour it like a chessboard), hence the matching is a flow from one colour to the other and grows along
-//! alternating paths.
+//! A simple 2-matching is a set of links with at most two at each cell: disjoint paths and cycles.
+//! A cover by p paths has cells - p links, so a maximum 2-matching bounds the pieces from below,
+//! and it is the raw material of a cover.
+//! The grid is bipartite (colour it like a chessboard), hence the matching is a flow from one
+//! colour to the other and grows along alternating paths.
 
 use std::collections::VecDeque;
 
@@ -20,7 +22,8 @@ pub(crate) struct TwoMatching<'a> {
 impl<'a> TwoMatching<'a> {
     /// A maximum one that keeps to the rows where it can.
     ///
-    /// O(cells) for each end of a row in the worst case; on parts nearly linear, for ends find each other nearby.
+    /// O(cells) for each end of a row in the worst case; on parts nearly linear, for ends find each
+    /// other nearby.
     pub(crate) fn maximum(region: &'a Region) -> Self {
         let mut matching = Self { region, links: vec![0; region.plane_len()] };
         for cell in region.cells() {
@@ -70,7 +73,8 @@ impl<'a> TwoMatching<'a> {
         others.into_iter().filter(move |(bit, _)| bits & bit != 0).map(|(_, other)| other)
     }
 
-    /// The pieces that the cells of each component need at least, in the order of their labels: half their deficit, and one.
+    /// The pieces that the cells of each component need at least, in the order of their labels:
+    /// half their deficit, and one.
     pub(crate) fn pieces(&self, components: &Components) -> Vec<u32> {
         let mut deficits = vec![0; components.count() as usize];
         for cell in self.region.cells() {
@@ -97,9 +101,11 @@ impl Search {
         Self { before: vec![0; cells], seen: vec![0; cells], round: 0, open: VecDeque::new() }
     }
 
-    /// Gives a cell one more link, if an alternating path leads from it to another cell that lacks one.
+    /// Gives a cell one more link, if an alternating path leads from it to another cell that lacks
+    /// one.
     ///
-    /// Cells of a search that failed lead nowhere in later ones either: what could be reached from them is all they saw.
+    /// Cells of a search that failed lead nowhere in later ones either: what could be reached from
+    /// them is all they saw.
     fn augment(&mut self, matching: &mut TwoMatching<'_>, root: Cell) -> bool {
         let region = matching.region;
         self.round += 1;

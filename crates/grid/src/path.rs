@@ -15,13 +15,14 @@ pub(crate) mod link {
     pub(crate) const CORNER: u8 = 16;
 }
 
-/// An order of all cells of a region in which consecutive cells are neighbours, except where one piece ends and the next
-/// begins; of one piece, it is a Hamiltonian path.
+/// An order of all cells of a region in which consecutive cells are neighbours, except where one
+/// piece ends and the next begins; of one piece, it is a Hamiltonian path.
 ///
-/// Invariant: every cell of the region comes exactly once, and its position and links are known. Hence neighbour and order
-/// queries cost O(1), and so does the question whether two switches keep the path whole. Two neighbouring cells are linked
-/// exactly if their positions differ by one; a step between pieces joins cells that are not neighbours, so no move ever
-/// touches it.
+/// Invariant: every cell of the region comes exactly once, and its position and links are known.
+/// Hence neighbour and order queries cost O(1), and so does the question whether two switches keep
+/// the path whole.
+/// Two neighbouring cells are linked exactly if their positions differ by one; a step between
+/// pieces joins cells that are not neighbours, so no move ever touches it.
 #[derive(Clone, Debug)]
 pub struct Path {
     pub(crate) width: u32,
@@ -116,7 +117,8 @@ impl Path {
         self.links.len() as u32 / self.width
     }
 
-    /// Place of a cell of the region on the path, from 0; a number past the end for the plane's other cells.
+    /// Place of a cell of the region on the path, from 0; a number past the end for the plane's
+    /// other cells.
     ///
     /// # Panics
     /// If the cell lies outside the plane, as for all queries of a cell.
@@ -154,8 +156,9 @@ impl Path {
         self.order.chunk_by(|&a, &b| self.is_step(a, b))
     }
 
-    /// The two parallel links of the unit cell at `corner`, if exactly those two of its four sides are linked: what a
-    /// [`Switch`](crate::Switch) there can take out. `None` also where no unit cell begins, inside the plane or not.
+    /// The two parallel links of the unit cell at `corner`, if exactly those two of its four sides
+    /// are linked: what a [`Switch`](crate::Switch) there can take out.
+    /// `None` also where no unit cell begins, inside the plane or not.
     #[inline]
     pub fn sides(&self, corner: Cell) -> Option<Sides> {
         match self.square(corner) {
@@ -165,7 +168,8 @@ impl Path {
         }
     }
 
-    /// The links of the unit cell at `corner` as bits: top, left, bottom, right, and [`link::CORNER`] if there is one.
+    /// The links of the unit cell at `corner` as bits: top, left, bottom, right, and
+    /// [`link::CORNER`] if there is one.
     #[inline]
     pub(crate) fn square(&self, corner: Cell) -> u8 {
         let across = corner as usize + self.width as usize + 1;

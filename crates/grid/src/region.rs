@@ -60,7 +60,8 @@ impl Region {
         Ok(Self { width, height, inside: vec![true; cells as usize], cells })
     }
 
-    /// The cells of a plane `width` x `height` for which `inside` holds; one entry a cell, row by row.
+    /// The cells of a plane `width` x `height` for which `inside` holds; one entry a cell, row by
+    /// row.
     pub fn from_mask(width: u32, height: u32, inside: Vec<bool>) -> Result<Self, RegionError> {
         check_size(width, height)?;
         let expected = (width * height) as usize;
@@ -89,7 +90,8 @@ impl Region {
         self.cells
     }
 
-    /// Number of cells in the plane around it, `width * height`: the length of an array indexed by [`Cell`].
+    /// Number of cells in the plane around it, `width * height`: the length of an array indexed by
+    /// [`Cell`].
     pub fn plane_len(&self) -> usize {
         self.inside.len()
     }

@@ -9,7 +9,9 @@ use thiserror::Error;
 
 use crate::{Region, RegionError};
 
-/// A family of outlines. The seed of a drawing varies sizes, angles and the place, by a few per cent of the plane's sides.
+/// A family of outlines.
+/// The seed of a drawing varies sizes, angles and the place, by a few per cent of the plane's
+/// sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Shape {
     /// All cells within a circle.
@@ -50,8 +52,9 @@ impl Shape {
 
     /// The cells of a plane `width` x `height` whose middles lie inside the outline.
     ///
-    /// The same seed gives the same region on every machine. Linear in the plane's cells. On planes of a few cells there may be
-    /// none inside: [`RegionError::NoCells`].
+    /// The same seed gives the same region on every machine.
+    /// Linear in the plane's cells.
+    /// On planes of a few cells there may be none inside: [`RegionError::NoCells`].
     pub fn region(self, width: u32, height: u32, seed: u64) -> Result<Region, RegionError> {
         let outline = self.outline(&mut ChaCha8Rng::seed_from_u64(seed));
         // From the middle, in halves of the shorter side.
@@ -101,7 +104,8 @@ impl Shape {
                 let points = libm::floor(draw(5.0, 8.0));
                 let (outer, inner) = (draw(0.8, 0.95), draw(0.35, 0.5));
                 Box::new(move |x, y| {
-                    // Within one of its 2 x points sectors the edge is straight between an outer and an inner corner.
+                    // Within one of its 2 x points sectors the edge is straight between an outer
+                    // and an inner corner.
                     let half = std::f64::consts::PI / points;
                     let angle =
                         libm::fmod(libm::atan2(y, x) + turn + std::f64::consts::TAU, 2.0 * half);

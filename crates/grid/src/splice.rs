@@ -1,17 +1,24 @@
 //! Which switches keep a path whole, decided from positions, and how the path runs afterwards.
 //!
-//! Removing r links cuts the path into r + 1 runs. The added links join the ends of the runs anew; the result is one path
-//! exactly if following them from the first run reaches every other one. No walk along the cells is needed, and only the
-//! positions between the first and the last cut can change.
+//! Removing r links cuts the path into r + 1 runs.
+//! The added links join the ends of the runs anew; the result is one path exactly if following them
+//! from the first run reaches every other one.
+//! No walk along the cells is needed, and only the positions between the first and the last cut can
+//! change.
 //!
-//! For two switches there is a closed form. Say a switch *opens* if its two links are passed in the same direction (then it
-//! alone turns the run between its cuts round and leaves one path) and *closes* if they are passed in opposite directions
-//! (then it alone makes that run a cycle). Two switches are *interleaved* if exactly one cut of the second lies between
-//! the cuts of the first. Then:
-//! - two that close keep the path exactly if interleaved: only then does the second join the first one's cycle to the rest;
-//! - one that closes and one that opens likewise, for a switch between a cycle and a path joins them in any direction;
-//! - two that open keep the path exactly if *not* interleaved: if they are, the first turns one link of the second round
-//!   and so makes it close.
+//! For two switches there is a closed form.
+//! Say a switch *opens* if its two links are passed in the same direction (then it alone turns the
+//! run between its cuts round and leaves one path) and *closes* if they are passed in opposite
+//! directions (then it alone makes that run a cycle).
+//! Two switches are *interleaved* if exactly one cut of the second lies between the cuts of the
+//! first.
+//! Then:
+//! - two that close keep the path exactly if interleaved: only then does the second join the first
+//!   one's cycle to the rest;
+//! - one that closes and one that opens likewise, for a switch between a cycle and a path joins
+//!   them in any direction;
+//! - two that open keep the path exactly if *not* interleaved: if they are, the first turns one
+//!   link of the second round and so makes it close.
 //!
 //! Together: interleaved exactly if at least one closes.
 
@@ -25,7 +32,8 @@ pub struct Cuts {
     pub first: u32,
     /// Position before the second cut link; greater than `first`.
     pub second: u32,
-    /// Whether the switch alone would make the positions `first + 1 ..= second` a cycle (otherwise it turns them round).
+    /// Whether the switch alone would make the positions `first + 1 ..= second` a cycle (otherwise
+    /// it turns them round).
     pub closes: bool,
 }
 
@@ -45,8 +53,8 @@ impl Cuts {
 impl Path {
     /// Where the links of the unit cell at `corner` along `from` cut the path.
     ///
-    /// Both links must be there, as [`Path::sides`] tells; otherwise the answer means nothing, or there is a panic where no
-    /// unit cell begins.
+    /// Both links must be there, as [`Path::sides`] tells; otherwise the answer means nothing, or
+    /// there is a panic where no unit cell begins.
     #[inline]
     pub fn cuts(&self, corner: Cell, from: Sides) -> Cuts {
         let (a, d) = (corner as usize, corner as usize + self.width as usize + 1);
@@ -60,7 +68,8 @@ impl Path {
         Cuts { first: one.min(two), second: one.max(two), closes: (a < b) != (c < d) }
     }
 
-    /// Whether `first` and then `second` leave a path of as many pieces. O(1).
+    /// Whether `first` and then `second` leave a path of as many pieces.
+    /// O(1).
     #[inline]
     pub fn allows_pair(&self, first: Switch, second: Switch) -> bool {
         let step = second.corner().wrapping_sub(first.corner()) as i32;
@@ -91,10 +100,11 @@ impl Path {
         Splicer::default().plan(self, switches)
     }
 
-    /// Applies the switches one after the other, if together they leave a path of as many pieces; otherwise it changes
-    /// nothing and gives false.
+    /// Applies the switches one after the other, if together they leave a path of as many pieces;
+    /// otherwise it changes nothing and gives false.
     ///
-    /// Costs what [`Path::allows`] does, and one rewritten position for each cell between the first and the last cut.
+    /// Costs what [`Path::allows`] does, and one rewritten position for each cell between the first
+    /// and the last cut.
     pub fn apply(&mut self, switches: &[Switch]) -> bool {
         let mut splicer = std::mem::take(&mut self.splicer);
         let allowed = splicer.plan(self, switches);
@@ -105,7 +115,8 @@ impl Path {
         allowed
     }
 
-    /// Takes applied switches back: the path is again, position by position, what it was before [`Path::apply`].
+    /// Takes applied switches back: the path is again, position by position, what it was before
+    /// [`Path::apply`].
     ///
     /// # Panics
     /// If the path has changed since and can't be taken back.
@@ -138,7 +149,8 @@ pub(crate) struct Splicer {
     changed: Vec<Link>,
     /// Positions before the removed links, rising.
     cuts: Vec<u32>,
-    /// For each end of a run (2 * run: its first cell, 2 * run + 1: its last), the end that an added link joins it to.
+    /// For each end of a run (2 * run: its first cell, 2 * run + 1: its last), the end that an
+    /// added link joins it to.
     joined: Vec<u32>,
     /// The inner runs in their new order: first position, last position, whether passed backwards.
     runs: Vec<(u32, u32, bool)>,
@@ -149,7 +161,8 @@ pub(crate) struct Splicer {
 const FREE: u32 = u32::MAX;
 
 impl Splicer {
-    /// Works out the new order of the runs; false if the switches don't apply or leave more than one path.
+    /// Works out the new order of the runs; false if the switches don't apply or leave more than
+    /// one path.
     fn plan(&mut self, path: &Path, switches: &[Switch]) -> bool {
         self.changed.clear();
         for (index, &switch) in switches.iter().enumerate() {
@@ -175,7 +188,8 @@ impl Splicer {
         self.follow()
     }
 
-    /// Notes the four links of a switch that shares none with those before it; false if it does not apply.
+    /// Notes the four links of a switch that shares none with those before it; false if it does not
+    /// apply.
     fn take(&mut self, path: &Path, switch: Switch) -> bool {
         let applies = path.square(switch.corner()) == before(switch.from());
         if applies {
@@ -190,7 +204,8 @@ impl Splicer {
         applies
     }
 
-    /// Notes the four links that a switch changes, given those before it; false if it does not apply.
+    /// Notes the four links that a switch changes, given those before it; false if it does not
+    /// apply.
     fn toggle(&mut self, path: &Path, switch: Switch) -> bool {
         let corner = switch.corner();
         let is_corner =
@@ -239,7 +254,8 @@ impl Splicer {
         }
     }
 
-    /// Follows the joined ends from the first run; false if they come to the last one before having seen all.
+    /// Follows the joined ends from the first run; false if they come to the last one before having
+    /// seen all.
     fn follow(&mut self) -> bool {
         self.runs.clear();
         let last = self.cuts.len() as u32;

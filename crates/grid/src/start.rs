@@ -44,7 +44,8 @@ impl Start {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::RowZigzag, Self::ColumnZigzag, Self::Spiral, Self::Cover];
 
-    /// The path itself: of one piece, except for [`Start::Cover`]. Linear in the plane's cells, but for the cover.
+    /// The path itself: of one piece, except for [`Start::Cover`].
+    /// Linear in the plane's cells, but for the cover.
     pub fn path(self, region: &Region) -> Result<Path, StartError> {
         let order = match self {
             Self::RowZigzag => row_zigzag(region),

@@ -30,7 +30,8 @@ pub struct Switch(u32);
 impl Switch {
     /// The switch that takes the links `from` out of the unit cell whose top-left cell is `corner`.
     ///
-    /// `corner` must be below 2^31; whether a path allows the switch is for [`Path::allows`](crate::Path::allows) to say.
+    /// `corner` must be below 2^31; whether a path allows the switch is for
+    /// [`Path::allows`](crate::Path::allows) to say.
     pub fn new(corner: Cell, from: Sides) -> Self {
         Self(corner << 1 | u32::from(from == Sides::Vertical))
     }
@@ -55,8 +56,9 @@ impl Switch {
         Self(code)
     }
 
-    /// A number of its unit cell's own, 64 bits well mixed. Links are told by the unit cells that were switched an odd number of
-    /// times, so the exclusive or of these numbers is the same, and hardly ever but then, for equal links reached from one
+    /// A number of its unit cell's own, 64 bits well mixed.
+    /// Links are told by the unit cells that were switched an odd number of times, so the exclusive
+    /// or of these numbers is the same, and hardly ever but then, for equal links reached from one
     /// path (Zobrist 1970).
     pub fn mixed(self) -> u64 {
         // The finaliser of SplitMix64 (Steele, Lea and Flood 2014).

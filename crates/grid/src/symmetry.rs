@@ -64,8 +64,8 @@ impl Symmetry {
         )
     }
 
-    /// What a move in a plane of this size becomes: it applies to the mapped path exactly where the move applies to the path,
-    /// and the results are mapped onto each other.
+    /// What a move in a plane of this size becomes: it applies to the mapped path exactly where the
+    /// move applies to the path, and the results are mapped onto each other.
     pub fn placed(self, placed: Placed, size: (u32, u32)) -> Placed {
         let (x, y) = (u32::from(placed.x), u32::from(placed.y));
         let (columns, rows) = placed.variant.window();

@@ -1,12 +1,16 @@
 //! The twelve moves of Aali et al., word for word.
 //!
-//! A move looks at a window anchored at its top-left cell, whose cells are numbered row by row. It applies only where the
-//! path's links inside the window are exactly `kept` and `removed`, and only if the result is still one path. Seen from
-//! above each is two switches: a flip of two unit cells side by side, a transpose of two that touch at a corner.
+//! A move looks at a window anchored at its top-left cell, whose cells are numbered row by row.
+//! It applies only where the path's links inside the window are exactly `kept` and `removed`, and
+//! only if the result is still one path.
+//! Seen from above each is two switches: a flip of two unit cells side by side, a transpose of two
+//! that touch at a corner.
 //!
-//! The second condition follows from the first. The needed links of each window form two strands, and the move leaves two strands between
-//! the same pairs of cells; sr, say, takes 0-1-2-5-4-3 and 6-7-8 for 0-3 and 6-7-4-1-2-5-8. Outside the window nothing changes, so
-//! one path stays one path, and looking at the window is enough.
+//! The second condition follows from the first.
+//! The needed links of each window form two strands, and the move leaves two strands between the
+//! same pairs of cells; sr, say, takes 0-1-2-5-4-3 and 6-7-8 for 0-3 and 6-7-4-1-2-5-8.
+//! Outside the window nothing changes, so one path stays one path, and looking at the window is
+//! enough.
 
 use std::fmt;
 use std::str::FromStr;
@@ -70,13 +74,15 @@ pub(crate) struct Rule {
     pub(crate) needed: u16,
     pub(crate) removed: u16,
     pub(crate) added: u16,
-    /// Its two switches in the order in which they apply: column and row of the unit cell, and the links taken out.
+    /// Its two switches in the order in which they apply: column and row of the unit cell, and the
+    /// links taken out.
     switches: [(u32, u32, Sides); 2],
 }
 
 use Sides::{Horizontal as H, Vertical as V};
 
-/// In the order of the classes. Links are pairs of cell numbers.
+/// In the order of the classes.
+/// Links are pairs of cell numbers.
 pub(crate) const RULES: [Rule; 12] = [
     rule(3, 3, "12 36 67", "01 34 45 78", "03 14 47 58", [(0, 0, H), (1, 1, H)]), // nl
     rule(3, 3, "01 58 78", "12 34 45 67", "14 25 36 47", [(1, 0, H), (0, 1, H)]), // nr
@@ -92,8 +98,8 @@ pub(crate) const RULES: [Rule; 12] = [
     rule(3, 2, "14", "03 12 45", "01 25 34", [(0, 0, V), (1, 0, H)]),             // w
 ];
 
-/// Number of the link to the right of the cell at (x, y) of a 3 x 3 window, and below it: as [`pack`] and [`window`] put
-/// them together.
+/// Number of the link to the right of the cell at (x, y) of a 3 x 3 window, and below it: as
+/// [`pack`] and [`window`] put them together.
 pub(crate) const fn right(x: u32, y: u32) -> u32 {
     if y < 2 { 5 * y + 2 * x } else { 10 + x }
 }
@@ -141,8 +147,9 @@ const fn links(columns: u32, text: &str) -> u16 {
     mask
 }
 
-/// For each set of links in a 3 x 3 window the classes, as bits, whose own window has exactly the needed links. At most one
-/// transpose is among them, one flip of three columns and one of two.
+/// For each set of links in a 3 x 3 window the classes, as bits, whose own window has exactly the
+/// needed links.
+/// At most one transpose is among them, one flip of three columns and one of two.
 const MATCHES: [u16; 1 << 12] = {
     let mut table = [0; 1 << 12];
     let mut links = 0;
@@ -230,7 +237,8 @@ impl FromStr for Variant {
 }
 
 impl Placed {
-    /// The two switches it stands for, in the order in which they apply, in a plane so many cells wide.
+    /// The two switches it stands for, in the order in which they apply, in a plane so many cells
+    /// wide.
     #[inline]
     pub fn switches(self, width: u32) -> [Switch; 2] {
         self.variant.rule().switches.map(|(x, y, from)| {
@@ -238,8 +246,9 @@ impl Placed {
         })
     }
 
-    /// Visits the places of links in its window, on all of which it depends: the column and row of their first cell, whether they
-    /// lead down rather than to the right, and whether the move changes them.
+    /// Visits the places of links in its window, on all of which it depends: the column and row of
+    /// their first cell, whether they lead down rather than to the right, and whether the move
+    /// changes them.
     pub fn for_each_link(self, mut visit: impl FnMut(u32, u32, bool, bool)) {
         let rule = self.variant.rule();
         let (left, top) = (u32::from(self.x), u32::from(self.y));
@@ -258,8 +267,10 @@ impl Placed {
 }
 
 impl Path {
-    /// Whether a variant applies here: its window lies in the plane and has exactly the needed links. The result is then a
-    /// path of as many pieces. O(1).
+    /// Whether a variant applies here: its window lies in the plane and has exactly the needed
+    /// links.
+    /// The result is then a path of as many pieces.
+    /// O(1).
     #[inline]
     pub fn allows_variant(&self, placed: Placed) -> bool {
         let (x, y) = (usize::from(placed.x), usize::from(placed.y));
@@ -280,16 +291,18 @@ impl Path {
         self.allows_variant(placed) && self.apply(&placed.switches(self.width()))
     }
 
-    /// Visits all variants of these kinds that apply, by their windows row by row; the result of each is a path of as many
-    /// pieces. Linear in the plane's cells, at a few nanoseconds each.
+    /// Visits all variants of these kinds that apply, by their windows row by row; the result of
+    /// each is a path of as many pieces.
+    /// Linear in the plane's cells, at a few nanoseconds each.
     pub fn for_each_variant(&self, kinds: &[Kind], mut visit: impl FnMut(Placed)) {
         let (width, height) = (self.width() as usize, self.height() as usize);
         let asked = kinds.iter().fold(0, |classes, kind| match kind {
             Kind::Transpose => classes | TRANSPOSES,
             Kind::Flip => classes | FLIPS_OF_TWO_COLUMNS | FLIPS_OF_TWO_ROWS,
         });
-        // Rows are packed as a whole, since each is part of three windows. What the last windows of a row see of the next one
-        // is of no account: only variants that fit are asked for.
+        // Rows are packed as a whole, since each is part of three windows.
+        // What the last windows of a row see of the next one is of no account: only variants that
+        // fit are asked for.
         let links = [&self.links[..], &[0; 2]].concat();
         let pairs = self.links.iter().zip(&links[1..]);
         let lowest: Vec<u8> = pairs.clone().map(|(&a, &b)| pack_lowest(a, b)).collect();
@@ -315,7 +328,8 @@ impl Path {
     }
 }
 
-/// The links of three cells in one of the upper two rows of a window, in the order of [`right`] and [`below`].
+/// The links of three cells in one of the upper two rows of a window, in the order of [`right`] and
+/// [`below`].
 #[inline]
 fn pack(a: u8, b: u8, c: u8) -> u8 {
     let both = link::RIGHT | link::BELOW;
@@ -334,18 +348,19 @@ fn window(first: u8, second: u8, third: u8) -> usize {
     usize::from(first) | usize::from(second) << 5 | usize::from(third) << 10
 }
 
-/// The classes, as bits, that match three rows of three cells, each with its links to the right and below.
+/// The classes, as bits, that match three rows of three cells, each with its links to the right and
+/// below.
 ///
-/// Beside and below the plane no cell has links, and every variant needs some in each row and column of its window: one that
-/// sticks out matches nothing.
+/// Beside and below the plane no cell has links, and every variant needs some in each row and
+/// column of its window: one that sticks out matches nothing.
 #[inline]
 pub(crate) fn matches(first: [u8; 3], second: [u8; 3], third: [u8; 3]) -> u16 {
     let upper = |[a, b, c]: [u8; 3]| pack(a, b, c);
     MATCHES[window(upper(first), upper(second), pack_lowest(third[0], third[1]))]
 }
 
-/// The classes, as bits, whose windows fit where so many columns and rows are left. Their links all lie in the plane, so
-/// whatever else the window was packed from does not matter.
+/// The classes, as bits, whose windows fit where so many columns and rows are left.
+/// Their links all lie in the plane, so whatever else the window was packed from does not matter.
 #[inline]
 fn fitting(columns: usize, rows: usize) -> u16 {
     match (columns, rows) {

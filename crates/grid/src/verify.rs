@@ -34,10 +34,12 @@ pub enum VerifyError {
     },
 }
 
-/// Checks that `order` visits every cell of the region once and gives the number of pieces: 1 more than the number of
-/// steps between cells that are not neighbours. A Hamiltonian path has one piece.
+/// Checks that `order` visits every cell of the region once and gives the number of pieces: 1 more
+/// than the number of steps between cells that are not neighbours.
+/// A Hamiltonian path has one piece.
 ///
-/// Linear in the region's cells. It shares no code with the moves, so that it can judge them.
+/// Linear in the region's cells.
+/// It shares no code with the moves, so that it can judge them.
 pub fn verify(region: &Region, order: &[Cell]) -> Result<u32, VerifyError> {
     let expected = region.cell_count() as usize;
     if order.len() != expected {

@@ -42,7 +42,8 @@ impl Zones {
     /// The largest number of zones.
     pub const MAX: u32 = 255;
 
-    /// Zones from one number for each cell of the plane, row by row; numbers of cells outside the region are ignored.
+    /// Zones from one number for each cell of the plane, row by row; numbers of cells outside the
+    /// region are ignored.
     pub fn new(region: &Region, mut ids: Vec<u8>) -> Result<Self, ZonesError> {
         if ids.len() != region.plane_len() {
             return Err(ZonesError::Length { expected: region.plane_len(), got: ids.len() });

@@ -1,6 +1,7 @@
 //! `AdamW` (Loshchilov and Hutter 2019), with a state that can be saved.
 //!
-//! The optimiser of libtorch keeps its moments to itself, and a run that begins anew without them is another run.
+//! The optimiser of libtorch keeps its moments to itself, and a run that begins anew without them
+//! is another run.
 
 use tch::{Kind, Tensor, no_grad};
 
@@ -65,8 +66,9 @@ impl AdamW {
         self.parameters.iter_mut().for_each(Tensor::zero_grad);
     }
 
-    /// Makes a step along the gradients, shortened to `clip` where they are longer together; gives their length. Where that is no
-    /// number, nothing changes.
+    /// Makes a step along the gradients, shortened to `clip` where they are longer together; gives
+    /// their length.
+    /// Where that is no number, nothing changes.
     pub fn step(&mut self, rate: f64, clip: f64) -> f64 {
         no_grad(|| {
             let gradients = self.parameters.iter().map(|parameter| {

@@ -106,7 +106,8 @@ impl Checkpoint {
         Ok(weights::save_tensors(&named, &self.path)?)
     }
 
-    /// Goes on from where a run stood; `None`, and nothing changed, where there is no checkpoint yet.
+    /// Goes on from where a run stood; `None`, and nothing changed, where there is no checkpoint
+    /// yet.
     pub fn load(
         &self,
         variables: &VarStore,

@@ -1,11 +1,14 @@
 //! Networks that learn from recorded searches and simulations.
 //!
-//! [`fusion`] is the network of Aali et al. ("Sequence-Based Evolutionary and Neural Strategies for Reducing Zone Crossings
-//! in Toolpaths"), which looks at a layer and proposes the next move of a search: its training ([`fusion::train`]), trained models
-//! ([`fusion::model`]), proposals ([`fusion::propose`]) and walks that follow them ([`fusion::walk`]). [`weights`] reads and writes
-//! parameters under the names that PyTorch gives them, [`checkpoint`] whole runs; [`adamw`] is the optimiser.
+//! [`fusion`] is the network of Aali et al. ("Sequence-Based Evolutionary and Neural Strategies for
+//! Reducing Zone Crossings in Toolpaths"), which looks at a layer and proposes the next move of a
+//! search: its training ([`fusion::train`]), trained models ([`fusion::model`]), proposals
+//! ([`fusion::propose`]) and walks that follow them ([`fusion::walk`]).
+//! [`weights`] reads and writes parameters under the names that PyTorch gives them, [`checkpoint`]
+//! whole runs; [`adamw`] is the optimiser.
 //!
-//! All runs on libtorch, through `tch`: `cargo xtask setup` provides it. Nothing else in the workspace links it.
+//! All runs on libtorch, through `tch`: `cargo xtask setup` provides it.
+//! Nothing else in the workspace links it.
 //!
 //! ```no_run
 //! use std::path::Path;
@@ -28,9 +31,10 @@
 //! ```
 //!
 //! # Limits
-//! This crate reads and writes the files of weights and runs, and prints nothing. libtorch computes on threads of its own, as many as
-//! [`Training::threads`](fusion::train::Training::threads) says; the same number of them on the same processor gives the same bytes,
-//! another processor may round otherwise.
+//! This crate reads and writes the files of weights and runs, and prints nothing. libtorch computes
+//! on threads of its own, as many as [`Training::threads`](fusion::train::Training::threads) says;
+//! the same number of them on the same processor gives the same bytes, another processor may round
+//! otherwise.
 
 pub mod adamw;
 pub mod checkpoint;

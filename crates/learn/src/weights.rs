@@ -9,7 +9,8 @@ use tch::nn::VarStore;
 use tch::{Kind, TchError, Tensor, no_grad};
 use thiserror::Error;
 
-/// Why a file's parameters are not those of a network. Nothing is changed by what is refused.
+/// Why a file's parameters are not those of a network.
+/// Nothing is changed by what is refused.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum WeightsError {
@@ -56,7 +57,8 @@ pub enum WeightsError {
 
 /// Writes all parameters of a network in half precision, as a file that is whole or absent.
 ///
-/// That halves the file, and moves each parameter by less than the last steps of a training do: 1 part in 2000.
+/// That halves the file, and moves each parameter by less than the last steps of a training do: 1
+/// part in 2000.
 pub fn save(variables: &VarStore, path: &Path) -> Result<(), WeightsError> {
     let mut named = named(variables);
     named.iter_mut().for_each(|(_, parameter)| *parameter = parameter.to_kind(Kind::Half));
@@ -77,7 +79,8 @@ pub(crate) fn save_tensors(named: &[(String, Tensor)], path: &Path) -> Result<()
     })?)
 }
 
-/// Reads all parameters of a network: the file must have just these names and shapes. Numbers of other kinds are converted.
+/// Reads all parameters of a network: the file must have just these names and shapes.
+/// Numbers of other kinds are converted.
 pub fn load(variables: &VarStore, path: &Path) -> Result<(), WeightsError> {
     fill(variables, &mut read_tensors(path)?, path)
 }

@@ -1,4 +1,5 @@
-//! `FusionNet` beside the same network in PyTorch, whose weights, inputs and outputs are in `data` (`make_fusion.py`).
+//! `FusionNet` beside the same network in PyTorch, whose weights, inputs and outputs are in `data`
+//! (`make_fusion.py`).
 
 #![allow(clippy::unwrap_used, reason = "a test may fail anywhere")]
 

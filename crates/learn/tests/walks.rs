@@ -55,7 +55,8 @@ fn walks_make_better_paths_and_count_every_move() {
             );
         }
     }
-    // So cold that nothing that adds crossings is ever accepted by chance: the least that any move adds is.
+    // So cold that nothing that adds crossings is ever accepted by chance: the least that any move
+    // adds is.
     let cold =
         WalkSettings { budget: 150, patience: 0, temperature: 1e-9, ..WalkSettings::default() };
     assert!(walk(&tasks, &mut AllMoves { seed: 0 }, &cold).iter().all(|walked| walked.made > 0));

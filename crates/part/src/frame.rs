@@ -1,18 +1,21 @@
 //! Where the cells of a layer lie on the printer's bed.
 
-/// The place and the size of all layers' planes, in the printer's coordinates: x right, y to the back, z up, in mm.
+/// The place and the size of all layers' planes, in the printer's coordinates: x right, y to the
+/// back, z up, in mm.
 ///
-/// All layers of a part share one plane. Row 0 of it lies at the back, so that a layer printed as a picture looks as it
-/// does from above.
+/// All layers of a part share one plane.
+/// Row 0 of it lies at the back, so that a layer printed as a picture looks as it does from above.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// x of the left side of column 0, in mm.
     pub left_mm: f64,
     /// y of the back side of row 0, in mm: the greatest y of the plane.
     pub back_mm: f64,
-    /// Side of a cell, in mm: the width of a bead. More than 0.
+    /// Side of a cell, in mm: the width of a bead.
+    /// More than 0.
     pub cell_mm: f64,
-    /// Height of a layer, in mm. More than 0.
+    /// Height of a layer, in mm.
+    /// More than 0.
     pub layer_mm: f64,
     /// Columns of the plane.
     pub width: u32,

@@ -1,11 +1,16 @@
-//! What comes in and what goes out: zone pictures to regions and zones, layers and their paths to drawings.
+//! What comes in and what goes out: zone pictures to regions and zones, layers and their paths to
+//! drawings.
 //!
-//! - [`Picture`]: a PNG picture as a layer; each pixel is a cell, each colour a zone, transparent pixels lie outside.
-//! - [`svg()`]: layers drawn side by side, with zones in colours, paths on top and crossings in red.
+//! - [`Picture`]: a PNG picture as a layer; each pixel is a cell, each colour a zone, transparent
+//!   pixels lie outside.
+//! - [`svg()`]: layers drawn side by side, with zones in colours, paths on top and crossings in
+//!   red.
 //! - [`mesh`]: STL, 3MF and OBJ files, repaired and put on the bed.
 //! - [`mod@slice`]: meshes cut into layers of cells, and voxels.
-//! - [`Pattern`]: the 38 named orders of deposition, each on any region; [`pattern_sheet`] draws them all.
-//! - [`gcode`]: planned layers as the program of a printer, and such programs read, followed, timed and checked.
+//! - [`Pattern`]: the 38 named orders of deposition, each on any region; [`pattern_sheet`] draws
+//!   them all.
+//! - [`gcode`]: planned layers as the program of a printer, and such programs read, followed, timed
+//!   and checked.
 //!
 //! Bytes come in, bytes or text go out: files are the caller's business.
 //!

@@ -28,7 +28,8 @@ pub enum PictureError {
     /// It is a PNG file, but damaged or cut short.
     #[error("its PNG data are damaged")]
     Damaged(#[source] png::DecodingError),
-    /// It has zero size, more than [`Region::MAX_SIDE`] pixels a side, or no cells: all pixels are transparent.
+    /// It has zero size, more than [`Region::MAX_SIDE`] pixels a side, or no cells: all pixels are
+    /// transparent.
     #[error(transparent)]
     Region(#[from] RegionError),
     /// It has more colours than there can be zones.
@@ -36,7 +37,8 @@ pub enum PictureError {
     Colours,
 }
 
-/// Pixels of less opacity lie outside the region: half, so that smoothed outlines end in their middle.
+/// Pixels of less opacity lie outside the region: half, so that smoothed outlines end in their
+/// middle.
 const OPAQUE: u8 = 128;
 
 const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
@@ -45,10 +47,13 @@ const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 const EXTRA_BYTES: usize = 1 << 20;
 
 impl Picture {
-    /// Reads a picture: every kind of PNG, reduced to 8 bits a channel; of an animation the first frame.
+    /// Reads a picture: every kind of PNG, reduced to 8 bits a channel; of an animation the first
+    /// frame.
     ///
-    /// Each distinct colour of 8 bits a channel is a zone; how opaque a pixel is only decides whether it belongs to the region. The size is
-    /// checked before any pixel is decoded. Linear in the pixels.
+    /// Each distinct colour of 8 bits a channel is a zone; how opaque a pixel is only decides
+    /// whether it belongs to the region.
+    /// The size is checked before any pixel is decoded.
+    /// Linear in the pixels.
     pub fn from_png(bytes: &[u8]) -> Result<Self, PictureError> {
         let (width, height) = size(bytes)?;
         let plane = Region::rectangle(width, height)?;
@@ -89,7 +94,8 @@ impl Picture {
         Ok(Self { region, zones, colours })
     }
 
-    /// Writes the picture: 8 bits a channel, transparent outside the region. Zones beyond the colours are black.
+    /// Writes the picture: 8 bits a channel, transparent outside the region.
+    /// Zones beyond the colours are black.
     pub fn to_png(&self) -> Vec<u8> {
         let pixel = |cell: Cell| {
             if !self.region.contains(cell) {
@@ -166,7 +172,8 @@ mod tests {
             .fold(!0, |rest, &byte| (0..8).fold(rest ^ u32::from(byte), |rest, _| shift(rest)))
     }
 
-    /// Makes the checksums of all whole chunks right again, so that damage reaches what lies behind them.
+    /// Makes the checksums of all whole chunks right again, so that damage reaches what lies behind
+    /// them.
     fn mend(bytes: &mut [u8]) {
         let mut at = SIGNATURE.len();
         while let Some(length) = bytes.get(at..at + 4) {

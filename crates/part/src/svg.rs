@@ -19,7 +19,8 @@ pub struct Panel<'a> {
     pub links: &'a [[Cell; 2]],
 }
 
-/// Colours that people with any colour vision tell apart, after Okabe and Ito, lightened for the dark path to stand out.
+/// Colours that people with any colour vision tell apart, after Okabe and Ito, lightened for the
+/// dark path to stand out.
 const PALETTE: [[u8; 3]; 8] = [
     [250, 208, 128],
     [173, 216, 240],
@@ -39,7 +40,8 @@ const OUTSIDE_COLOUR: &str = "#e9ecef";
 const CROSSING_COLOUR: &str = "#e0001b";
 
 // All in pixels.
-/// Longer side of a panel that cells are scaled to; whole pixels a cell keep the edges of zones sharp.
+/// Longer side of a panel that cells are scaled to; whole pixels a cell keep the edges of zones
+/// sharp.
 const PANEL_SIDE: f64 = 480.0;
 const SMALLEST_CELL: f64 = 4.0;
 /// More of them would be small on any screen.
@@ -58,9 +60,10 @@ const MARK_WIDTH: (f64, f64) = (0.6, 6.0);
 
 /// Draws layers side by side, three in a row, all to one scale.
 ///
-/// Zones are filled with their `colours`, lightened, or with a palette where there are none. Pieces of a path begin with
-/// a ring and end with a dot; steps between zones are red. The text is the same on every machine; its length grows with
-/// the bends of the paths and the outlines of the zones.
+/// Zones are filled with their `colours`, lightened, or with a palette where there are none.
+/// Pieces of a path begin with a ring and end with a dot; steps between zones are red.
+/// The text is the same on every machine; its length grows with the bends of the paths and the
+/// outlines of the zones.
 ///
 /// # Panics
 /// If a path visits cells that its panel's zones do not have.
@@ -243,8 +246,9 @@ fn colour(zone: usize, colours: Option<&[[u8; 3]]>) -> [u8; 3] {
     PALETTE.get(zone).copied().unwrap_or_else(|| drawn_colour(zone - PALETTE.len()))
 }
 
-/// Light colours for zones beyond the palette. Hues about a golden angle apart differ much from number to number and
-/// come back only after 3600; three grades of lightness keep those apart whose hues come close.
+/// Light colours for zones beyond the palette.
+/// Hues about a golden angle apart differ much from number to number and come back only after 3600;
+/// three grades of lightness keep those apart whose hues come close.
 fn drawn_colour(number: usize) -> [u8; 3] {
     let hue = (number * 1_379 % 3_600) as f64 / 600.0;
     let (low, high) = [(165.0, 250.0), (130.0, 215.0), (185.0, 235.0)][number % 3];

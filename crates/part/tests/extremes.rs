@@ -1,7 +1,9 @@
-//! Files that are lopsided rather than damaged: one endless line, a hundred thousand bodies, everything at one place.
+//! Files that are lopsided rather than damaged: one endless line, a hundred thousand bodies,
+//! everything at one place.
 //!
-//! Each takes a second or two at most as long as what reads it is nearly linear in its bytes, and minutes or gigabytes
-//! where something is quadratic. No times are asserted: a hang is seen by whoever waits for it.
+//! Each takes a second or two at most as long as what reads it is nearly linear in its bytes, and
+//! minutes or gigabytes where something is quadratic.
+//! No times are asserted: a hang is seen by whoever waits for it.
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 use std::fmt::Write as _;

@@ -1,24 +1,30 @@
-//! Damaged files: random changes of good ones must end in an answer or an error, not in a panic, a hang or a heap of
-//! memory.
+//! Damaged files: random changes of good ones must end in an answer or an error, not in a panic, a
+//! hang or a heap of memory.
 //!
-//! Every case takes a seed (a small file made here, or one of `../shared/parts` where that folder is), changes it in
-//! one to eight places and sends it the whole way: meshes are read, repaired, given materials, put on the bed and
-//! sliced; G-code is read, written and read again, followed, timed and checked. 3MF archives are changed both as bytes
-//! and before they are packed, for what lies behind checksums is else hardly reached.
+//! Every case takes a seed (a small file made here, or one of `../shared/parts` where that folder
+//! is), changes it in one to eight places and sends it the whole way: meshes are read, repaired,
+//! given materials, put on the bed and sliced; G-code is read, written and read again, followed,
+//! timed and checked.
+//! 3MF archives are changed both as bytes and before they are packed, for what lies behind
+//! checksums is else hardly reached.
 //!
-//! A case is named by its seed and a number, and depends on nothing else. By hand:
+//! A case is named by its seed and a number, and depends on nothing else.
+//! By hand:
 //!
 //! ```text
 //! BEADWORK_MUTATIONS=300000 cargo test --release -p beadwork-part --test mutations -- --nocapture
 //! BEADWORK_MUTATION_CASE='cube.obj 1234' cargo test -p beadwork-part --test mutations -- --nocapture
 //! ```
 //!
-//! The first runs so many cases in all instead of a few thousand; the second repeats one. Nothing is written.
+//! The first runs so many cases in all instead of a few thousand; the second repeats one.
+//! Nothing is written.
 //!
 //! # Hangs and memory
-//! Tests do not assert times elsewhere. Here a thread watches, and ends the process with the name of the case if one
-//! takes more than 20 s: input of a few KB that takes so long is taken for a hang, whatever the machine. On Linux the
-//! most memory that the process ever held is asserted to be below 1 GiB, with the limits that readers have by default.
+//! Tests do not assert times elsewhere.
+//! Here a thread watches, and ends the process with the name of the case if one takes more than 20
+//! s: input of a few KB that takes so long is taken for a hang, whatever the machine.
+//! On Linux the most memory that the process ever held is asserted to be below 1 GiB, with the
+//! limits that readers have by default.
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 #![allow(clippy::print_stderr, reason = "what was left out, and which case fails, is told")]
 
@@ -224,7 +230,8 @@ const TEXTS: [&[u8]; 64] = [
     b"T1\n",
 ];
 
-/// As numbers of four bytes, with the low byte first: counts, indices, and what they are as floating point.
+/// As numbers of four bytes, with the low byte first: counts, indices, and what they are as
+/// floating point.
 const WORDS: [u32; 10] = [
     0,
     1,

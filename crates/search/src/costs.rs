@@ -3,7 +3,8 @@
 use rand::Rng;
 use thiserror::Error;
 
-/// The cost of a crossing for each ordered pair of zones; from b to a need not cost what from a to b does.
+/// The cost of a crossing for each ordered pair of zones; from b to a need not cost what from a to
+/// b does.
 ///
 /// Invariant: a step inside a zone costs nothing, and no cost exceeds [`ZoneCosts::MAX`].
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,7 +46,8 @@ pub enum ZoneCostsError {
 }
 
 impl ZoneCosts {
-    /// The largest cost of one crossing: sums over tens of thousands of crossings, in parts, must fit.
+    /// The largest cost of one crossing: sums over tens of thousands of crossings, in parts, must
+    /// fit.
     pub const MAX: u32 = 10_000;
 
     /// Each crossing costs 1.
@@ -56,7 +58,8 @@ impl ZoneCosts {
         Self { zones, costs }
     }
 
-    /// Costs from one number for each ordered pair: from zone a to zone b at `a * zones + b`, any unit.
+    /// Costs from one number for each ordered pair: from zone a to zone b at `a * zones + b`, any
+    /// unit.
     pub fn new(zones: u32, costs: Vec<u32>) -> Result<Self, ZoneCostsError> {
         let zones = zones as usize;
         if costs.len() != zones * zones {
@@ -100,13 +103,17 @@ impl ZoneCosts {
         self.of_pairs(u32::min)
     }
 
-    /// What a crossing costs at least after a change of costs that each path's total follows, and by how much a path's total may
-    /// fall behind.
+    /// What a crossing costs at least after a change of costs that each path's total follows, and
+    /// by how much a path's total may fall behind.
     ///
-    /// Give each zone a height, and let a step from a to b cost the height of b less that of a more. Along a path these sum to the
-    /// difference of the heights of its ends, so its cost falls by no more than the greatest difference. With heights that
-    /// make the two directions of pairs more alike, the cheaper one is nearer to what a path pays in turn. The heights are those of
-    /// least squares over all pairs, halved until no step costs less than nothing.
+    /// Give each zone a height, and let a step from a to b cost the height of b less that of a
+    /// more.
+    /// Along a path these sum to the difference of the heights of its ends, so its cost falls by no
+    /// more than the greatest difference.
+    /// With heights that make the two directions of pairs more alike, the cheaper one is nearer to
+    /// what a path pays in turn.
+    /// The heights are those of least squares over all pairs, halved until no step costs less than
+    /// nothing.
     pub(crate) fn levelled(&self) -> (Vec<i32>, i32) {
         let zones = self.zones;
         let cost = |a: usize, b: usize| i64::from(self.costs[a * zones + b]);
@@ -128,9 +135,11 @@ impl ZoneCosts {
         ((0..zones * zones).map(least).collect(), spread as i32)
     }
 
-    /// For each pair a cost between that of its cheaper and that of its dearer direction, drawn at random.
+    /// For each pair a cost between that of its cheaper and that of its dearer direction, drawn at
+    /// random.
     ///
-    /// A path pays both directions in turn where it goes to and fro, or mostly one of them; which one can't be known before.
+    /// A path pays both directions in turn where it goes to and fro, or mostly one of them; which
+    /// one can't be known before.
     pub(crate) fn drawn(&self, rng: &mut impl Rng) -> Vec<i32> {
         let mut drawn = self.of_pairs(|_, _| 0);
         for a in 0..self.zones {

@@ -3,7 +3,8 @@
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
-/// Maps items in the given threads, or one after the other; each thread begins with a state of its own.
+/// Maps items in the given threads, or one after the other; each thread begins with a state of its
+/// own.
 pub(crate) fn in_parallel<T: Sync, R: Send, S>(
     pool: Option<&ThreadPool>,
     items: &[T],

@@ -9,8 +9,8 @@ pub(crate) fn below(rng: &mut Xoshiro256PlusPlus, count: usize) -> usize {
     scale(rng.next_u64(), count)
 }
 
-/// A number below `count` from the upper half of 64 random bits; its bias, below 2^-32 times `count`, does not matter to a
-/// search.
+/// A number below `count` from the upper half of 64 random bits; its bias, below 2^-32 times
+/// `count`, does not matter to a search.
 #[inline]
 pub(crate) fn scale(random: u64, count: usize) -> usize {
     (((random >> 32) * count as u64) >> 32) as usize

@@ -29,7 +29,8 @@ impl Union {
         number
     }
 
-    /// Makes the sets of two numbers one, whose root is that of the second; false if they were one before.
+    /// Makes the sets of two numbers one, whose root is that of the second; false if they were one
+    /// before.
     #[inline]
     pub(crate) fn unite(&mut self, a: u32, b: u32) -> bool {
         let (a, b) = (self.root(a), self.root(b));

@@ -1,7 +1,8 @@
 //! The exact search against an integer program, on layers too large to try everything.
 //!
-//! By hand: `cargo test --release -p beadwork-search --features integer-program --test integer_program -- --nocapture`. It needs
-//! cmake and a C++ compiler to build HiGHS, and takes minutes.
+//! By hand:
+//! `cargo test --release -p beadwork-search --features integer-program --test integer_program -- --nocapture`.
+//! It needs cmake and a C++ compiler to build HiGHS, and takes minutes.
 
 #![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
 #![allow(clippy::print_stdout, reason = "it is run by hand, to be read")]
@@ -33,7 +34,8 @@ impl<'a> Program<'a> {
         Self { region, zones, links, closed: Vec::new() }
     }
 
-    /// The fewest crossings of so many links, at most two at each cell, without the cycles found so far; and the links.
+    /// The fewest crossings of so many links, at most two at each cell, without the cycles found so
+    /// far; and the links.
     fn solve(&self, count: u32) -> Option<(u32, Vec<[Cell; 2]>)> {
         let mut variables = variables!();
         let taken: Vec<Variable> =

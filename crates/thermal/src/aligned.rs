@@ -3,8 +3,8 @@
 /// Floats in one cache line.
 pub(crate) const LINE: usize = 16;
 
-/// A slice of `f32` whose first number lies at the start of a cache line of 64 bytes: wide loads that are split between
-/// two lines cost twice.
+/// A slice of `f32` whose first number lies at the start of a cache line of 64 bytes: wide loads
+/// that are split between two lines cost twice.
 #[derive(Debug, Default)]
 pub(crate) struct Aligned {
     store: Vec<f32>,

@@ -20,7 +20,8 @@ pub(crate) enum Scheme {
 #[derive(Debug)]
 pub(crate) struct Explicit {
     pub(crate) scheme: Scheme,
-    /// Longest stretch in a pause that takes as many steps as a birth, s; with Heun's method, in a birth too.
+    /// Longest stretch in a pause that takes as many steps as a birth, s; with Heun's method, in a
+    /// birth too.
     pub(crate) longest_s: f64,
     scratch: Aligned,
     kept: Kept,
@@ -63,7 +64,8 @@ impl Explicit {
                 self.changes.clear();
             }
             let held = piece.held.map(|at| state.patch.shape.index(at));
-            // A birth that takes longer than others is one step all the same by the plain scheme's definition.
+            // A birth that takes longer than others is one step all the same by the plain scheme's
+            // definition.
             let whole = held.is_some() && self.scheme == Scheme::Euler;
             let steps = if whole { 1 } else { piece.parts(self.longest_s).count() };
             let seconds = piece.seconds / steps as f64;

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use crate::simulation::Simulation;
 
-/// The groups of deposited voxels that are hotter than some temperature. Voxels of a group hang together by faces.
+/// The groups of deposited voxels that are hotter than some temperature.
+/// Voxels of a group hang together by faces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HotSpots {
     /// They are hotter than this, °C.
@@ -13,7 +14,8 @@ pub struct HotSpots {
     pub voxels: usize,
     /// How many groups they form.
     pub count: usize,
-    /// The group of most voxels, among equals that with the higher peak; `None` if there is no group.
+    /// The group of most voxels, among equals that with the higher peak; `None` if there is no
+    /// group.
     pub largest: Option<HotSpot>,
 }
 
@@ -22,7 +24,8 @@ pub struct HotSpots {
 pub struct HotSpot {
     /// How many.
     pub voxels: usize,
-    /// Their mean x, y and z, in voxels: a single voxel is its own centre. May lie outside a bent group.
+    /// Their mean x, y and z, in voxels: a single voxel is its own centre.
+    /// May lie outside a bent group.
     pub centre: [f64; 3],
     /// x, y and z of the hottest of them.
     pub peak: [u32; 3],
@@ -31,14 +34,15 @@ pub struct HotSpot {
 }
 
 impl Simulation {
-    /// The groups of voxels hotter than so many °C, for example [`crate::Material::glass_transition_c`], in the whole
-    /// part. Linear in the box around the part.
+    /// The groups of voxels hotter than so many °C, for example
+    /// [`crate::Material::glass_transition_c`], in the whole part.
+    /// Linear in the box around the part.
     pub fn hot_spots(&self, above_c: f64) -> HotSpots {
         self.hot_spots_of(0..self.part().depth, above_c)
     }
 
-    /// The same in one layer: voxels that hang together through other layers alone are apart. Linear in the layer's
-    /// plane.
+    /// The same in one layer: voxels that hang together through other layers alone are apart.
+    /// Linear in the layer's plane.
     pub fn layer_hot_spots(&self, layer: u32, above_c: f64) -> HotSpots {
         let layer = layer as usize;
         self.hot_spots_of(layer..layer.saturating_add(1), above_c)
@@ -131,7 +135,8 @@ mod tests {
     use super::*;
     use crate::testing::{half_printed, stairs};
 
-    /// Lets each voxel take the least label of its neighbours until none changes; sizes of groups, rising.
+    /// Lets each voxel take the least label of its neighbours until none changes; sizes of groups,
+    /// rising.
     fn slow_sizes(simulation: &Simulation, layers: Range<u32>, above_c: f64) -> Vec<usize> {
         let frame = simulation.part().frame;
         let mut labels: Vec<([u32; 3], usize)> = layers

@@ -19,17 +19,20 @@ pub struct Bond {
 impl Simulation {
     /// The bonds of all layers that lie on others, from the bottom up; linear in the part.
     ///
-    /// Two beads weld by chains that diffuse through their interface while it is above the glass transition (Sun, Rizvi,
-    /// Bellehumeur and Gu 2008, *Rapid Prototyping Journal* 14; Seppala and Migler 2016, *Additive Manufacturing* 12). A
-    /// warm layer below keeps the interface there for longer. The interface itself starts about half-way between the bead
-    /// and the ground, so ground below the glass transition is common and no defect by itself: these numbers rank plans.
+    /// Two beads weld by chains that diffuse through their interface while it is above the glass
+    /// transition (Sun, Rizvi, Bellehumeur and Gu 2008, *Rapid Prototyping Journal* 14; Seppala and
+    /// Migler 2016, *Additive Manufacturing* 12).
+    /// A warm layer below keeps the interface there for longer.
+    /// The interface itself starts about half-way between the bead and the ground, so ground below
+    /// the glass transition is common and no defect by itself: these numbers rank plans.
     pub fn bonds(&self, glass_transition_c: f64) -> Vec<Bond> {
         bonds(self.part(), glass_transition_c, |voxel| self.landing_c(voxel))
     }
 }
 
-/// `landing_c` tells for x, y and z of a voxel of the part how warm the voxel below it was when it was laid down, in °C,
-/// or `None` if there was none or it isn't laid down. Layers without any such voxel are left out.
+/// `landing_c` tells for x, y and z of a voxel of the part how warm the voxel below it was when it
+/// was laid down, in °C, or `None` if there was none or it isn't laid down.
+/// Layers without any such voxel are left out.
 fn bonds(
     part: &Voxels,
     glass_transition_c: f64,

@@ -27,14 +27,16 @@ pub(crate) mod face {
 
 /// What one voxel gains and loses, for each way its faces can be covered.
 ///
-/// With θ the temperature above that of the air, g the conductances and Σ over *all* six neighbours, of which inactive
-/// ones hold 0:
+/// With θ the temperature above that of the air, g the conductances and Σ over *all* six
+/// neighbours, of which inactive ones hold 0:
 ///
-/// dθ/dt = `lateral` Σ θ(sides) + `vertical` Σ θ(below, above) - (`damping` + `exposure` · radiation(θ)) θ
+/// dθ/dt = `lateral` Σ θ(sides) + `vertical` Σ θ(below, above) - (`damping` + `exposure` ·
+/// radiation(θ)) θ
 ///
-/// So a missing neighbour needs no test: it adds nothing, and the damping of the voxel lacks its conductance. The build
-/// plate, half a voxel below the centre, is a layer of ghosts that hold twice the plate's θ, and a damping of twice the
-/// vertical conductance.
+/// So a missing neighbour needs no test: it adds nothing, and the damping of the voxel lacks its
+/// conductance.
+/// The build plate, half a voxel below the centre, is a layer of ghosts that hold twice the plate's
+/// θ, and a damping of twice the vertical conductance.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Law {
     /// Conductance to a neighbour in the layer, 1/s.
@@ -53,9 +55,11 @@ pub(crate) struct Law {
     pub(crate) birth: f32,
     /// The air, °C: where θ is 0.
     pub(crate) ambient_c: f64,
-    /// Convection, W/(m² K), and the area of a side and of top or bottom by the heat capacity of a voxel, m² K/J.
+    /// Convection, W/(m² K), and the area of a side and of top or bottom by the heat capacity of a
+    /// voxel, m² K/J.
     pub(crate) air: [f32; 3],
-    /// If a surface passes h / (1 + h d / k): convection in W/(m² K), and d / k of the sides and of top and bottom.
+    /// If a surface passes h / (1 + h d / k): convection in W/(m² K), and d / k of the sides and of
+    /// top and bottom.
     pub(crate) resistance: Option<[f32; 3]>,
     /// The largest rate at which differences can die out, 1/s.
     pub(crate) fastest: f64,
@@ -66,19 +70,23 @@ pub(crate) struct Law {
 pub(crate) struct Voxel {
     /// Rate at which the voxel's own θ counts against it, 1/s, negative; 0 stands for "not active".
     pub(crate) damping: f32,
-    /// Area open to the air by heat capacity, m² K/J; with surface resistance that of the sides alone.
+    /// Area open to the air by heat capacity, m² K/J; with surface resistance that of the sides
+    /// alone.
     pub(crate) exposure: f32,
-    /// With surface resistance, area of top and bottom open to the air by heat capacity, m² K/J; else 0.
+    /// With surface resistance, area of top and bottom open to the air by heat capacity, m² K/J;
+    /// else 0.
     pub(crate) caps: f32,
 }
 
-/// Stands for "active, but nothing to exchange heat with": so small that it changes nothing, but not 0.
+/// Stands for "active, but nothing to exchange heat with": so small that it changes nothing, but
+/// not 0.
 const ISOLATED: f32 = -1e-30;
 
-/// The same conductances but for the seventh digit, so that any sum of those of a voxel is exact in single precision.
+/// The same conductances but for the seventh digit, so that any sum of those of a voxel is exact in
+/// single precision.
 ///
-/// Otherwise what a voxel gives to its neighbours differs, in the last digit, from what its damping takes off it: over the
-/// hundred thousand steps of a print, heat would come from nowhere.
+/// Otherwise what a voxel gives to its neighbours differs, in the last digit, from what its damping
+/// takes off it: over the hundred thousand steps of a print, heat would come from nowhere.
 fn summable(conductances: [f64; 2]) -> [f64; 2] {
     let [lateral, vertical] = conductances;
     let most = 4.0 * lateral + 4.0 * vertical;
@@ -163,7 +171,8 @@ impl Law {
         passed * theta
     }
 
-    /// What surfaces at a temperature lose for each kelvin more, 1/s: so many sides, tops and bottoms of voxels.
+    /// What surfaces at a temperature lose for each kelvin more, 1/s: so many sides, tops and
+    /// bottoms of voxels.
     pub(crate) fn air_loss(&self, theta: f32, sides: f32, caps: f32) -> f32 {
         let [convection, side, cap] = self.air;
         let [r0, r1, r2, r3] = self.radiation;

@@ -1,12 +1,14 @@
 //! The heat of a print: which voxels are laid down when, and how warm all of them are.
 //!
-//! - [`Simulation`]: a part as it is printed, layer by layer or birth by birth, by one of three [`Method`]s.
+//! - [`Simulation`]: a part as it is printed, layer by layer or birth by birth, by one of three
+//!   [`Method`]s.
 //! - [`Material`] and [`Process`]: what it is made of and how, with presets.
 //! - [`Spread`]: how even temperatures are, in all of the part or in a layer.
 //! - [`HotSpots`]: where heat gathers.
 //! - [`LayerReport`]: these measures at a layer's end, and the paper's [`reward`] of a part.
 //! - [`Section`]: temperatures on a plane through the part, and how far each is from their mean.
-//! - [`Simulation::run_watched`]: looks at a print every so often; [`Probes`] and [`TimeAbove`] are such looks.
+//! - [`Simulation::run_watched`]: looks at a print every so often; [`Probes`] and [`TimeAbove`] are
+//!   such looks.
 //! - [`Simulation::bonds`]: how warm the ground is on which beads land.
 //! - [`Simulation::try_orders`]: many orders of a layer, tried from one state.
 //! - [`Warpage`]: how much the part is likely to warp, to rank plans by.

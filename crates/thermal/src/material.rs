@@ -2,30 +2,35 @@
 
 use crate::property::{self, PropertyError};
 
-/// A thermoplastic, as far as heat goes. Its properties do not depend on the temperature, and melting takes no heat.
+/// A thermoplastic, as far as heat goes.
+/// Its properties do not depend on the temperature, and melting takes no heat.
 ///
 /// The presets are typical values of unfilled filament; a spool's own data sheet knows better.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// What it is called.
     pub name: String,
-    /// Thermal conductivity, W/(m K). More than 0.
+    /// Thermal conductivity, W/(m K).
+    /// More than 0.
     pub conductivity_w_mk: f64,
-    /// Specific heat, J/(kg K). More than 0.
+    /// Specific heat, J/(kg K).
+    /// More than 0.
     pub specific_heat_j_kgk: f64,
-    /// Density, kg/m³. More than 0.
+    /// Density, kg/m³.
+    /// More than 0.
     pub density_kg_m3: f64,
     /// Emissivity of its surface, 0 to 1.
     pub emissivity: f64,
     /// Glass transition, °C: below it a bead holds its shape.
     pub glass_transition_c: f64,
-    /// Linear thermal expansion below the glass transition, 1/K. 0 to 0.01.
+    /// Linear thermal expansion below the glass transition, 1/K.
+    /// 0 to 0.01.
     pub expansion_per_k: f64,
 }
 
 impl Material {
-    /// ABS: the thermal properties of the paper (Kim et al. 2026, table of the solver); glass transition and expansion
-    /// are typical of moulding grades.
+    /// ABS: the thermal properties of the paper (Kim et al. 2026, table of the solver); glass
+    /// transition and expansion are typical of moulding grades.
     pub fn abs() -> Self {
         Self {
             name: "ABS".into(),
@@ -38,8 +43,9 @@ impl Material {
         }
     }
 
-    /// PLA: conductivity, specific heat and glass transition as on makeitfrom.com (polylactic acid), the density of
-    /// Ingeo 2003D. Sources of its expansion differ: that of PETG stands in.
+    /// PLA: conductivity, specific heat and glass transition as on makeitfrom.com (polylactic
+    /// acid), the density of Ingeo 2003D.
+    /// Sources of its expansion differ: that of PETG stands in.
     pub fn pla() -> Self {
         Self {
             name: "PLA".into(),
@@ -52,8 +58,8 @@ impl Material {
         }
     }
 
-    /// PETG: all but the density as on makeitfrom.com (glycol-modified polyethylene terephthalate); the density is the
-    /// middle of 1.25 to 1.29 g/cm³ on data sheets.
+    /// PETG: all but the density as on makeitfrom.com (glycol-modified polyethylene terephthalate);
+    /// the density is the middle of 1.25 to 1.29 g/cm³ on data sheets.
     pub fn petg() -> Self {
         Self {
             name: "PETG".into(),

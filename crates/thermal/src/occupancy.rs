@@ -23,7 +23,8 @@ pub(crate) struct Occupancy {
     faces: Vec<u8>,
     /// The same in blocks.
     tally: Tally,
-    /// Temperature above the air of what a voxel was laid on, just before it was; NaN where that was nothing.
+    /// Temperature above the air of what a voxel was laid on, just before it was; NaN where that
+    /// was nothing.
     landings: Vec<f32>,
 }
 
@@ -45,7 +46,8 @@ impl Occupancy {
         self.faces[index] & face::ACTIVE != 0
     }
 
-    /// Temperature above the air of the voxel below, just before this one was laid on it; NaN if there was none.
+    /// Temperature above the air of the voxel below, just before this one was laid on it; NaN if
+    /// there was none.
     pub(crate) fn landing(&self, index: usize) -> f32 {
         self.landings[index]
     }
@@ -55,8 +57,9 @@ impl Occupancy {
         &self.faces
     }
 
-    /// Makes a voxel active and tells what changes by it: the voxel itself first, then its active neighbours. What lies
-    /// below has the temperature `below` above the air.
+    /// Makes a voxel active and tells what changes by it: the voxel itself first, then its active
+    /// neighbours.
+    /// What lies below has the temperature `below` above the air.
     pub(crate) fn birth(
         &mut self,
         at: [usize; 3],

@@ -6,12 +6,14 @@ use crate::aligned::{Aligned, LINE};
 use crate::law::{Law, Voxel, face};
 use crate::occupancy::Change;
 
-/// The sizes of a patch: `planes` planes of `rows` rows of `row` numbers. Rows run along x; a plane is upright, its rows
-/// lie one above the other along z; planes follow each other along y.
+/// The sizes of a patch: `planes` planes of `rows` rows of `row` numbers.
+/// Rows run along x; a plane is upright, its rows lie one above the other along z; planes follow
+/// each other along y.
 ///
-/// So the printed part of each plane is one range that grows upwards, and as parts have fewer layers than rows, few
-/// planes of it fit into the fastest memory. The first and the last of planes, of rows and of each row's numbers are
-/// **rim**: they are read as neighbours but never change, so that a sweep may run over the ends of rows.
+/// So the printed part of each plane is one range that grows upwards, and as parts have fewer
+/// layers than rows, few planes of it fit into the fastest memory.
+/// The first and the last of planes, of rows and of each row's numbers are **rim**: they are read
+/// as neighbours but never change, so that a sweep may run over the ends of rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Shape {
     /// Numbers in a row, a multiple of a cache line's.
@@ -45,7 +47,8 @@ impl Shape {
 
 /// How the numbers of a cache line are to be swept.
 ///
-/// In one byte, since sweeps look for where it changes: the faces that all its voxels have, or [`Line::MIXED`].
+/// In one byte, since sweeps look for where it changes: the faces that all its voxels have, or
+/// [`Line::MIXED`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Line(u8);
 
@@ -70,7 +73,8 @@ impl Line {
         if faces == [faces[0]; LINE] { Self(faces[0]) } else { Self::MIXED }
     }
 
-    /// How many lines at the start of some are equal to this one: eight at a time, for loads are what limits a sweep.
+    /// How many lines at the start of some are equal to this one: eight at a time, for loads are
+    /// what limits a sweep.
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "sweeps ask for every run of lines")]
     pub(crate) fn run(self, lines: &[Self]) -> usize {
@@ -107,7 +111,8 @@ impl Line {
     }
 }
 
-/// Which voxels are active, and the numbers of each: as [`crate::law::Law`] has them, one array each.
+/// Which voxels are active, and the numbers of each: as [`crate::law::Law`] has them, one array
+/// each.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Activity {
     pub(crate) damping: Aligned,
@@ -172,7 +177,8 @@ impl Patch {
         (inner(x, row) && inner(y, planes) && inner(z, rows)).then(|| self.shape.index([x, y, z]))
     }
 
-    /// Places along an axis, inside the rim, of the voxels of a block of so many; blocks are counted in the part.
+    /// Places along an axis, inside the rim, of the voxels of a block of so many; blocks are
+    /// counted in the part.
     pub(crate) fn voxels(&self, axis: usize, block: usize, fold: usize) -> Range<usize> {
         let Shape { row, rows, planes } = self.shape;
         let first = (block - 1) * fold + 1 - self.origin[axis];

@@ -1,8 +1,9 @@
 //! The definition, in f64, one voxel at a time: what everything else is compared with.
 //!
-//! Slow, and written to be read: each face of each voxel is looked at by itself, and its heat flow is a line. Nothing is
-//! shared with the fast code, so that no mistake can be made in both at once. All flows are booked, so that the balance
-//! of energy shows that none was forgotten.
+//! Slow, and written to be read: each face of each voxel is looked at by itself, and its heat flow
+//! is a line.
+//! Nothing is shared with the fast code, so that no mistake can be made in both at once.
+//! All flows are booked, so that the balance of energy shows that none was forgotten.
 
 use std::sync::Arc;
 
@@ -19,18 +20,22 @@ const SIGMA: f64 = 5.67e-8;
 /// How a step is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
-    /// Forward Euler: one step for each birth, and pauses in equal steps no longer than a birth at the process's speed.
+    /// Forward Euler: one step for each birth, and pauses in equal steps no longer than a birth at
+    /// the process's speed.
     /// This is what [`crate::Method::Naive`] computes.
     Euler,
-    /// Heun's method: so many steps for each birth. Pauses and slower births are cut into equal stretches no longer than
-    /// a birth at the process's speed, of so many steps each. This is what [`crate::Method::Reference`] computes.
+    /// Heun's method: so many steps for each birth.
+    /// Pauses and slower births are cut into equal stretches no longer than a birth at the
+    /// process's speed, of so many steps each.
+    /// This is what [`crate::Method::Reference`] computes.
     Heun {
         /// At least 1.
         steps: u32,
     },
 }
 
-/// Where the heat of a part came from and went to since its start, J, relative to a part as warm as the air.
+/// Where the heat of a part came from and went to since its start, J, relative to a part as warm as
+/// the air.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
     /// Brought in by voxels at their birth.
@@ -59,9 +64,10 @@ struct Flow {
 
 /// A part in the middle of its print, in the plainest way.
 ///
-/// A voxel is active from the start of its slot, and held at [`Process::extrusion_c`] until its end. It conducts heat to
-/// active neighbours; the lower face of layer 0 lies on the build plate, half a voxel below its centre; every other face
-/// without an active neighbour loses heat to the air.
+/// A voxel is active from the start of its slot, and held at [`Process::extrusion_c`] until its
+/// end.
+/// It conducts heat to active neighbours; the lower face of layer 0 lies on the build plate, half a
+/// voxel below its centre; every other face without an active neighbour loses heat to the air.
 #[derive(Clone, Debug)]
 pub struct Plain {
     part: Arc<Voxels>,
@@ -101,7 +107,8 @@ impl Plain {
         })
     }
 
-    /// Runs through births and pauses. Each step costs a visit to every voxel.
+    /// Runs through births and pauses.
+    /// Each step costs a visit to every voxel.
     ///
     /// # Panics
     /// If a voxel is not part of the print or is deposited already.
@@ -144,7 +151,8 @@ impl Plain {
         self.celsius.iter().flatten().map(above_air).sum()
     }
 
-    /// How far the energy stored is from what came in less what went out, as a part of [`Energy::moved_j`].
+    /// How far the energy stored is from what came in less what went out, as a part of
+    /// [`Energy::moved_j`].
     pub fn imbalance(&self) -> f64 {
         let Energy { births_j, hold_j, plate_j, air_j, moved_j } = self.energy;
         let missing = self.stored_j() - (births_j + hold_j + plate_j - air_j);
@@ -297,7 +305,8 @@ impl Plain {
         flow
     }
 
-    /// What a surface loses to the air, W/m², given the temperature at the centre of a voxel of a size in metres.
+    /// What a surface loses to the air, W/m², given the temperature at the centre of a voxel of a
+    /// size in metres.
     fn lost_w_m2(&self, celsius: f64, size_m: f64) -> f64 {
         let grey = self.material.emissivity * SIGMA;
         let h = self.process.convection_w_m2k;
@@ -326,7 +335,8 @@ mod tests {
             Plain::new(part, &Material::abs(), &Process::default(), Scheme::Euler).unwrap();
         let birth = Slot { voxel: Some([0, 0, 0]), seconds: 0.01 };
         plain.run(&[birth, Slot::pause(0.01)]);
-        // Four sides of 0.5 x 0.25 mm and a top of 0.5 x 0.5 mm in the air, the bottom on the plate.
+        // Four sides of 0.5 x 0.25 mm and a top of 0.5 x 0.5 mm in the air, the bottom on the
+        // plate.
         let open = 4.0 * 0.5e-3 * 0.25e-3 + 0.5e-3 * 0.5e-3;
         let lost = (10.0 * 205.0 + 0.92 * 5.67e-8 * (503.15f64.powi(4) - 298.15f64.powi(4))) * open;
         let plate = 0.33 * 0.25e-6 / 0.125e-3 * 150.0;

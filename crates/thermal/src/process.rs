@@ -3,7 +3,8 @@
 use crate::material::Material;
 use crate::property::{self, PropertyError};
 
-/// How a part is printed, as far as heat goes. The default is the paper's (Kim et al. 2026).
+/// How a part is printed, as far as heat goes.
+/// The default is the paper's (Kim et al. 2026).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Process {
     /// Temperature at which a voxel is laid down and held while the nozzle is on it, °C.
@@ -12,17 +13,21 @@ pub struct Process {
     pub plate_c: Option<f64>,
     /// Temperature of the air and of everything around, °C.
     pub ambient_c: f64,
-    /// Heat transfer to the air, W/(m² K). At least 0.
+    /// Heat transfer to the air, W/(m² K).
+    /// At least 0.
     pub convection_w_m2k: f64,
-    /// Speed of printing, mm/s: a voxel takes its width over this. More than 0.
+    /// Speed of printing, mm/s: a voxel takes its width over this.
+    /// More than 0.
     pub print_mm_s: f64,
-    /// Speed of travel between voxels that are not neighbours, mm/s; `None` for a nozzle that is there at once.
+    /// Speed of travel between voxels that are not neighbours, mm/s; `None` for a nozzle that is
+    /// there at once.
     pub travel_mm_s: Option<f64>,
     /// Whether heat from a surface first has to cross the half voxel behind it.
     ///
-    /// The plain scheme takes the temperature of a voxel's centre for that of its surface, which loses too much; with
-    /// this, a surface at distance d from the centre passes h / (1 + h d / k) in place of h, for convection and
-    /// radiation together. Off for the paper's results.
+    /// The plain scheme takes the temperature of a voxel's centre for that of its surface, which
+    /// loses too much; with this, a surface at distance d from the centre passes h / (1 + h d / k)
+    /// in place of h, for convection and radiation together.
+    /// Off for the paper's results.
     pub surface_resistance: bool,
 }
 
@@ -41,8 +46,8 @@ impl Default for Process {
 }
 
 impl Process {
-    /// Temperatures that suit a preset of [`Material`]: 210 °C and a plate of 60 °C for PLA, 240 °C and 80 °C for PETG,
-    /// the paper's for all else.
+    /// Temperatures that suit a preset of [`Material`]: 210 °C and a plate of 60 °C for PLA, 240 °C
+    /// and 80 °C for PETG, the paper's for all else.
     pub fn suited_to(material: &Material) -> Self {
         let temperatures =
             |extrusion_c, plate_c| Self { extrusion_c, plate_c: Some(plate_c), ..Self::default() };

@@ -21,7 +21,8 @@ pub struct LayerReport {
 }
 
 impl LayerReport {
-    /// Of a simulation at the end of a layer that took so many seconds; `None` if nothing of the layer is deposited.
+    /// Of a simulation at the end of a layer that took so many seconds; `None` if nothing of the
+    /// layer is deposited.
     ///
     /// Costs some passes over all that is deposited, far less than the layer's simulation.
     pub fn of(
@@ -36,8 +37,9 @@ impl LayerReport {
     }
 }
 
-/// The paper's reward of a whole part (Kim et al. 2026), °C: minus the sum, over its layers, of the standard deviation of
-/// all temperatures at the layer's end. 0 at best.
+/// The paper's reward of a whole part (Kim et al. 2026), °C: minus the sum, over its layers, of the
+/// standard deviation of all temperatures at the layer's end.
+/// 0 at best.
 pub fn reward(reports: &[LayerReport]) -> f64 {
     -reports.iter().map(|report| report.all.std_c).sum::<f64>()
 }

@@ -5,7 +5,8 @@ use std::ops::Range;
 use crate::law::face;
 use crate::simulation::Simulation;
 
-/// A row of voxels along x. Both slices have the rim at their ends, where nothing is active.
+/// A row of voxels along x.
+/// Both slices have the rim at their ends, where nothing is active.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row<'a> {
     pub(crate) y: u32,
@@ -32,7 +33,8 @@ pub(crate) fn is_active(faces: u8) -> bool {
 }
 
 impl Simulation {
-    /// The rows of some layers in which something may be deposited: by rising y, and for each y by rising z.
+    /// The rows of some layers in which something may be deposited: by rising y, and for each y by
+    /// rising z.
     pub(crate) fn rows(&self, layers: Range<usize>) -> impl Iterator<Item = Row<'_>> + Clone {
         let state = self.state();
         let shape = state.patch.shape;
@@ -52,7 +54,8 @@ impl Simulation {
         })
     }
 
-    /// x, y, z and temperature in °C of each deposited voxel of some layers, in the order of [`Simulation::rows`].
+    /// x, y, z and temperature in °C of each deposited voxel of some layers, in the order of
+    /// [`Simulation::rows`].
     pub(crate) fn deposited(
         &self,
         layers: Range<usize>,

@@ -15,7 +15,8 @@ pub enum Plane {
 
 /// Temperatures on a plane: the array `[z, y, x]` of the part's temperatures with one axis fixed.
 ///
-/// So row 0 of an upright plane is layer 0: to draw it as it stands, the rows go from the bottom up.
+/// So row 0 of an upright plane is layer 0: to draw it as it stands, the rows go from the bottom
+/// up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
     /// Which plane.
@@ -29,7 +30,8 @@ pub struct Section {
 }
 
 impl Simulation {
-    /// Temperatures on a plane; all `None` if it lies outside the part. Linear in the plane's voxels.
+    /// Temperatures on a plane; all `None` if it lies outside the part.
+    /// Linear in the plane's voxels.
     pub fn section(&self, plane: Plane) -> Section {
         let (frame, depth) = (&self.part().frame, self.part().depth);
         let (width, height) = (frame.width as usize, frame.height as usize);
@@ -66,14 +68,16 @@ impl Section {
         (count > 0).then(|| self.celsius.iter().flatten().sum::<f64>() / count as f64)
     }
 
-    /// The thermal deviation at each place, K, `[row, column]`: the plane's mean less the temperature there (Kim et al.
-    /// 2026, figure 10), so that cold places are positive. `None` where nothing is deposited.
+    /// The thermal deviation at each place, K, `[row, column]`: the plane's mean less the
+    /// temperature there (Kim et al. 2026, figure 10), so that cold places are positive.
+    /// `None` where nothing is deposited.
     pub fn deviation_k(&self) -> Vec<Option<f64>> {
         let mean_c = self.mean_c();
         self.celsius.iter().map(|&celsius| Some(mean_c? - celsius?)).collect()
     }
 
-    /// The largest thermal deviation, whatever its sign, K; `None` if nothing is deposited on the plane.
+    /// The largest thermal deviation, whatever its sign, K; `None` if nothing is deposited on the
+    /// plane.
     pub fn largest_deviation_k(&self) -> Option<f64> {
         self.deviation_k().into_iter().flatten().map(f64::abs).reduce(f64::max)
     }

@@ -22,16 +22,19 @@ use crate::timeline::{Slot, layer_slots};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Method {
-    /// One explicit step of the whole part for each birth: the scheme of the paper, and the definition that the others
-    /// are faster or better ways to follow. A slot must not be longer than [`Simulation::stable_seconds`].
+    /// One explicit step of the whole part for each birth: the scheme of the paper, and the
+    /// definition that the others are faster or better ways to follow.
+    /// A slot must not be longer than [`Simulation::stable_seconds`].
     ///
     /// Each birth costs a sweep of all that is printed, so a part costs its square.
     Naive,
-    /// Heun's method with so many steps of the whole part for each birth: second order, to measure errors by. Twice as
-    /// many sweeps as steps.
+    /// Heun's method with so many steps of the whole part for each birth: second order, to measure
+    /// errors by.
+    /// Twice as many sweeps as steps.
     Reference {
-        /// Steps for each birth, at least 1. Slots that are longer than a birth at the process's speed, or than
-        /// [`Simulation::stable_seconds`], are cut into equal stretches that are not, of so many steps each.
+        /// Steps for each birth, at least 1. Slots that are longer than a birth at the process's
+        /// speed, or than [`Simulation::stable_seconds`], are cut into equal stretches that are
+        /// not, of so many steps each.
         steps: u32,
     },
     /// Long steps far from the nozzle, short ones near it.
@@ -74,7 +77,8 @@ pub enum SetupError {
     NoSteps,
 }
 
-/// Why something can't be deposited. Nothing is changed by what is refused.
+/// Why something can't be deposited.
+/// Nothing is changed by what is refused.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum DepositError {
@@ -132,8 +136,9 @@ enum Stepper {
 
 /// A part in the middle of its print.
 ///
-/// Clones are cheap: they share all temperatures until one of them goes on, so that many orders of a layer can be tried
-/// from one state. See the crate's page for an example.
+/// Clones are cheap: they share all temperatures until one of them goes on, so that many orders of
+/// a layer can be tried from one state.
+/// See the crate's page for an example.
 #[derive(Clone, Debug)]
 pub struct Simulation {
     part: Arc<Voxels>,
@@ -154,8 +159,8 @@ pub struct Simulation {
 impl Simulation {
     /// A part before anything is deposited.
     ///
-    /// All voxels have the properties of the one material, whatever their own number says. Memory is some 20 bytes for
-    /// each voxel of the box around the part.
+    /// All voxels have the properties of the one material, whatever their own number says.
+    /// Memory is some 20 bytes for each voxel of the box around the part.
     pub fn new(
         part: Arc<Voxels>,
         material: &Material,
@@ -202,11 +207,12 @@ impl Simulation {
         })
     }
 
-    /// The same, with its long steps shared out among some threads where the part is large. The results are the same bit for
-    /// bit.
+    /// The same, with its long steps shared out among some threads where the part is large.
+    /// The results are the same bit for bit.
     ///
-    /// The reference gains where a layer has some hundred thousand voxels. The fast stepper gains little: it leaves few
-    /// sweeps that are worth a second thread. To try many orders, or to simulate many parts, one thread for each pays more.
+    /// The reference gains where a layer has some hundred thousand voxels.
+    /// The fast stepper gains little: it leaves few sweeps that are worth a second thread.
+    /// To try many orders, or to simulate many parts, one thread for each pays more.
     pub fn with_pool(self, pool: Option<Arc<ThreadPool>>) -> Self {
         Self { pool, ..self }
     }
@@ -226,14 +232,14 @@ impl Simulation {
         self.seconds
     }
 
-    /// The longest step for which the explicit scheme is stable, s: two over the fastest rate at which any difference of
-    /// temperatures can die out (Gershgorin's bound).
+    /// The longest step for which the explicit scheme is stable, s: two over the fastest rate at
+    /// which any difference of temperatures can die out (Gershgorin's bound).
     pub fn stable_seconds(&self) -> f64 {
         self.stable_s
     }
 
-    /// Deposits all cells of a layer in the given order, at the process's speed, with travel between cells that are not
-    /// neighbours; tells how long that took, s.
+    /// Deposits all cells of a layer in the given order, at the process's speed, with travel
+    /// between cells that are not neighbours; tells how long that took, s.
     pub fn deposit(&mut self, layer: u32, order: &[Cell]) -> Result<f64, DepositError> {
         let width = self.part.frame.width;
         let slots = self.slots(layer, order);
@@ -248,7 +254,8 @@ impl Simulation {
         Ok(self.seconds - before)
     }
 
-    /// The slots that [`Simulation::deposit`] would run through now: travel starts where the last voxel was laid.
+    /// The slots that [`Simulation::deposit`] would run through now: travel starts where the last
+    /// voxel was laid.
     pub fn slots(&self, layer: u32, order: &[Cell]) -> Vec<Slot> {
         let from = self.last.map(|[x, y, _]| y * self.part.frame.width + x);
         layer_slots(order, layer, from, &self.part.frame, &self.process)
@@ -278,7 +285,8 @@ impl Simulation {
         active.then(|| f64::from(self.state.patch.theta[index]) + self.law.ambient_c)
     }
 
-    /// Temperature of the voxel below just before this one was laid on it, °C: what the bond between them depends on.
+    /// Temperature of the voxel below just before this one was laid on it, °C: what the bond
+    /// between them depends on.
     /// `None` if this one is not deposited, or was laid on the plate or on nothing.
     pub fn landing_c(&self, voxel: [u32; 3]) -> Option<f64> {
         self.temperature_c(voxel)?;
@@ -286,7 +294,8 @@ impl Simulation {
         (!landing.is_nan()).then(|| f64::from(landing) + self.law.ambient_c)
     }
 
-    /// The voxels of a layer that are deposited, in the order of their cells, and their temperatures, °C.
+    /// The voxels of a layer that are deposited, in the order of their cells, and their
+    /// temperatures, °C.
     pub fn layer_c(&self, layer: u32) -> impl Iterator<Item = (Cell, f64)> {
         let width = self.part.frame.width;
         self.cells(layer).filter_map(move |cell| {
@@ -298,8 +307,9 @@ impl Simulation {
         &self.state
     }
 
-    /// Heat in all deposited voxels, J, relative to the air's temperature: what would be lost if all of them cooled down
-    /// to it. Linear in the voxels of the box around the part.
+    /// Heat in all deposited voxels, J, relative to the air's temperature: what would be lost if
+    /// all of them cooled down to it.
+    /// Linear in the voxels of the box around the part.
     pub fn stored_j(&self) -> f64 {
         let Patch { shape, theta, .. } = &*self.state.patch;
         let width = self.part.frame.width;

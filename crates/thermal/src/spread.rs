@@ -24,8 +24,8 @@ pub struct Spread {
 const LANES: usize = 8;
 
 impl Spread {
-    /// Of temperatures in °C; `None` if there are none. They are summed in their order, in two passes: the same
-    /// temperatures give the same bits.
+    /// Of temperatures in °C; `None` if there are none.
+    /// They are summed in their order, in two passes: the same temperatures give the same bits.
     pub fn of<I>(celsius: I) -> Option<Self>
     where
         I: IntoIterator<Item = f64>,
@@ -50,11 +50,12 @@ impl Spread {
 }
 
 impl Simulation {
-    /// Of all deposited voxels; `None` if there are none. Minus its standard deviation, at a layer's end, is the paper's
-    /// reward for the layer (Kim et al. 2026).
+    /// Of all deposited voxels; `None` if there are none.
+    /// Minus its standard deviation, at a layer's end, is the paper's reward for the layer (Kim et
+    /// al. 2026).
     ///
-    /// Two passes over the memory of all layers that are begun, in a fixed order: on every machine, the same
-    /// temperatures give the same bits.
+    /// Two passes over the memory of all layers that are begun, in a fixed order: on every machine,
+    /// the same temperatures give the same bits.
     pub fn spread(&self) -> Option<Spread> {
         self.spread_of(0..self.part().depth)
     }

@@ -50,7 +50,8 @@ impl State {
 }
 
 impl Voxels<'_> {
-    /// Makes a voxel active, and tells what changes by it; `patch` holds the voxel and the one below.
+    /// Makes a voxel active, and tells what changes by it; `patch` holds the voxel and the one
+    /// below.
     pub(crate) fn birth(
         &mut self,
         at: [usize; 3],

@@ -4,7 +4,8 @@ use crate::patch::Shape;
 
 /// What the blocks of a part hold: numbers of voxels and of faces.
 ///
-/// A block is `fold` voxels wide, deep and high: about a cube. Blocks have a rim, as voxels have, and the same order.
+/// A block is `fold` voxels wide, deep and high: about a cube.
+/// Blocks have a rim, as voxels have, and the same order.
 #[derive(Clone, Debug)]
 pub(crate) struct Tally {
     /// Voxels of a block along x, y and z.
@@ -61,12 +62,14 @@ impl Tally {
         [1, self.shape.plane(), self.shape.row]
     }
 
-    /// The block of a voxel: its index. Both count the rim.
+    /// The block of a voxel: its index.
+    /// Both count the rim.
     pub(crate) fn block(&self, at: [usize; 3]) -> usize {
         self.shape.index([0, 1, 2].map(|axis: usize| (at[axis] - 1) / self.fold[axis] + 1))
     }
 
-    /// Counts a new voxel, given which of its neighbours are active: their axes, and whether they lie ahead of it.
+    /// Counts a new voxel, given which of its neighbours are active: their axes, and whether they
+    /// lie ahead of it.
     pub(crate) fn birth(
         &mut self,
         at: [usize; 3],

@@ -8,9 +8,11 @@ use crate::process::Process;
 /// A stretch of time in which the nozzle lays down one voxel, or none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slot {
-    /// x, y and z of the voxel that is born at the start of the stretch and held until its end; `None` for a pause.
+    /// x, y and z of the voxel that is born at the start of the stretch and held until its end;
+    /// `None` for a pause.
     pub voxel: Option<[u32; 3]>,
-    /// How long it takes, s. At least 0; more than 0 with a voxel.
+    /// How long it takes, s.
+    /// At least 0; more than 0 with a voxel.
     pub seconds: f64,
 }
 
@@ -21,10 +23,12 @@ impl Slot {
     }
 }
 
-/// A layer in a given order: a slot for each cell, and a pause for each travel between cells that are not neighbours.
+/// A layer in a given order: a slot for each cell, and a pause for each travel between cells that
+/// are not neighbours.
 ///
-/// The nozzle comes from `from`, the last cell before, if there is one; travel goes straight from centre to centre, at
-/// [`Process::travel_mm_s`]. Linear in the order's length.
+/// The nozzle comes from `from`, the last cell before, if there is one; travel goes straight from
+/// centre to centre, at [`Process::travel_mm_s`].
+/// Linear in the order's length.
 pub fn layer_slots(
     order: &[Cell],
     layer: u32,

@@ -7,11 +7,14 @@ use rayon::prelude::*;
 use crate::simulation::{DepositError, Simulation};
 
 impl Simulation {
-    /// Deposits a layer in each of some orders, each time from the present state, and tells what `look` sees at its end.
+    /// Deposits a layer in each of some orders, each time from the present state, and tells what
+    /// `look` sees at its end.
     ///
-    /// The simulation itself does not go on. Orders are tried in the given threads, or one after the other; the results do
-    /// not depend on it. Each thread holds one copy of the state at a time. The first order that can't be deposited is an
-    /// error, even if others can.
+    /// The simulation itself does not go on.
+    /// Orders are tried in the given threads, or one after the other; the results do not depend on
+    /// it.
+    /// Each thread holds one copy of the state at a time.
+    /// The first order that can't be deposited is an error, even if others can.
     ///
     /// ```
     /// # use std::sync::Arc;

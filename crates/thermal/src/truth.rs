@@ -1,8 +1,10 @@
-//! Bodies whose cooling has a formula, to measure how far the solver is from the heat equation itself.
+//! Bodies whose cooling has a formula, to measure how far the solver is from the heat equation
+//! itself.
 //!
-//! Other checks compare one way of stepping with another; these show that voxels of a size stand for a body at all. The
-//! errors, at the centres of all voxels, of ABS that starts at 230 °C in air of 25 °C, by [`Method::Reference`] with one
-//! step:
+//! Other checks compare one way of stepping with another; these show that voxels of a size stand
+//! for a body at all.
+//! The errors, at the centres of all voxels, of ABS that starts at 230 °C in air of 25 °C, by
+//! [`Method::Reference`] with one step:
 //!
 //! | body | layers of 1 mm | 0.5 mm | 0.25 mm | 0.125 mm | 0.0625 mm |
 //! |---|---|---|---|---|---|
@@ -13,9 +15,11 @@
 //! | corner | 3.18 | 1.38 | 0.861 | | |
 //! | corner, with surface resistance | 1.57 | 0.617 | 0.177 | | |
 //!
-//! (largest errors, K). They fall with the square of the size, except where a voxel's centre is taken for its surface.
+//! (largest errors, K).
+//! They fall with the square of the size, except where a voxel's centre is taken for its surface.
 //!
-//! Formulas: Carslaw and Jaeger, *Conduction of Heat in Solids*, 2nd edition 1959, sections 2.4, 2.7, 3.4 and 3.11.
+//! Formulas: Carslaw and Jaeger, *Conduction of Heat in Solids*, 2nd edition 1959, sections 2.4,
+//! 2.7, 3.4 and 3.11.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -31,12 +35,13 @@ use crate::timeline::Slot;
 /// A body that cools down from one temperature, without radiation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Body {
-    /// 2 mm of plastic on a plate of 80 °C, of no end in x and y and with no loss to the air, after 4 s.
+    /// 2 mm of plastic on a plate of 80 °C, of no end in x and y and with no loss to the air, after
+    /// 4 s.
     Slab,
     /// A column on a plate of 80 °C, so tall that its upper end does not matter, after 4 s.
     Deep,
-    /// The upper half of a cube of 10 mm in moving air (36 W/(m² K)), after 60 s: as the plane through its middle lets no
-    /// heat pass, it is a plate that takes up none.
+    /// The upper half of a cube of 10 mm in moving air (36 W/(m² K)), after 60 s: as the plane
+    /// through its middle lets no heat pass, it is a plate that takes up none.
     Cube {
         /// [`Process::surface_resistance`].
         surface_resistance: bool,
@@ -78,14 +83,17 @@ impl Body {
         Self::Corner { surface_resistance: true },
     ];
 
-    /// Cools the body down, in voxels of a height in mm and of twice that width, and compares it with the formula.
+    /// Cools the body down, in voxels of a height in mm and of twice that width, and compares it
+    /// with the formula.
     ///
-    /// The height should go into 2 mm a whole number of times, and twice the height into 8 mm and into 10 mm.
+    /// The height should go into 2 mm a whole number of times, and twice the height into 8 mm and
+    /// into 10 mm.
     pub fn deviation(self, layer_mm: f64, method: Method) -> Result<Deviation, SetupError> {
         let material = Material { emissivity: 0.0, ..Material::abs() };
         let part = self.part(layer_mm);
         let frame = part.frame;
-        // A twentieth of the time in which heat crosses a layer: stable, and exact enough not to matter.
+        // A twentieth of the time in which heat crosses a layer: stable, and exact enough not to
+        // matter.
         let step_s = 0.05 * (layer_mm / 1e3).powi(2) / material.diffusivity_m2_s();
         let process = Process { print_mm_s: frame.cell_mm / step_s, ..self.process() };
         let mut simulation = Simulation::new(part.clone(), &material, &process, method)?;
@@ -153,8 +161,9 @@ impl Body {
         if matches!(self, Self::Cube { .. }) { 60.0 } else { 4.0 }
     }
 
-    /// What the flow along one axis has left of the difference from plate or air, at a place in m; `None` where the
-    /// formula does not hold. All axes together leave the product.
+    /// What the flow along one axis has left of the difference from plate or air, at a place in m;
+    /// `None` where the formula does not hold.
+    /// All axes together leave the product.
     fn left(self, axis: usize, at: f64, material: &Material) -> Option<f64> {
         let spread = material.diffusivity_m2_s() * self.seconds();
         let loss = CONVECTION_W_M2K / material.conductivity_w_mk;
@@ -177,8 +186,8 @@ impl Body {
     }
 }
 
-/// What is left of the difference between a slab and the plate it lies on, where no heat leaves at the top; at a height
-/// of 0 to 1, after a time in units of height² / diffusivity.
+/// What is left of the difference between a slab and the plate it lies on, where no heat leaves at
+/// the top; at a height of 0 to 1, after a time in units of height² / diffusivity.
 fn slab(height: f64, time: f64) -> f64 {
     let term = |n: f64| {
         let root = (n + 0.5) * PI;
@@ -187,8 +196,9 @@ fn slab(height: f64, time: f64) -> f64 {
     (0..100).map(f64::from).map(term).sum()
 }
 
-/// What is left of the difference between a wall and the air on both of its sides; at -1 to 1 from its middle, given
-/// h L / k, L being half the wall's thickness, and the time in units of L² / diffusivity.
+/// What is left of the difference between a wall and the air on both of its sides; at -1 to 1 from
+/// its middle, given h L / k, L being half the wall's thickness, and the time in units of L² /
+/// diffusivity.
 fn wall(place: f64, biot: f64, time: f64) -> f64 {
     let term = |n: f64| {
         let (mut low, mut high) = (n * PI, (n + 0.5) * PI);
@@ -204,8 +214,8 @@ fn wall(place: f64, biot: f64, time: f64) -> f64 {
     (0..100).map(f64::from).map(term).sum()
 }
 
-/// What is left of the difference between a half-space and the air, at a depth in m, given h / k in 1/m and
-/// diffusivity times time in m².
+/// What is left of the difference between a half-space and the air, at a depth in m, given h / k in
+/// 1/m and diffusivity times time in m².
 fn under_air(depth: f64, loss: f64, spread: f64) -> f64 {
     let near = depth / (2.0 * spread.sqrt());
     let beyond =

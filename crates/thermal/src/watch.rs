@@ -9,12 +9,14 @@ const ROUNDING: f64 = 1e-9;
 impl Simulation {
     /// Runs through slots like [`Simulation::run`], and looks every so many seconds.
     ///
-    /// Looks fall on multiples of `every_s` since the start of the *print*, so that layers can be watched one after the
-    /// other. Pauses are cut there; the slot of a birth is not, so a look that is due in one comes at its end, and only
-    /// one look if more are due. There is no look at the start and none at the end unless one is due then.
+    /// Looks fall on multiples of `every_s` since the start of the *print*, so that layers can be
+    /// watched one after the other.
+    /// Pauses are cut there; the slot of a birth is not, so a look that is due in one comes at its
+    /// end, and only one look if more are due.
+    /// There is no look at the start and none at the end unless one is due then.
     ///
-    /// What comes out differs from an unwatched run by no more than the method's error; with looks closer together than
-    /// the long steps of the fast method, it costs more.
+    /// What comes out differs from an unwatched run by no more than the method's error; with looks
+    /// closer together than the long steps of the fast method, it costs more.
     ///
     /// # Panics
     /// If the interval is not more than 0.
@@ -92,7 +94,8 @@ impl Probes {
         &self.seconds
     }
 
-    /// What a probe read at each of those times, °C; `None` before its voxel was born, and where there is none.
+    /// What a probe read at each of those times, °C; `None` before its voxel was born, and where
+    /// there is none.
     ///
     /// # Panics
     /// If there is no such probe.
@@ -102,11 +105,13 @@ impl Probes {
     }
 }
 
-/// How long each voxel has been hotter than some temperature, for example the glass transition, above which beads weld.
+/// How long each voxel has been hotter than some temperature, for example the glass transition,
+/// above which beads weld.
 ///
-/// A voxel that is hotter at a look is taken to have been so since the look before. So each stretch of time above the
-/// temperature is wrong by up to one interval in either direction, by none on average, and stretches shorter than the
-/// interval may be missed. Memory is 8 bytes for each voxel of the box around the part.
+/// A voxel that is hotter at a look is taken to have been so since the look before.
+/// So each stretch of time above the temperature is wrong by up to one interval in either
+/// direction, by none on average, and stretches shorter than the interval may be missed.
+/// Memory is 8 bytes for each voxel of the box around the part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeAbove {
     above_c: f64,
@@ -126,7 +131,8 @@ impl TimeAbove {
         Self { above_c, plane, last_s: simulation.seconds(), seconds }
     }
 
-    /// Counts the time since the last look. Linear in the box around the layers that are begun.
+    /// Counts the time since the last look.
+    /// Linear in the box around the layers that are begun.
     pub fn look(&mut self, simulation: &Simulation) {
         let passed_s = simulation.seconds() - self.last_s;
         self.last_s = simulation.seconds();
@@ -146,7 +152,8 @@ impl TimeAbove {
         self.above_c
     }
 
-    /// How long each voxel of the box around the part was hotter, s, `[z, y, x]`; 0 where none is deposited.
+    /// How long each voxel of the box around the part was hotter, s, `[z, y, x]`; 0 where none is
+    /// deposited.
     pub fn seconds(&self) -> &[f64] {
         &self.seconds
     }

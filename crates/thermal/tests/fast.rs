@@ -1,4 +1,5 @@
-//! The fast stepper against the reference: no worse than the naive scheme, or than what is measured here.
+//! The fast stepper against the reference: no worse than the naive scheme, or than what is measured
+//! here.
 
 #![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
 
@@ -12,8 +13,9 @@ use common::{
 const STANDARD: Method = Method::Fast(Accuracy::Standard);
 const HIGH: Method = Method::Fast(Accuracy::High);
 
-/// What the errors of both accuracies stay below, wherever the naive scheme's are smaller still, K. Over 160 prints of
-/// this kind they reached 0.10 and 1.5, 0.06 and 0.43; the naive scheme 0.65 and 5.4.
+/// What the errors of both accuracies stay below, wherever the naive scheme's are smaller still, K.
+/// Over 160 prints of this kind they reached 0.10 and 1.5, 0.06 and 0.43; the naive scheme 0.65 and
+/// 5.4.
 const FLOORS: [(Method, Difference); 2] =
     [(STANDARD, Difference { rms: 0.11, max: 1.6 }), (HIGH, Difference { rms: 0.065, max: 0.5 })];
 
@@ -207,7 +209,8 @@ fn layers_are_slots() {
     }
 }
 
-/// Flat or tall voxels, strong wind, hot air: steps stay stable, and no voxel leaves the range of what surrounds it.
+/// Flat or tall voxels, strong wind, hot air: steps stay stable, and no voxel leaves the range of
+/// what surrounds it.
 #[test]
 fn no_extreme_runs_away() {
     for seed in 0..16 {

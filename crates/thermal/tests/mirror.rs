@@ -1,4 +1,5 @@
-//! Heat knows no left and right: mirrored, turned and shifted prints give the same field, mirrored, turned and shifted.
+//! Heat knows no left and right: mirrored, turned and shifted prints give the same field, mirrored,
+//! turned and shifted.
 
 #![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
 

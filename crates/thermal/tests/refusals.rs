@@ -16,7 +16,8 @@ use common::{bits, block, frame, part_of};
 const METHODS: [Method; 3] =
     [Method::Naive, Method::Reference { steps: 1 }, Method::Fast(Accuracy::Standard)];
 
-/// 4 x 3 x 2 voxels without one in the middle of the lower layer and one in the corner of the upper one.
+/// 4 x 3 x 2 voxels without one in the middle of the lower layer and one in the corner of the upper
+/// one.
 fn part() -> Arc<Voxels> {
     part_of(frame(4, 3), 2, |place| place != [1, 1, 0] && place != [3, 2, 1])
 }
@@ -25,7 +26,8 @@ fn setup(material: &Material, process: &Process, method: Method) -> Result<Simul
     Simulation::new(block(3, 3, 1), material, process, method)
 }
 
-/// Half of layer 0 is printed already; the call must be refused, the same for all methods, and change nothing.
+/// Half of layer 0 is printed already; the call must be refused, the same for all methods, and
+/// change nothing.
 #[track_caller]
 fn refused(call: impl Fn(&mut Simulation) -> DepositError, expected: &DepositError) {
     for method in METHODS {

@@ -21,7 +21,8 @@ pub(super) struct DatasetArgs {
     /// Times each is measured; the median is shown.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     repeats: u64,
-    /// Folder for the datasets, which are removed afterwards; the system's for temporary files if not given.
+    /// Folder for the datasets, which are removed afterwards; the system's for temporary files if
+    /// not given.
     #[arg(long, value_name = "DIR")]
     scratch: Option<PathBuf>,
     /// Print one JSON document.

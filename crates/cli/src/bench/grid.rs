@@ -111,8 +111,8 @@ fn grid_row(side: u32, repeats: u64) -> anyhow::Result<GridRow> {
     })
 }
 
-/// A million pairs of switches at random places, the second one or two cells from the first; both take out two links that
-/// are there: the cases in which positions decide.
+/// A million pairs of switches at random places, the second one or two cells from the first; both
+/// take out two links that are there: the cases in which positions decide.
 fn shuffled_pairs(path: &Path, side: u32) -> Vec<[Switch; 2]> {
     let corners: Vec<u32> =
         (0..side * side).filter(|&corner| path.sides(corner).is_some()).collect();

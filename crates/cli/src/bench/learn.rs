@@ -1,4 +1,5 @@
-//! `bench learn`: rates of training, of what feeds it and of asking a network; and a network beside PyTorch's.
+//! `bench learn`: rates of training, of what feeds it and of asking a network; and a network beside
+//! PyTorch's.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -36,7 +37,8 @@ pub(super) struct LearnArgs {
     /// Steps measured, after two that are not.
     #[arg(long, value_name = "N", default_value = "8", value_parser = clap::value_parser!(u64).range(1..))]
     steps: u64,
-    /// Instead: the largest difference between a network and what PyTorch made of its weights and inputs, both in safetensors.
+    /// Instead: the largest difference between a network and what PyTorch made of its weights and
+    /// inputs, both in safetensors.
     #[arg(long, value_names = ["WEIGHTS", "IO"], num_args = 2)]
     parity: Option<Vec<PathBuf>>,
     /// Print one JSON document.
@@ -91,7 +93,8 @@ pub(super) fn run(args: &LearnArgs) -> anyhow::Result<()> {
     output::text(&(lines.join("\n") + "\n"))
 }
 
-/// The first full batch on a canvas of 32 x 32 cells, and how many examples a second were made, of all canvases by their cells.
+/// The first full batch on a canvas of 32 x 32 cells, and how many examples a second were made, of
+/// all canvases by their cells.
 fn load(dataset: &Dataset, training: &Training) -> anyhow::Result<(Option<Batch>, f64)> {
     let settings = training.samples();
     let begin = Instant::now();

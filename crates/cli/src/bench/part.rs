@@ -15,8 +15,8 @@ use serde_json::{Value, json};
 use crate::plan::printed_layers;
 use crate::{machine, output};
 
-/// Measure how fast meshes are read, repaired and sliced, how much memory that takes, and how fast G-code is written,
-/// read and checked.
+/// Measure how fast meshes are read, repaired and sliced, how much memory that takes, and how fast
+/// G-code is written, read and checked.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:

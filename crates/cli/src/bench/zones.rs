@@ -15,7 +15,8 @@ use serde_json::json;
 use super::{median, middle};
 use crate::{cancel, machine, output, progress};
 
-/// The genetic algorithm, with one thread and with two, and replays of moves, on 30x30 and 100x100 cells.
+/// The genetic algorithm, with one thread and with two, and replays of moves, on 30x30 and 100x100
+/// cells.
 #[derive(clap::Args)]
 pub(super) struct ZonesArgs {
     /// Times each figure is measured; the median is shown.
@@ -34,7 +35,8 @@ const THREADS: [usize; 2] = [1, 2];
 struct Row {
     layout: String,
     size: String,
-    /// Moves of the population, replayed on links with their changes of the crossings, in millions a second.
+    /// Moves of the population, replayed on links with their changes of the crossings, in millions
+    /// a second.
     links_m_per_s: f64,
     /// The same on paths.
     path_m_per_s: f64,
@@ -181,7 +183,8 @@ fn row(side: u32, layout: Layout, repeats: u64, bar: &ProgressBar) -> anyhow::Re
     })
 }
 
-/// Millions of moves a second, each list replayed from the start, with the changes of those that apply.
+/// Millions of moves a second, each list replayed from the start, with the changes of those that
+/// apply.
 fn replays<S: Clone>(
     lists: &[Vec<Placed>],
     start: &S,

@@ -43,7 +43,8 @@ struct Run {
 }
 
 impl Run {
-    /// By how many per cent of the start's crossings a way saves more than the first population, or than another way.
+    /// By how many per cent of the start's crossings a way saves more than the first population, or
+    /// than another way.
     fn saved(&self, way: usize, on: Option<usize>) -> f64 {
         let before = on.map_or(self.seeded, |other| self.crossings[other]);
         100.0 * (before - self.crossings[way]) as f64 / self.initial.max(1) as f64
@@ -179,7 +180,8 @@ mod tests {
             seeded: 30,
             crossings: crossings.to_vec(),
         };
-        // One-point saves 1 and 3 crossings of 50 on the first population, so 2 and 6 points; window 2 and 3 crossings more than that.
+        // One-point saves 1 and 3 crossings of 50 on the first population, so 2 and 6 points;
+        // window 2 and 3 crossings more than that.
         let runs = vec![run(0, [29, 29, 28, 27, 29]), run(1, [27, 27, 28, 24, 27])];
         assert!(
             (runs[0].saved(0, None) - 2.0).abs() < 1e-9
@@ -189,7 +191,8 @@ mod tests {
         let mut text = String::new();
         table(&mut text, &[(cell, runs)]).unwrap();
         let line = text.lines().find(|line| line.starts_with("| left_right | 30x30")).unwrap();
-        // Half widths are t(1) = 12.706 standard errors: of 2 points for one-point, of 1 point for window.
+        // Half widths are t(1) = 12.706 standard errors: of 2 points for one-point, of 1 point for
+        // window.
         let entries: Vec<&str> = line.split('|').map(str::trim).collect();
         assert_eq!(entries[3..=4], ["40.0", "4.00 +- 25.41"], "{line}");
         assert_eq!(

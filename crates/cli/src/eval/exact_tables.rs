@@ -36,7 +36,8 @@ impl Case {
     }
 }
 
-/// All cases: the paper's 24 cells, harder layouts, larger ones and masks; so many seeds of each, fewer of the largest.
+/// All cases: the paper's 24 cells, harder layouts, larger ones and masks; so many seeds of each,
+/// fewer of the largest.
 fn cases(seeds: u64) -> Vec<Case> {
     let mut cases = Vec::new();
     let mut add = |group, spec: LayoutSpec, (width, height), shape: Option<Shape>, seeds: u64| {
@@ -52,7 +53,8 @@ fn cases(seeds: u64) -> Vec<Case> {
         cases.push(Case { name, spec, width, height, shape, seeds, group });
     };
     for cell in paper::cells() {
-        // A layout that is not drawn has one instance; it is solved with as many seeds of the search.
+        // A layout that is not drawn has one instance; it is solved with as many seeds of the
+        // search.
         add(
             "the paper's layouts",
             LayoutSpec::new(cell.layout),

@@ -25,12 +25,14 @@ use super::statistics::mean;
 use crate::learned::check_size;
 use crate::{machine, output, paper, progress};
 
-/// How many moves and seconds FusionNet takes to the crossings that the paper's annealer reaches, and what others take.
+/// How many moves and seconds FusionNet takes to the crossings that the paper's annealer reaches,
+/// and what others take.
 ///
-/// The target of an instance is the best of some runs of the annealer's preset `paper`; the annealer's moves and seconds are those
-/// of the run that got there with the fewest moves. Beside it stand the free annealer (`fast`), a walk that is the network's but
-/// for the network (of all moves the one that gains most, else a random one), the search for chains that the network learned
-/// from, and the exact search.
+/// The target of an instance is the best of some runs of the annealer's preset `paper`; the
+/// annealer's moves and seconds are those of the run that got there with the fewest moves.
+/// Beside it stand the free annealer (`fast`), a walk that is the network's but for the network (of
+/// all moves the one that gains most, else a random one), the search for chains that the network
+/// learned from, and the exact search.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -65,7 +67,8 @@ pub(super) struct FusionArgs {
     /// Moves without a new best after which some are made at random.
     #[arg(long, value_name = "N", default_value_t = WalkSettings::default().patience)]
     patience: usize,
-    /// The dataset it was trained on: also tell how often it meets the moves of those instances that were kept for the end.
+    /// The dataset it was trained on: also tell how often it meets the moves of those instances
+    /// that were kept for the end.
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
     /// Moves of each of their trajectories.

@@ -102,7 +102,8 @@ impl Growth {
         Ok(())
     }
 
-    /// Both curves with logarithmic axes; beside that over the cells, linear growth from its middle.
+    /// Both curves with logarithmic axes; beside that over the cells, linear growth from its
+    /// middle.
     pub(super) fn svg(&self) -> anyhow::Result<String> {
         let cells: Vec<(f64, f64)> =
             self.cells.iter().map(|point| (f64::from(point.side * point.side), point.ms)).collect();

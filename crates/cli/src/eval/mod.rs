@@ -37,8 +37,8 @@ enum What {
     Fusion(fusion::FusionArgs),
 }
 
-/// Crossings over the 24 cells of Aali et al.: their Tables 1, 3 and 5 by every method, or one method looked at
-/// closely.
+/// Crossings over the 24 cells of Aali et al.: their Tables 1, 3 and 5 by every method, or one
+/// method looked at closely.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Without --method: zigzag, annealing, the genetic algorithm and the exact search on the same instances, those whose \
@@ -63,11 +63,12 @@ Examples:
   beadwork eval zones --method exact --seeds 20
   beadwork eval zones --method exact --json --plot growth.svg > exact.json")]
 struct ZonesArgs {
-    /// Look at one method: zigzag, anneal, genetic or exact; all of them, side by side, if not given.
+    /// Look at one method: zigzag, anneal, genetic or exact; all of them, side by side, if not
+    /// given.
     #[arg(long, value_name = "METHOD")]
     method: Option<MethodName>,
-    /// Seeds per cell and preset; if not given 10 for the table of all methods, 30 for genetic, 100 for the others
-    /// (with --smoke 1, 2 and 100).
+    /// Seeds per cell and preset; if not given 10 for the table of all methods, 30 for genetic, 100
+    /// for the others (with --smoke 1, 2 and 100).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     seeds: Option<u64>,
     /// All methods, genetic: folder to leave results in and to go on from; datasets/eval-zones or
@@ -83,7 +84,8 @@ struct ZonesArgs {
     /// Exact: draw how the time grows with cells and with zones.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Threads; 0 for one a core. The exact search alone is timed on one.
+    /// Threads; 0 for one a core.
+    /// The exact search alone is timed on one.
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
     /// Print one JSON document, with a row for each run.

@@ -17,8 +17,9 @@ pub(super) struct Interval {
 }
 
 impl Interval {
-    /// Of the mean of the groups' means, by Student's t distribution. Each group is a sample of its own: how far the
-    /// groups lie apart says nothing of how sure their means are.
+    /// Of the mean of the groups' means, by Student's t distribution.
+    /// Each group is a sample of its own: how far the groups lie apart says nothing of how sure
+    /// their means are.
     pub(super) fn of(groups: &[Vec<f64>]) -> Self {
         let means: Vec<f64> = groups.iter().map(|group| mean(group.iter().copied())).collect();
         let count = groups.len() as f64;
@@ -54,8 +55,9 @@ impl fmt::Display for Interval {
     }
 }
 
-/// The quantile 0.975 of Student's t distribution: from tables up to 4 degrees of freedom, beyond that by its expansion
-/// around the normal distribution's (Abramowitz and Stegun, 26.7.5), which is right to 0.3 % there.
+/// The quantile 0.975 of Student's t distribution: from tables up to 4 degrees of freedom, beyond
+/// that by its expansion around the normal distribution's (Abramowitz and Stegun, 26.7.5), which is
+/// right to 0.3 % there.
 fn quantile(freedom: f64) -> f64 {
     const FEW: [f64; 4] = [12.706, 4.303, 3.182, 2.776];
 
@@ -114,7 +116,8 @@ mod tests {
         let near = Interval::of(&[vec![1.0, 3.0], vec![1.0, 3.0]]);
         let apart = Interval::of(&[vec![1.0, 3.0], vec![101.0, 103.0]]);
         assert!((near.half_width - apart.half_width).abs() < 1e-9);
-        // Two groups with a standard error of 1 each: that of their mean is 1 / sqrt(2), with 2 degrees of freedom.
+        // Two groups with a standard error of 1 each: that of their mean is 1 / sqrt(2), with 2
+        // degrees of freedom.
         assert!(
             (apart.mean - 52.0).abs() < 1e-9
                 && (near.half_width - 4.303 / 2_f64.sqrt()).abs() < 1e-9

@@ -1,4 +1,5 @@
-//! Parts of a long evaluation, kept in a folder so that an interrupted one goes on where it stopped.
+//! Parts of a long evaluation, kept in a folder so that an interrupted one goes on where it
+//! stopped.
 
 use std::fs;
 use std::hash::{DefaultHasher, Hasher};
@@ -24,8 +25,9 @@ pub(super) struct Store {
 }
 
 impl Store {
-    /// Opens a folder, making it if need be. One of other settings, of another build of this program or of another
-    /// machine is refused, for its parts would not go together with new ones.
+    /// Opens a folder, making it if need be.
+    /// One of other settings, of another build of this program or of another machine is refused,
+    /// for its parts would not go together with new ones.
     pub(super) fn open(folder: &Path, settings: &Value) -> anyhow::Result<Self> {
         let parts = folder.join("parts");
         fs::create_dir_all(&parts).with_context(|| format!("cannot make '{}'", parts.display()))?;
@@ -54,7 +56,8 @@ impl Store {
         &self.machine
     }
 
-    /// The parts of all jobs in their order, each as it lies there or made now, and the seconds that it took then.
+    /// The parts of all jobs in their order, each as it lies there or made now, and the seconds
+    /// that it took then.
     pub(super) fn parts<J: Sync, T: Serialize + DeserializeOwned + Send>(
         &self,
         pool: &rayon::ThreadPool,
@@ -140,8 +143,8 @@ fn damaged(path: &Path) -> String {
     format!("'{}' is damaged: remove it to have it made again", path.display())
 }
 
-/// A number that tells builds of this program apart: the commit does not, for sources may have been changed or not
-/// built anew.
+/// A number that tells builds of this program apart: the commit does not, for sources may have been
+/// changed or not built anew.
 fn build() -> anyhow::Result<String> {
     let program = std::env::current_exe().context("cannot find this program's file")?;
     let bytes =

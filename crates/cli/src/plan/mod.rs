@@ -28,9 +28,9 @@ use report::{Report, Seconds};
 
 /// Plan how a part is printed, and write its G-code.
 ///
-/// Meshes are cut into layers of cells one bead wide; every layer is covered by beads, the order of beads and tools is
-/// chosen for the part as a whole, and the G-code, read again from its text, is checked to print every cell once with
-/// the tool of its material.
+/// Meshes are cut into layers of cells one bead wide; every layer is covered by beads, the order of
+/// beads and tools is chosen for the part as a whole, and the G-code, read again from its text, is
+/// checked to print every cell once with the tool of its material.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -45,15 +45,16 @@ pub(crate) struct Args {
     /// What to save: tools (tool changes, at a price of lifts).
     #[arg(long, value_name = "NAME")]
     objective: Objective,
-    /// How layers may be printed: each the cheaper way, without lifts wherever possible (continuous), or tool by tool
-    /// (free).
+    /// How layers may be printed: each the cheaper way, without lifts wherever possible
+    /// (continuous), or tool by tool (free).
     #[arg(long, value_name = "MODE", default_value = "cheapest")]
     mode: ModeName,
     /// What a lift costs, in mm³ of purged material.
     #[arg(long, value_name = "MM3", default_value_t = 2)]
     lift_cost: u32,
-    /// A pair of tools, numbered from 0 as in the G-code: in every layer that uses both, the first one comes first. May be
-    /// given several times.
+    /// A pair of tools, numbered from 0 as in the G-code: in every layer that uses both, the first
+    /// one comes first.
+    /// May be given several times.
     #[arg(long, value_name = "A:B")]
     before: Vec<Pair>,
     /// The tool, numbered from 0 as in the G-code, that begins the print.
@@ -62,13 +63,14 @@ pub(crate) struct Args {
     /// Use the tools in the same order in every layer.
     #[arg(long)]
     same_order: bool,
-    /// Try the path of the layer below for each layer; of equally good paths, take the one that keeps more of its links
-    /// (keep) or fewer (break).
+    /// Try the path of the layer below for each layer; of equally good paths, take the one that
+    /// keeps more of its links (keep) or fewer (break).
     #[arg(long, value_name = "RULE")]
     stacking: Option<StackingName>,
     #[command(flatten)]
     profile: ProfileArgs,
-    /// G-code to write; a JSON file with the totals is written beside it, under the same name and .json.
+    /// G-code to write; a JSON file with the totals is written beside it, under the same name and
+    /// .json.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Draw some layers with their paths.
@@ -80,7 +82,8 @@ pub(crate) struct Args {
     /// Most attempts at each connected part of a layer.
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..))]
     attempts: u32,
-    /// Threads; 0 for one a core. They change the time and nothing else.
+    /// Threads; 0 for one a core.
+    /// They change the time and nothing else.
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
     /// Print one JSON document.
@@ -230,7 +233,8 @@ pub(crate) fn refs(layers: &Layers) -> Vec<LayerRef<'_>> {
     layers.map(|slice::Layer { region, zones }| LayerRef { region, zones }).collect()
 }
 
-/// Layers with the paths of those that have cells, as they are printed: from the bed up, empty ones below left out.
+/// Layers with the paths of those that have cells, as they are printed: from the bed up, empty ones
+/// below left out.
 pub(crate) fn printed_layers<'a>(
     layers: &'a Layers,
     paths: impl Iterator<Item = &'a beadwork_grid::Path>,

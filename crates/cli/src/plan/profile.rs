@@ -32,10 +32,12 @@ pub(crate) struct ProfileArgs {
     /// Dialect of the G-code, in place of the profile's.
     #[arg(long, value_name = "NAME")]
     flavour: Option<FlavourName>,
-    /// What every change of tools purges, in mm³, in place of the profile's matrix; 140 if there is none.
+    /// What every change of tools purges, in mm³, in place of the profile's matrix; 140 if there is
+    /// none.
     #[arg(long, value_name = "MM3")]
     purge: Option<f64>,
-    /// The tower that takes up what is purged: auto, none, or its place and size LEFT,FRONT,WIDTH,DEPTH in mm.
+    /// The tower that takes up what is purged: auto, none, or its place and size
+    /// LEFT,FRONT,WIDTH,DEPTH in mm.
     #[arg(long, value_name = "TOWER", default_value = "auto")]
     tower: TowerPlace,
 }
@@ -70,7 +72,8 @@ impl std::str::FromStr for TowerPlace {
     }
 }
 
-/// Purged by a change of tools if nobody says otherwise, in mm³: what a usual nozzle takes between two colours.
+/// Purged by a change of tools if nobody says otherwise, in mm³: what a usual nozzle takes between
+/// two colours.
 const USUAL_PURGE_MM3: f64 = 140.0;
 
 /// Room between the part and the tower, in mm.
@@ -218,7 +221,8 @@ fn places(frame: &Frame, [bed_x, bed_y, _]: [f64; 3]) -> Vec<Tower> {
             width_mm: size,
             depth_mm,
         };
-        // As near to the part as it can be, but not deeper than wide at first: such towers fall over.
+        // As near to the part as it can be, but not deeper than wide at first: such towers fall
+        // over.
         let shallow = |tower: Tower| {
             let depth_mm = tower.depth_mm.min(2.0 * size);
             let free = tower.depth_mm - depth_mm;
@@ -254,7 +258,8 @@ fn places(frame: &Frame, [bed_x, bed_y, _]: [f64; 3]) -> Vec<Tower> {
     towers
 }
 
-/// What changes of tools cost: the volume they purge in whole mm³, but at least 1 each, for every change takes time.
+/// What changes of tools cost: the volume they purge in whole mm³, but at least 1 each, for every
+/// change takes time.
 pub(crate) fn tool_costs(purge: &Purge) -> anyhow::Result<ToolCosts> {
     let cost = |from: usize, to: usize, volume: f64| {
         if from == to { 0 } else { (volume.round() as u32).max(1) }

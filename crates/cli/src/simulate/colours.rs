@@ -2,8 +2,9 @@
 
 use super::map::Map;
 
-/// The colour map `plasma` of matplotlib (CC0) at equal steps: equal steps look alike to people with any colour vision, and each is lighter than
-/// the one before, so that it survives a print in grey.
+/// The colour map `plasma` of matplotlib (CC0) at equal steps: equal steps look alike to people
+/// with any colour vision, and each is lighter than the one before, so that it survives a print in
+/// grey.
 const STOPS: [[u8; 3]; 9] = [
     [13, 8, 135],
     [76, 2, 161],
@@ -16,7 +17,8 @@ const STOPS: [[u8; 3]; 9] = [
     [240, 249, 33],
 ];
 
-/// A share of the hottest voxels that may lie beyond the scale: those just laid down are so hot that all others would look alike.
+/// A share of the hottest voxels that may lie beyond the scale: those just laid down are so hot
+/// that all others would look alike.
 const BEYOND: f64 = 0.005;
 
 /// How much longer the scale has to be with them.
@@ -52,7 +54,8 @@ impl Scale {
         colour((celsius - self.low_c) / (self.high_c - self.low_c))
     }
 
-    /// Whole numbers, or tenths and so on, that divide it into a few parts; and how many decimals they have.
+    /// Whole numbers, or tenths and so on, that divide it into a few parts; and how many decimals
+    /// they have.
     pub(super) fn ticks(&self) -> (Vec<f64>, usize) {
         ticks(self.low_c, self.high_c, 5.0)
     }

@@ -56,7 +56,8 @@ impl Canvas {
         }
     }
 
-    /// Writes numbers, °C and > in black, the upper left corner at a place; other letters stay blank.
+    /// Writes numbers, °C and > in black, the upper left corner at a place; other letters stay
+    /// blank.
     pub(super) fn write(&mut self, [x, y]: [usize; 2], text: &str) {
         for (number, letter) in text.chars().enumerate() {
             let dots =

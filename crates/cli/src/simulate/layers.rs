@@ -3,7 +3,8 @@
 use beadwork_thermal::{Bond, LayerReport, Spread};
 use serde::Serialize;
 
-/// Temperatures of all voxels deposited so far, at the end of a layer, and what the layer is like in itself.
+/// Temperatures of all voxels deposited so far, at the end of a layer, and what the layer is like
+/// in itself.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct Measure {
     /// The layer, from 1.
@@ -19,7 +20,8 @@ pub(super) struct Measure {
     pub(super) print_seconds: f64,
     /// Groups of the layer's voxels that are above the glass transition.
     pub(super) hot_spots: usize,
-    /// Mean of the temperatures of the voxels below, each just before a bead of the layer landed on it; `None` where all lie on the plate.
+    /// Mean of the temperatures of the voxels below, each just before a bead of the layer landed on
+    /// it; `None` where all lie on the plate.
     pub(super) ground_mean_c: Option<f64>,
     /// The coldest of them.
     pub(super) ground_min_c: Option<f64>,

@@ -38,9 +38,10 @@ use watch::{Wanted, Watch};
 
 /// Simulate how warm a part gets while it is printed.
 ///
-/// Every voxel of the part is laid down in the order of a pattern, or as a G-code program has it, and heat flows between voxels, into the plate
-/// and into the air. Told are the temperatures of all that is printed, at the end of each layer, where heat gathers in it, and how warm the ground was on
-/// which its beads landed.
+/// Every voxel of the part is laid down in the order of a pattern, or as a G-code program has it,
+/// and heat flows between voxels, into the plate and into the air.
+/// Told are the temperatures of all that is printed, at the end of each layer, where heat gathers
+/// in it, and how warm the ground was on which its beads landed.
 #[derive(clap::Args)]
 #[command(
     // A program may show its part by itself.
@@ -62,8 +63,8 @@ pub(crate) struct Args {
     part: PartArgs,
     #[command(flatten)]
     printer: PrinterArgs,
-    /// The order of every layer's voxels: one of the 38 patterns, such as zigzag-y-1, raster-x-0, spiral-in-2, spiral-out-3,
-    /// contour-raster-y-3 and diagonal-1.
+    /// The order of every layer's voxels: one of the 38 patterns, such as zigzag-y-1, raster-x-0,
+    /// spiral-in-2, spiral-out-3, contour-raster-y-3 and diagonal-1.
     #[arg(
         long,
         value_name = "NAME",
@@ -71,7 +72,8 @@ pub(crate) struct Args {
         conflicts_with = "gcode"
     )]
     pattern: Pattern,
-    /// A program that prints the part, in place of a pattern. Without PART, the part is what its beads fill.
+    /// A program that prints the part, in place of a pattern.
+    /// Without PART, the part is what its beads fill.
     #[arg(long, value_name = "FILE")]
     gcode: Option<PathBuf>,
     /// Share of the part's voxels that the program may leave out; 0 if not given.
@@ -80,8 +82,8 @@ pub(crate) struct Args {
     /// What is printed.
     #[arg(long, value_name = "NAME", default_value = "abs")]
     material: MaterialName,
-    /// How the heat equation is stepped: as in the paper (naive), exactly (reference, four steps of second order for each
-    /// voxel), or fast.
+    /// How the heat equation is stepped: as in the paper (naive), exactly (reference, four steps of
+    /// second order for each voxel), or fast.
     #[arg(long, value_name = "NAME", default_value = "fast")]
     method: MethodName,
     /// Accuracy of the fast method; standard if not given.
@@ -91,8 +93,8 @@ pub(crate) struct Args {
     /// material: 230 for ABS, 210 for PLA, 240 for PETG.
     #[arg(long, value_name = "C", allow_hyphen_values = true)]
     nozzle_c: Option<f64>,
-    /// Temperature of the build plate, in °C, or none for a plate that takes up no heat; that of the
-    /// program, or 80, for PLA 60.
+    /// Temperature of the build plate, in °C, or none for a plate that takes up no heat; that of
+    /// the program, or 80, for PLA 60.
     #[arg(long, value_name = "C", allow_hyphen_values = true)]
     plate_c: Option<OrNone>,
     /// Temperature of the air, in °C.
@@ -104,7 +106,8 @@ pub(crate) struct Args {
     /// Speed of printing by a pattern, in mm/s; 30 if not given.
     #[arg(long, value_name = "MM_S", conflicts_with = "gcode", allow_hyphen_values = true)]
     print_mm_s: Option<f64>,
-    /// Speed of travel in a pattern, in mm/s, or none for a nozzle that is there at once; 150 if not given.
+    /// Speed of travel in a pattern, in mm/s, or none for a nozzle that is there at once; 150 if
+    /// not given.
     #[arg(long, value_name = "MM_S", conflicts_with = "gcode", allow_hyphen_values = true)]
     travel_mm_s: Option<OrNone>,
     /// Let heat cross half a voxel before it leaves a surface, which the paper's scheme neglects.
@@ -119,25 +122,31 @@ pub(crate) struct Args {
     /// Draw temperatures by layer, and maps of some layers as they are when complete.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
-    /// Draw a plane through the part as it is at the end: x=30 is 30 mm from its left side, y from its front, z from its bottom.
+    /// Draw a plane through the part as it is at the end: x=30 is 30 mm from its left side, y from
+    /// its front, z from its bottom.
     /// May be given several times.
     #[arg(long, value_name = "AXIS=MM", requires = "section_out")]
     section: Vec<Section>,
     /// Where to: a .png or .svg file for a single plane, or a folder, which gets both for each.
     #[arg(long, value_name = "FILE|DIR", requires = "section")]
     section_out: Option<PathBuf>,
-    /// Follow the temperature at a place, in mm from the part's left, front and bottom. May be given several times.
+    /// Follow the temperature at a place, in mm from the part's left, front and bottom.
+    /// May be given several times.
     #[arg(long, value_name = "X,Y,Z", requires = "probe_out", allow_hyphen_values = true)]
     probe: Vec<Probe>,
-    /// Write the history of all probes: seconds, then a column for each, empty before its voxel is laid down.
+    /// Write the history of all probes: seconds, then a column for each, empty before its voxel is
+    /// laid down.
     #[arg(long, value_name = "FILE", requires = "probe")]
     probe_out: Option<PathBuf>,
-    /// Seconds between readings of the probes; 1 if not given. A reading that is due while a voxel is laid down comes at the
-    /// voxel's end; with --time-above or --warpage, at their next look, where they look less often.
+    /// Seconds between readings of the probes; 1 if not given.
+    /// A reading that is due while a voxel is laid down comes at the voxel's end; with --time-above
+    /// or --warpage, at their next look, where they look less often.
     #[arg(long, value_name = "S", value_parser = interval, requires = "probe", allow_hyphen_values = true)]
     probe_seconds: Option<f64>,
-    /// Tell how long voxels were hotter than so many °C, the material's glass transition if none are given. Looks twice a
-    /// second of the print, with which the simulation takes up to three times as long.
+    /// Tell how long voxels were hotter than so many °C, the material's glass transition if none
+    /// are given.
+    /// Looks twice a second of the print, with which the simulation takes up to three times as
+    /// long.
     #[arg(
         long,
         value_name = "C",
@@ -146,11 +155,12 @@ pub(crate) struct Args {
         default_missing_value = Threshold::TRANSITION
     )]
     time_above: Option<Threshold>,
-    /// Estimate how far corners lift: a number that ranks plans, and does not predict. Looks twice a second of the print,
-    /// with which the simulation takes up to twice as long.
+    /// Estimate how far corners lift: a number that ranks plans, and does not predict.
+    /// Looks twice a second of the print, with which the simulation takes up to twice as long.
     #[arg(long)]
     warpage: bool,
-    /// Threads, which share the long steps of a large part; 0 for one a core. They change the time and nothing else.
+    /// Threads, which share the long steps of a large part; 0 for one a core.
+    /// They change the time and nothing else.
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
     /// Print one JSON document.

@@ -10,9 +10,11 @@ pub(super) fn size_mm(part: &Voxels) -> [f64; 3] {
     [width * frame.cell_mm, height * frame.cell_mm, depth * frame.layer_mm]
 }
 
-/// x, y and z of the voxel at a place in the box around a part, whether it is of the part or not; `None` outside the box.
+/// x, y and z of the voxel at a place in the box around a part, whether it is of the part or not;
+/// `None` outside the box.
 ///
-/// The side between two voxels belongs to the one farther right, back or up, the box's own last sides to the voxels within.
+/// The side between two voxels belongs to the one farther right, back or up, the box's own last
+/// sides to the voxels within.
 pub(super) fn voxel_at(part: &Voxels, mm: [f64; 3]) -> Option<[u32; 3]> {
     let inside = mm.iter().zip(size_mm(part)).all(|(mm, size_mm)| (0.0..=size_mm).contains(mm));
     let frame = &part.frame;

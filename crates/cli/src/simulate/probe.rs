@@ -47,7 +47,8 @@ impl Probe {
     }
 }
 
-/// A row for each reading: its time, and the temperature at each probe; empty before there is a voxel.
+/// A row for each reading: its time, and the temperature at each probe; empty before there is a
+/// voxel.
 pub(super) fn csv(places: &[Probe], probes: &Probes) -> String {
     let mut text = "seconds".to_owned();
     for Probe([x, y, z]) in places {
@@ -55,7 +56,8 @@ pub(super) fn csv(places: &[Probe], probes: &Probes) -> String {
     }
     let mut columns: Vec<_> = (0..places.len()).map(|probe| probes.celsius(probe)).collect();
     for seconds in probes.seconds() {
-        // To the microsecond: what rounding leaves of a sum of slots would read as if it meant something.
+        // To the microsecond: what rounding leaves of a sum of slots would read as if it meant
+        // something.
         write!(text, "\n{}", (seconds * 1e6).round() / 1e6).expect("a string takes all text");
         for column in &mut columns {
             let celsius =

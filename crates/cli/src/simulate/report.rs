@@ -20,7 +20,8 @@ pub(super) struct Report<'a> {
     pub(super) method: &'a str,
     /// Of each layer when it is complete.
     pub(super) layers: &'a [Measure],
-    /// Seconds for which it went on after the print, if that was asked for, and the temperatures then.
+    /// Seconds for which it went on after the print, if that was asked for, and the temperatures
+    /// then.
     pub(super) end: Option<(f64, Spread)>,
     /// What was looked at on the way.
     pub(super) seen: &'a Seen,
@@ -31,7 +32,8 @@ pub(super) struct Report<'a> {
 }
 
 impl Report<'_> {
-    /// The sum of the layers' standard deviations, made negative: the reward of the paper (Kim et al. 2026).
+    /// The sum of the layers' standard deviations, made negative: the reward of the paper (Kim et
+    /// al. 2026).
     fn reward(&self) -> f64 {
         -self.layers.iter().map(|layer| layer.std_c).sum::<f64>()
     }

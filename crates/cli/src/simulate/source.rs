@@ -97,7 +97,8 @@ impl Source {
                 }
             }
             Course::Program(program) => {
-                // Parts that are printed one after the other don't complete their layers from the bed up.
+                // Parts that are printed one after the other don't complete their layers from the
+                // bed up.
                 let mut ends: Vec<(usize, usize)> = program
                     .layer_ends
                     .iter()

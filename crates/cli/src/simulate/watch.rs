@@ -6,8 +6,8 @@ use beadwork_thermal::{
 };
 use serde::Serialize;
 
-/// Seconds between the looks of the warpage estimate and of the time above a temperature. Estimates of different looks can't be compared, so it is
-/// the same for all prints.
+/// Seconds between the looks of the warpage estimate and of the time above a temperature.
+/// Estimates of different looks can't be compared, so it is the same for all prints.
 const LOOK_S: f64 = 0.5;
 
 /// Times closer to a multiple than this part of the interval are on it.
@@ -67,7 +67,8 @@ impl Watch {
         }
     }
 
-    /// Runs through slots; in one piece if there is nothing to look at, as looks cut the long steps of the fast method.
+    /// Runs through slots; in one piece if there is nothing to look at, as looks cut the long steps
+    /// of the fast method.
     pub(super) fn run(
         &mut self,
         simulation: &mut Simulation,

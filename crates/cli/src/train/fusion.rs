@@ -17,8 +17,9 @@ use crate::{cancel, machine, output, progress};
 
 /// Train FusionNet, which proposes moves that lead to fewer crossings.
 ///
-/// Reads a dataset of `gen-data` and writes to a folder: config.toml and best.safetensors, the model; last.checkpoint, where the run stands;
-/// steps.csv and evaluations.csv; and events for TensorBoard.
+/// Reads a dataset of `gen-data` and writes to a folder: config.toml and best.safetensors, the
+/// model; last.checkpoint, where the run stands; steps.csv and evaluations.csv; and events for
+/// TensorBoard.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -62,7 +63,8 @@ const PRESETS: [(&str, &str); 3] = [
 #[derive(clap::Args)]
 #[group(required = true, multiple = false)]
 struct Source {
-    /// A built-in configuration: smoke (seconds), small (the committed weights, an hour), paper (f = 48).
+    /// A built-in configuration: smoke (seconds), small (the committed weights, an hour), paper (f
+    /// = 48).
     #[arg(long, value_name = "NAME", value_parser = PRESETS.map(|(name, _)| name))]
     preset: Option<String>,
     /// A configuration file; see configs/train.

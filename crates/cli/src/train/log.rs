@@ -13,7 +13,9 @@ use super::tensorboard::Events;
 const STEPS: &str = "step,examples,loss,rate,gradient\n";
 const EVALUATIONS: &str = "step,loss,layout,examples,top_1,top_5,action\n";
 
-/// The logs of one run. Each event is in the tables when `write` comes back, and so before the checkpoint that follows it.
+/// The logs of one run.
+/// Each event is in the tables when `write` comes back, and so before the checkpoint that follows
+/// it.
 pub(super) struct Log {
     folder: PathBuf,
     steps: BufWriter<File>,

@@ -8,7 +8,8 @@ use clap::Subcommand;
 
 use crate::memory;
 
-/// Train a network. A run that was stopped goes on with --resume, with the same losses.
+/// Train a network.
+/// A run that was stopped goes on with --resume, with the same losses.
 #[derive(clap::Args)]
 pub(crate) struct Args {
     #[command(subcommand)]

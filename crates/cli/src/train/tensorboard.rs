@@ -1,7 +1,8 @@
 //! Scalars in the files that `TensorBoard` reads.
 //!
-//! A file is a row of records (TFRecord: length, masked checksum, bytes, masked checksum), each of them an `Event` message of
-//! TensorFlow's event.proto: its time, its step, and a summary of named values.
+//! A file is a row of records (TFRecord: length, masked checksum, bytes, masked checksum), each of
+//! them an `Event` message of TensorFlow's event.proto: its time, its step, and a summary of named
+//! values.
 
 use std::io::{self, Write};
 
@@ -11,7 +12,8 @@ pub(super) struct Events<W> {
 }
 
 impl<W: Write> Events<W> {
-    /// Begins a file, with the version that each must begin with. `now` is in seconds since 1970.
+    /// Begins a file, with the version that each must begin with.
+    /// `now` is in seconds since 1970.
     pub(super) fn new(out: W, now: f64) -> io::Result<Self> {
         let mut events = Self { out };
         let mut event = Message::default();
@@ -97,7 +99,8 @@ mod tests {
 
     use super::*;
 
-    /// Bytes as TensorFlow's own writer gives them, but for the checksums, which have a test vector of their own.
+    /// Bytes as TensorFlow's own writer gives them, but for the checksums, which have a test vector
+    /// of their own.
     #[test]
     fn a_step_is_written_as_an_event() {
         let mut bytes = Vec::new();

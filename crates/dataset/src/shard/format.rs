@@ -15,7 +15,8 @@ pub(crate) const FOOTER_BYTES: usize = 32;
 
 /// What a shard can hold.
 pub trait Record: Serialize + DeserializeOwned {
-    /// Number of the schema in a shard's header. A change to the fields needs a new one, for they have no names on disk.
+    /// Number of the schema in a shard's header.
+    /// A change to the fields needs a new one, for they have no names on disk.
     const KIND: u16;
 }
 
@@ -60,8 +61,9 @@ pub(crate) struct BlockEntry {
 
 /// Everything in a shard but its blocks.
 ///
-/// Invariant: the blocks follow each other without a gap, from the end of the header on, and so do their records. The bytes
-/// follow from the fields, so a reader can hash a file without reading these parts again.
+/// Invariant: the blocks follow each other without a gap, from the end of the header on, and so do
+/// their records.
+/// The bytes follow from the fields, so a reader can hash a file without reading these parts again.
 #[derive(Clone, Debug)]
 pub(crate) struct Outline {
     pub(crate) header: ShardHeader,

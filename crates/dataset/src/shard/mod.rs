@@ -1,7 +1,8 @@
 //! Shards: files of records of one schema, in blocks that are compressed and checked one by one.
 //!
 //! # Layout
-//! All numbers are little endian. The file has no byte beyond these.
+//! All numbers are little endian.
+//! The file has no byte beyond these.
 //!
 //! | part   | at | bytes | content                                                                       |
 //! |--------|---:|------:|-------------------------------------------------------------------------------|
@@ -24,8 +25,8 @@
 //! |        | 20 |     4 | CRC-32 of the header, the index and the 20 bytes before this                  |
 //! |        | 24 |     8 | magic `42 57 53 2d 65 6e 64 0a`, "BWS-end" and a line end                     |
 //!
-//! Records are numbered through the whole dataset, so a shard begins where the one before it ended. Fields have no names on
-//! disk: a change to a record's fields needs a new schema kind.
+//! Records are numbered through the whole dataset, so a shard begins where the one before it ended.
+//! Fields have no names on disk: a change to a record's fields needs a new schema kind.
 
 mod format;
 mod reader;

@@ -13,7 +13,8 @@ use super::format::{
 use crate::CodecError;
 use crate::codec::{self, MAX_BYTES};
 
-/// Why a shard could not be read. The messages leave out the file's name, which a reader doesn't know.
+/// Why a shard could not be read.
+/// The messages leave out the file's name, which a reader doesn't know.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ShardError {
@@ -48,7 +49,8 @@ pub enum ShardError {
         /// Number of the block, from 0.
         block: u32,
     },
-    /// A block is as it was written, but does not hold the records asked for: their fields changed under the same kind.
+    /// A block is as it was written, but does not hold the records asked for: their fields changed
+    /// under the same kind.
     #[error("block {block} holds other records than this build's: {cause}")]
     Foreign {
         /// Number of the block, from 0.
@@ -72,8 +74,9 @@ pub struct ShardReader<R> {
 }
 
 impl<R: Read + Seek> ShardReader<R> {
-    /// Reads and checks header, index and footer; the input must be the shard from its first byte to its last. Needs no
-    /// buffering: parts are read whole.
+    /// Reads and checks header, index and footer; the input must be the shard from its first byte
+    /// to its last.
+    /// Needs no buffering: parts are read whole.
     pub fn open(mut input: R) -> Result<Self, ShardError> {
         let outline = read_outline(&mut input)?;
         Ok(Self {
@@ -125,14 +128,14 @@ impl<R: Read + Seek> ShardReader<R> {
         Ok(records)
     }
 
-    /// All records in order, one block in memory at a time. A block that can't be read gives one error, and the records go on
-    /// with the next block's.
+    /// All records in order, one block in memory at a time.
+    /// A block that can't be read gives one error, and the records go on with the next block's.
     pub fn records<T: Record>(&mut self) -> impl Iterator<Item = Result<T, ShardError>> {
         flatten((0..self.block_count()).map(|block| self.read_block(block)))
     }
 
-    /// Checks every byte of the blocks, after those checked by `open`, and sums the shard up. It does not decode records, so it
-    /// works for any kind.
+    /// Checks every byte of the blocks, after those checked by `open`, and sums the shard up.
+    /// It does not decode records, so it works for any kind.
     pub fn verify(&mut self) -> Result<ShardSummary, ShardError> {
         let mut hasher = Sha256::new_with_prefix(self.outline.header_bytes());
         for block in 0..self.block_count() {

@@ -230,8 +230,8 @@ fn reseal(bytes: &mut [u8]) {
 fn a_false_index_with_a_true_checksum_is_refused() {
     let (bytes, _) = small_shard();
     let footer = footer_at(&bytes);
-    // Every field of the index, the first record and the number of records; all but the index's place and length, which the
-    // checksum needs.
+    // Every field of the index, the first record and the number of records; all but the index's
+    // place and length, which the checksum needs.
     let fields = (footer - 3 * ENTRY_BYTES..footer).chain(24..32).chain(footer + 8..footer + 16);
     for at in fields {
         let mut bad = bytes.clone();
@@ -368,7 +368,8 @@ proptest! {
         prop_assert!(read_all(&[&bytes[..start], &noise, &bytes[footer_at(&bytes)..]].concat()).is_err());
     }
 
-    /// Damage that the checksum of header and index does not show, up to the codec: an error or records, but no panic.
+    /// Damage that the checksum of header and index does not show, up to the codec: an error or
+    /// records, but no panic.
     #[test]
     fn resealed_noise_does_no_harm(at: prop::sample::Index, noise in prop::collection::vec(any::<u8>(), 1..40)) {
         let (mut bytes, _) = small_shard();

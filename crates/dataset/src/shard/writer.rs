@@ -9,10 +9,12 @@ use super::format::{Outline, Record, ShardHeader, ShardSummary, crc32};
 use crate::CodecError;
 use crate::codec;
 
-/// Some records, encoded and compressed: what a shard is made of, and the least that is read at a time.
+/// Some records, encoded and compressed: what a shard is made of, and the least that is read at a
+/// time.
 ///
-/// A reader decodes a whole block for one of its records, and a shuffled stream holds several: some hundred kilobytes of
-/// raw bytes compress well and read fast. The bytes depend on the records, the level and the zstd version alone.
+/// A reader decodes a whole block for one of its records, and a shuffled stream holds several: some
+/// hundred kilobytes of raw bytes compress well and read fast.
+/// The bytes depend on the records, the level and the zstd version alone.
 #[derive(Clone, Debug)]
 pub struct Block {
     kind: u16,
@@ -38,14 +40,17 @@ pub enum PackError {
 }
 
 impl Block {
-    /// The level to use unless there is a reason not to. Moves are dense: the levels above save a few percent of the file
-    /// for twice the time and more, level 1 saves half of the time and adds a tenth to the file.
+    /// The level to use unless there is a reason not to.
+    /// Moves are dense: the levels above save a few percent of the file for twice the time and
+    /// more, level 1 saves half of the time and adds a tenth to the file.
     pub const DEFAULT_LEVEL: i32 = 3;
 
-    /// Encodes and compresses records. Pure, so that blocks can be packed in parallel.
+    /// Encodes and compresses records.
+    /// Pure, so that blocks can be packed in parallel.
     ///
-    /// `level` is zstd's, 1 (fast) to 22 (small); values beyond are clamped, 0 is zstd's own default. Reading takes about the
-    /// same time at every level.
+    /// `level` is zstd's, 1 (fast) to 22 (small); values beyond are clamped, 0 is zstd's own
+    /// default.
+    /// Reading takes about the same time at every level.
     pub fn pack<R: Record>(records: &[R], level: i32) -> Result<Self, PackError> {
         if records.is_empty() {
             return Err(PackError::Empty);
@@ -76,7 +81,8 @@ impl Block {
 
 /// Writes one shard, block by block.
 ///
-/// After an error the output is of no use; [`write_whole`](crate::write_whole()) makes sure that no such file stays.
+/// After an error the output is of no use; [`write_whole`](crate::write_whole()) makes sure that no
+/// such file stays.
 #[derive(Debug)]
 pub struct ShardWriter<W> {
     out: W,
@@ -96,8 +102,8 @@ impl<W: Write> ShardWriter<W> {
     /// Appends a block.
     ///
     /// # Panics
-    /// If the block's records are of another kind than the header says, or the record numbers or the blocks exceed their range
-    /// of 64 or 32 bits.
+    /// If the block's records are of another kind than the header says, or the record numbers or
+    /// the blocks exceed their range of 64 or 32 bits.
     pub fn block(&mut self, block: &Block) -> io::Result<()> {
         assert_eq!(
             block.kind, self.outline.header.kind,

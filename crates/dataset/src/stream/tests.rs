@@ -169,7 +169,8 @@ fn records_mix_over_the_whole_window() {
     let folder = dataset(&[vec![100; 20]]);
     let dataset = Dataset::open(folder.path()).unwrap();
     let order = shuffled(&dataset, 3, 0, 20);
-    // With every block in the window each place is equally likely: the mean distance from home is a third of the length.
+    // With every block in the window each place is equally likely: the mean distance from home is a
+    // third of the length.
     let moved: u64 = (0..).zip(&order).map(|(place, &number)| number.abs_diff(place)).sum();
     let mean = moved as f64 / order.len() as f64;
     assert!((600.0..730.0).contains(&mean), "records moved by {mean} places on average");

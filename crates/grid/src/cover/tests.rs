@@ -4,7 +4,8 @@ use proptest::prelude::*;
 
 use super::*;
 
-/// The fewest paths that cover all cells, found by trying every set of links with at most two at each cell.
+/// The fewest paths that cover all cells, found by trying every set of links with at most two at
+/// each cell.
 fn fewest_pieces(region: &Region) -> u32 {
     let cells: Vec<Cell> = region.cells().collect();
     let place = |cell: Cell| cells.binary_search(&cell).unwrap();

@@ -157,7 +157,8 @@ fn check(path: &Path, region: &Region, switches: &[Switch], expected: Option<Vec
 /// How many sites turned out how.
 #[derive(Default)]
 struct Met {
-    /// Pairs that keep the path, and pairs that apply but break it: two unit cells apart, touching at a corner, or side by side.
+    /// Pairs that keep the path, and pairs that apply but break it: two unit cells apart, touching
+    /// at a corner, or side by side.
     pairs: [[usize; 2]; 3],
     /// Variants that apply, by class.
     variants: [usize; 12],
@@ -205,7 +206,8 @@ fn sweep(seed: u64, sites: usize, met: &mut Met) {
     }
 }
 
-/// The paper's rule, read off its table text: exactly the needed links in the window, and one path afterwards.
+/// The paper's rule, read off its table text: exactly the needed links in the window, and one path
+/// afterwards.
 fn check_variant(path: &Path, region: &Region, placed: Placed) -> bool {
     let (columns, rows) = placed.variant.window();
     let (x, y) = (u32::from(placed.x), u32::from(placed.y));

@@ -7,8 +7,8 @@ use super::KIND;
 
 /// A convolution that keeps the image's size.
 ///
-/// It computes in the kind of the features it is given; its parameters stay in single precision, for the small steps of
-/// training would be lost in half.
+/// It computes in the kind of the features it is given; its parameters stay in single precision,
+/// for the small steps of training would be lost in half.
 #[derive(Debug)]
 pub(super) struct Conv {
     weight: Tensor,

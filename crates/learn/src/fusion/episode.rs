@@ -22,7 +22,8 @@ pub struct Episode {
 }
 
 impl Episode {
-    /// Draws the layer and notes the moves; `None` for a record of other moves than the paper's variants.
+    /// Draws the layer and notes the moves; `None` for a record of other moves than the paper's
+    /// variants.
     ///
     /// The record itself is taken as checked: see [`Trajectory::replay`].
     pub fn new(trajectory: &Trajectory) -> Result<Option<Self>, ReplayError> {
@@ -45,7 +46,8 @@ impl Episode {
         }))
     }
 
-    /// The links before a move. Costs the moves up to there.
+    /// The links before a move.
+    /// Costs the moves up to there.
     pub fn links_before(&self, index: usize) -> Links {
         let mut links = self.start.clone();
         for made in &self.made[..index] {
@@ -55,8 +57,9 @@ impl Episode {
     }
 }
 
-/// Of the moves those that led to a new best, and all on which one of these depends: what it found in its window was left there
-/// by it. The rest could be left out, and these would still apply.
+/// Of the moves those that led to a new best, and all on which one of these depends: what it found
+/// in its window was left there by it.
+/// The rest could be left out, and these would still apply.
 fn needed(made: &[Made], best: &[bool], (width, height): (u32, u32)) -> Vec<usize> {
     const NOBODY: u32 = u32::MAX;
     let mut writers = vec![NOBODY; (2 * width * height) as usize];
@@ -83,7 +86,8 @@ fn needed(made: &[Made], best: &[bool], (width, height): (u32, u32)) -> Vec<usiz
     (0..made.len()).filter(|&at| kept[at]).collect()
 }
 
-/// How many cells a move lies from the layer's sides, as a share of the most that any can, in quarters: 0 to 3.
+/// How many cells a move lies from the layer's sides, as a share of the most that any can, in
+/// quarters: 0 to 3.
 pub(super) fn depth_quarter(placed: Placed, (width, height): (u32, u32)) -> usize {
     let (columns, rows) = placed.variant.window();
     let (x, y) = (u32::from(placed.x), u32::from(placed.y));

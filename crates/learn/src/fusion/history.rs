@@ -5,7 +5,8 @@ use tch::{Kind, Tensor};
 
 use super::{ACTIONS, KIND};
 
-/// The last moves of each layer of a batch, oldest first, from the first place on: all of `[batch, moves]`.
+/// The last moves of each layer of a batch, oldest first, from the first place on: all of
+/// `[batch, moves]`.
 #[derive(Debug)]
 pub struct History {
     /// Variants, 0 to 11, as whole numbers.

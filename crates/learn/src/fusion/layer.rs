@@ -66,7 +66,8 @@ pub struct State<'a> {
 }
 
 impl Layer {
-    /// Notes zones and where they meet. Linear in the plane's cells.
+    /// Notes zones and where they meet.
+    /// Linear in the plane's cells.
     pub fn new(region: &Region, zones: &Zones) -> Self {
         let inside = |cell: u32| region.contains(cell).then(|| zones.id(cell));
         let cells = 0..region.plane_len() as u32;
@@ -154,7 +155,8 @@ impl Inputs {
         self.count == 0
     }
 
-    /// Adds a state as it looks after a symmetry. Linear in the canvas.
+    /// Adds a state as it looks after a symmetry.
+    /// Linear in the canvas.
     ///
     /// # Panics
     /// If the canvas does not hold it.
@@ -238,7 +240,8 @@ impl Inputs {
         }
     }
 
-    /// As tensors: the image `[batch, 9, y, x]`, whose channels lie together in memory, and the histories.
+    /// As tensors: the image `[batch, 9, y, x]`, whose channels lie together in memory, and the
+    /// histories.
     pub fn tensors(&self, device: Device) -> (Tensor, History) {
         let batch = self.count as i64;
         let size = [batch, i64::from(self.canvas.height), i64::from(self.canvas.width), CHANNELS];

@@ -1,7 +1,7 @@
 //! What the network is trained for, and how well it does.
 //!
-//! Aali et al., section FusionNet: the true position is ranked above the hardest others by a margin, its action classified, and
-//! with less weight that of its four neighbours.
+//! Aali et al., section FusionNet: the true position is ranked above the hardest others by a
+//! margin, its action classified, and with less weight that of its four neighbours.
 
 use tch::{Kind, Reduction, Tensor};
 

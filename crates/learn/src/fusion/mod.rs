@@ -1,8 +1,10 @@
-//! FusionNet: a U-Net over the layer, led by the last moves, that proposes where to move next and how.
+//! FusionNet: a U-Net over the layer, led by the last moves, that proposes where to move next and
+//! how.
 //!
-//! Aali et al., "Sequence-Based Evolutionary and Neural Strategies for Reducing Zone Crossings in Toolpaths", section
-//! FusionNet; details that the text leaves open are those of its public implementation, whose parameter names are kept: a
-//! state dict of PyTorch loads by name and shape. All images are `[batch, channel, y, x]`.
+//! Aali et al., "Sequence-Based Evolutionary and Neural Strategies for Reducing Zone Crossings in
+//! Toolpaths", section FusionNet; details that the text leaves open are those of its public
+//! implementation, whose parameter names are kept: a state dict of PyTorch loads by name and shape.
+//! All images are `[batch, channel, y, x]`.
 
 mod blocks;
 pub mod episode;
@@ -26,8 +28,9 @@ use self::history::HistoryEncoder;
 pub use self::history::History;
 pub use tch::nn::VarStore;
 
-/// Channels of the layer's image: zone by the greatest zone, edges of the path to the right and down, what belongs to the
-/// layer, cells beside another zone, crossings at a cell by their greatest number, crossings by those at the start, y and x.
+/// Channels of the layer's image: zone by the greatest zone, edges of the path to the right and
+/// down, what belongs to the layer, cells beside another zone, crossings at a cell by their
+/// greatest number, crossings by those at the start, y and x.
 pub const CHANNELS: i64 = 9;
 
 /// Variants of a move.
@@ -42,8 +45,9 @@ const KIND: Kind = Kind::Float;
 /// Sizes of the network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Config {
-    /// Channels of the first and last level, f: 2, 4, 8 or a multiple of 16, for norms share out f channels and half of them
-    /// among up to eight groups. The deepest levels have four times as many.
+    /// Channels of the first and last level, f: 2, 4, 8 or a multiple of 16, for norms share out f
+    /// channels and half of them among up to eight groups.
+    /// The deepest levels have four times as many.
     pub width: i64,
     /// Units of each of the two recurrent layers.
     pub hidden: i64,
@@ -51,10 +55,11 @@ pub struct Config {
     pub history: i64,
     /// Places along y and x that moves in the history may have.
     pub places: i64,
-    /// Rows and columns of the largest image that it is meant for: a multiple of 16. Parameters do not depend on it, and images of
-    /// any other multiples of 16 are taken too.
+    /// Rows and columns of the largest image that it is meant for: a multiple of 16. Parameters do
+    /// not depend on it, and images of any other multiples of 16 are taken too.
     pub canvas: i64,
-    /// What is left out, to see what it is worth. Its parameters stay, and are not used.
+    /// What is left out, to see what it is worth.
+    /// Its parameters stay, and are not used.
     pub without: Without,
 }
 
@@ -84,7 +89,8 @@ impl Config {
         }
     }
 
-    /// Narrower, f = 32, on the smallest canvas that holds a grid of so many cells along its longer side.
+    /// Narrower, f = 32, on the smallest canvas that holds a grid of so many cells along its longer
+    /// side.
     pub const fn small(grid: i64) -> Self {
         Self {
             width: 32,
@@ -97,15 +103,16 @@ impl Config {
     }
 }
 
-/// What the features are computed in; parameters, their gradients and all that is not convolved stay in single precision.
+/// What the features are computed in; parameters, their gradients and all that is not convolved
+/// stay in single precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Precision {
     /// 32 bits.
     #[default]
     Single,
-    /// The upper 16 of them (bfloat16): about 1.6 times as fast in training on processors with AMX, slower on those that can't
-    /// multiply them.
+    /// The upper 16 of them (bfloat16): about 1.6 times as fast in training on processors with AMX,
+    /// slower on those that can't multiply them.
     Half,
 }
 
@@ -121,7 +128,8 @@ impl Precision {
 /// What the network says of each layer of a batch.
 #[derive(Debug)]
 pub struct Proposals {
-    /// Scores of all cells as the anchor of the next move, `[batch, 1, y, x]`: more is better, and only differences count.
+    /// Scores of all cells as the anchor of the next move, `[batch, 1, y, x]`: more is better, and
+    /// only differences count.
     pub position: Tensor,
     /// Logits of the move's variants at each cell, `[batch, 12, y, x]`.
     pub action: Tensor,
@@ -159,7 +167,8 @@ impl FusionNet {
             Down::new(&(vs / "enc3"), 2 * f, 4 * f),
             Down::new(&(vs / "enc4"), 4 * f, 4 * f),
         ];
-        // Each takes what comes from below and the encoder's features of its own size. From the deepest up.
+        // Each takes what comes from below and the encoder's features of its own size.
+        // From the deepest up.
         let decoder = [
             Up::new(&(vs / "dec4"), 8 * f, 4 * f),
             Up::new(&(vs / "dec3"), 8 * f, 2 * f),
@@ -208,8 +217,8 @@ impl FusionNet {
         self.config
     }
 
-    /// What it proposes for a batch of layers, `[batch, 9, y, x]`, and the moves that led to each. In training, parts of the
-    /// features are dropped at random, by libtorch's own generator.
+    /// What it proposes for a batch of layers, `[batch, 9, y, x]`, and the moves that led to each.
+    /// In training, parts of the features are dropped at random, by libtorch's own generator.
     ///
     /// # Panics
     /// If shapes do not agree, or y and x are no multiples of 16.

@@ -32,7 +32,8 @@ pub struct Model {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Origin {
-    /// Its [`Manifest::fingerprint`](beadwork_dataset::Manifest::fingerprint), sixteen hexadecimal digits.
+    /// Its [`Manifest::fingerprint`](beadwork_dataset::Manifest::fingerprint), sixteen hexadecimal
+    /// digits.
     pub dataset: String,
     /// Its number of trajectories.
     pub trajectories: u64,
@@ -93,7 +94,8 @@ impl Model {
         folder.join("dataset.toml")
     }
 
-    /// Reads a model, such as training leaves it: `config.toml`, `dataset.toml` and `best.safetensors`.
+    /// Reads a model, such as training leaves it: `config.toml`, `dataset.toml` and
+    /// `best.safetensors`.
     pub fn open(folder: &Path, device: Device) -> Result<Self, ModelError> {
         let path = Self::config_file(folder);
         let training: Training = read(&path)?;

@@ -40,8 +40,8 @@ pub enum ParityError {
     },
 }
 
-/// Compares with outputs in a file: `state`, `action`, `y`, `x`, `before`, `after` and `mask` are its inputs, `position` and
-/// `action_logits` what came out.
+/// Compares with outputs in a file: `state`, `action`, `y`, `x`, `before`, `after` and `mask` are
+/// its inputs, `position` and `action_logits` what came out.
 pub fn compare(weights: &Path, io: &Path) -> Result<Parity, ParityError> {
     let read = weights::read_tensors(weights)?;
     let given = weights::read_tensors(io)?;

@@ -23,15 +23,16 @@ pub struct Proposal {
 
 /// Proposes moves.
 pub trait Proposer {
-    /// For each state the moves to choose from, the best by score first. Each applies.
+    /// For each state the moves to choose from, the best by score first.
+    /// Each applies.
     ///
     /// # Panics
     /// If a layer has more columns or rows than a network has [`places`](super::Config::places).
     fn propose(&mut self, states: &[State<'_>]) -> Vec<Vec<Proposal>>;
 }
 
-/// All moves that apply, in random order: what a planner has without a network. The order depends on the seed and on how many
-/// moves were made before.
+/// All moves that apply, in random order: what a planner has without a network.
+/// The order depends on the seed and on how many moves were made before.
 #[derive(Debug)]
 pub struct AllMoves {
     /// Seed of the order.
@@ -64,7 +65,9 @@ pub struct Asked<'a> {
     pub device: Device,
     /// What it computes in.
     pub precision: Precision,
-    /// Places, of those where a move applies, whose moves are proposed: the ones that it scores most. At least 1.
+    /// Places, of those where a move applies, whose moves are proposed: the ones that it scores
+    /// most.
+    /// At least 1.
     pub places: usize,
     /// Most cells of all canvases that are looked at together, which bounds the memory.
     pub cells: usize,
@@ -97,7 +100,8 @@ impl<'a> Asked<'a> {
         states.iter().enumerate().map(of_state).collect()
     }
 
-    /// The moves at the places that score most, each by its place's score and its own share of what applies there.
+    /// The moves at the places that score most, each by its place's score and its own share of what
+    /// applies there.
     fn choose(
         &self,
         state: &State<'_>,

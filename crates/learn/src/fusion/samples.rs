@@ -1,8 +1,10 @@
 //! Batches of examples, streamed from a dataset.
 //!
-//! An example is a state of a recorded search, the moves before it and the needed move that was made there, all seen after a
-//! random one of the eight symmetries. Trajectories come in random order; of each some examples are drawn and wait, by canvas, in
-//! a pool from which batches are drawn. The batches depend on the dataset, the settings, the seed and the epoch alone.
+//! An example is a state of a recorded search, the moves before it and the needed move that was
+//! made there, all seen after a random one of the eight symmetries.
+//! Trajectories come in random order; of each some examples are drawn and wait, by canvas, in a
+//! pool from which batches are drawn.
+//! The batches depend on the dataset, the settings, the seed and the epoch alone.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -31,8 +33,8 @@ pub enum Split {
 }
 
 impl Split {
-    /// Where a trajectory of a dataset with so many strata belongs: by its place among those of its own layout and size, whose
-    /// instances all differ.
+    /// Where a trajectory of a dataset with so many strata belongs: by its place among those of its
+    /// own layout and size, whose instances all differ.
     pub fn of(trajectory: &Trajectory, strata: u64) -> Self {
         let random = match &trajectory.instance {
             Instance::Layout { layout, .. } => layout.is_random(),
@@ -62,12 +64,14 @@ pub enum Rivals {
 pub struct SampleSettings {
     /// Seed of all choices.
     pub seed: u64,
-    /// Examples in a batch on a canvas of 32 x 32 cells; on larger ones fewer in proportion, but at least 8.
+    /// Examples in a batch on a canvas of 32 x 32 cells; on larger ones fewer in proportion, but at
+    /// least 8.
     pub batch: usize,
-    /// Examples drawn from a trajectory on a canvas of 32 x 32 cells; fewer in proportion on larger ones, whose examples cost
-    /// more, unless they are held out.
+    /// Examples drawn from a trajectory on a canvas of 32 x 32 cells; fewer in proportion on larger
+    /// ones, whose examples cost more, unless they are held out.
     pub per_trajectory: usize,
-    /// Share of the examples, 0..=1, that are drawn from all depths alike, from the layer's sides inwards; the others as they come.
+    /// Share of the examples, 0..=1, that are drawn from all depths alike, from the layer's sides
+    /// inwards; the others as they come.
     pub balance: f64,
     /// Batches that wait in each pool before one is drawn.
     pub pool: usize,
@@ -75,8 +79,9 @@ pub struct SampleSettings {
     pub history: usize,
     /// What the true position is ranked above.
     pub rivals: Rivals,
-    /// Whether they are to evaluate with: seen as they were recorded, equally many of trajectories of all sizes, with how often
-    /// their moves would be met without a network, which costs as much as the rest.
+    /// Whether they are to evaluate with: seen as they were recorded, equally many of trajectories
+    /// of all sizes, with how often their moves would be met without a network, which costs as much
+    /// as the rest.
     pub held_out: bool,
 }
 
@@ -136,7 +141,8 @@ pub struct Batch {
     pub position: Vec<i64>,
     /// The true move's class.
     pub action: Vec<i64>,
-    /// For each cell of each canvas whether the true position is ranked above it; it itself is not marked.
+    /// For each cell of each canvas whether the true position is ranked above it; it itself is not
+    /// marked.
     pub rivals: Vec<bool>,
     /// Names of the layouts.
     pub layouts: Vec<String>,
@@ -264,7 +270,8 @@ impl<'a> Batches<'a> {
         }
     }
 
-    /// Passes over batches at less than the cost of making them; gives how many there were to pass over.
+    /// Passes over batches at less than the cost of making them; gives how many there were to pass
+    /// over.
     pub fn skip_batches(&mut self, count: u64) -> Result<u64, SampleError> {
         for skipped in 0..count {
             if self.draw()?.is_none() {

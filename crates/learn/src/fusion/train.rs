@@ -1,8 +1,9 @@
 //! Training of `FusionNet`, from a dataset of recorded searches to weights.
 //!
-//! Aali et al., section FusionNet, with `AdamW`, warm-up and cosine. A run is told by its configuration and seed: what a batch
-//! holds and which features are dropped depend on the number of the step alone, so that a run which was stopped goes on with the
-//! same losses from its last checkpoint.
+//! Aali et al., section FusionNet, with `AdamW`, warm-up and cosine.
+//! A run is told by its configuration and seed: what a batch holds and which features are dropped
+//! depend on the number of the step alone, so that a run which was stopped goes on with the same
+//! losses from its last checkpoint.
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -48,7 +49,8 @@ pub struct Training {
     pub steps: u64,
     /// Examples in a batch on a canvas of 32 x 32 cells; on larger ones fewer in proportion.
     pub batch: usize,
-    /// Examples from a trajectory in an epoch, on a canvas of 32 x 32 cells; on larger ones fewer in proportion.
+    /// Examples from a trajectory in an epoch, on a canvas of 32 x 32 cells; on larger ones fewer
+    /// in proportion.
     pub per_trajectory: usize,
     /// Share of the examples that are drawn from all depths alike, from the layer's sides inwards.
     pub balance: f64,
@@ -70,7 +72,8 @@ pub struct Training {
     pub clip: f64,
     /// Steps between two evaluations, after each of which a checkpoint is written.
     pub evaluate_every: u64,
-    /// Examples from each of the trajectories that steer it, of all layouts and sizes, in an evaluation.
+    /// Examples from each of the trajectories that steer it, of all layouts and sizes, in an
+    /// evaluation.
     pub valid_per_trajectory: usize,
     /// Evaluations without a better one after which the run stops early, at least 1.
     pub patience: u64,
@@ -107,7 +110,8 @@ impl Default for Training {
     }
 }
 
-/// Why a run can't begin or go on. Checkpoints stay as they are.
+/// Why a run can't begin or go on.
+/// Checkpoints stay as they are.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum TrainError {
@@ -151,7 +155,8 @@ pub enum TrainError {
 /// What a run tells its observer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
-    /// It begins, or goes on from a checkpoint after so many steps: whatever was told of later ones will be told anew.
+    /// It begins, or goes on from a checkpoint after so many steps: whatever was told of later ones
+    /// will be told anew.
     Began {
         /// Steps made, 0 where there is no checkpoint.
         steps: u64,
@@ -231,7 +236,8 @@ impl Training {
         }
     }
 
-    /// How so many examples of each trajectory are drawn to evaluate it: seen as they were recorded.
+    /// How so many examples of each trajectory are drawn to evaluate it: seen as they were
+    /// recorded.
     pub fn held_out(&self, per_trajectory: usize) -> SampleSettings {
         SampleSettings { held_out: true, per_trajectory, ..self.samples() }
     }
@@ -317,11 +323,11 @@ fn in_toml(table: &impl Serialize) -> String {
 
 /// Trains a network, or goes on with the training whose checkpoint lies in the folder.
 ///
-/// libtorch's generator of random numbers, which drops features, belongs to the whole process: whoever draws from it meanwhile makes
-/// this another run.
+/// libtorch's generator of random numbers, which drops features, belongs to the whole process:
+/// whoever draws from it meanwhile makes this another run.
 ///
-/// A step with 64 examples of 32 x 32 cells takes about 0.35 s on two cores with f = 32. Needs memory for the features of a batch,
-/// 1 GB, beside a few batches of examples.
+/// A step with 64 examples of 32 x 32 cells takes about 0.35 s on two cores with f = 32. Needs
+/// memory for the features of a batch, 1 GB, beside a few batches of examples.
 pub fn train(dataset: &Dataset, training: &Training, run: Run<'_>) -> Result<End, TrainError> {
     training.check()?;
     let origin = Origin::of(dataset);
@@ -406,7 +412,8 @@ pub fn train(dataset: &Dataset, training: &Training, run: Run<'_>) -> Result<End
                 } else {
                     progress.waited += 1;
                 }
-                // What is told comes first: a run that goes on from a checkpoint has then told all before it.
+                // What is told comes first: a run that goes on from a checkpoint has then told all
+                // before it.
                 observer(&Event::Evaluated { step, evaluation, best });
                 checkpoint.save(&variables, &optimiser, progress)?;
                 if progress.waited >= training.patience {
@@ -418,7 +425,8 @@ pub fn train(dataset: &Dataset, training: &Training, run: Run<'_>) -> Result<End
     })
 }
 
-/// One step of training on a batch; gives its loss and the length of the gradient. Where one is no number, nothing changes.
+/// One step of training on a batch; gives its loss and the length of the gradient.
+/// Where one is no number, nothing changes.
 fn learn(
     network: &FusionNet,
     optimiser: &mut AdamW,
@@ -439,7 +447,8 @@ fn learn(
     (value, optimiser.step(rate, training.clip))
 }
 
-/// Seconds of steps of training on one batch over and over, by a network of its own, on the processor.
+/// Seconds of steps of training on one batch over and over, by a network of its own, on the
+/// processor.
 pub fn measure_steps(
     training: &Training,
     batch: &Batch,

@@ -1,10 +1,12 @@
 //! From proposals to better paths: Aali et al., section FusionNet, inference.
 //!
-//! Of the proposed moves the one that lowers the crossings most is made, of equal ones the one that scores most, and none that
-//! leads back to a state seen before. Where no new best comes for long, or nothing is left to do, the walk goes back to its best
-//! path, unless it has come to another that is as good, and from there some moves are made as an annealer makes them, the more
-//! the longer it has been in vain. All moves ever made are counted. Many layers are walked together, so that the network sees
-//! them in batches.
+//! Of the proposed moves the one that lowers the crossings most is made, of equal ones the one that
+//! scores most, and none that leads back to a state seen before.
+//! Where no new best comes for long, or nothing is left to do, the walk goes back to its best path,
+//! unless it has come to another that is as good, and from there some moves are made as an annealer
+//! makes them, the more the longer it has been in vain.
+//! All moves ever made are counted.
+//! Many layers are walked together, so that the network sees them in batches.
 
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,11 +28,13 @@ pub struct WalkSettings<'a> {
     pub budget: usize,
     /// Moves without a new best after which some are made at random; with 0 no others are.
     pub patience: usize,
-    /// Whether these are made from the best path so far, the last of equal ones, rather than from where the walk is.
+    /// Whether these are made from the best path so far, the last of equal ones, rather than from
+    /// where the walk is.
     pub returns: bool,
     /// Number of those; 0 is taken as 1.
     pub perturbation: usize,
-    /// As many times that number are made at most, after as many perturbations in vain; 0 is taken as 1.
+    /// As many times that number are made at most, after as many perturbations in vain; 0 is taken
+    /// as 1.
     pub escalation: usize,
     /// The temperature at which they are accepted, in crossings: positive.
     pub temperature: f64,
@@ -92,8 +96,8 @@ pub struct Walked {
     pub made: usize,
     /// Those of them that were made at random.
     pub perturbed: usize,
-    /// [`Stop::Optimal`] where the target is reached, [`Stop::Done`] where the budget is spent or nothing applies,
-    /// [`Stop::Cancelled`].
+    /// [`Stop::Optimal`] where the target is reached, [`Stop::Done`] where the budget is spent or
+    /// nothing applies, [`Stop::Cancelled`].
     pub stop: Stop,
 }
 
@@ -120,8 +124,8 @@ struct Walk<'a> {
     stuck: bool,
 }
 
-/// Walks from all starts, each until its target or the budget is reached. The walks do not depend on each other, but for what the
-/// proposer makes of them.
+/// Walks from all starts, each until its target or the budget is reached.
+/// The walks do not depend on each other, but for what the proposer makes of them.
 ///
 /// Costs a question for each move of the longest walk, with all layers that are still walked.
 ///
@@ -237,12 +241,13 @@ impl<'a> Walk<'a> {
         self.since = self.made;
     }
 
-    /// A move that applies: drawn as if any were tried until one is accepted, whatever it adds to the crossings with a chance of
-    /// e to the power of that, negative, by the temperature.
+    /// A move that applies: drawn as if any were tried until one is accepted, whatever it adds to
+    /// the crossings with a chance of e to the power of that, negative, by the temperature.
     fn draw(&mut self, temperature: f64) -> Option<(Placed, i32)> {
         let mut all = Vec::new();
         self.links.for_each_variant(|placed| all.push((placed, self.task.layer.change(placed))));
-        // The least that any adds is taken from all, which changes no ratio, so that not all chances are too small to tell.
+        // The least that any adds is taken from all, which changes no ratio, so that not all
+        // chances are too small to tell.
         let least = all.iter().map(|&(_, change)| change.max(0)).min()?;
         let chances =
             all.iter().map(|&(_, change)| (f64::from(least - change.max(0)) / temperature).exp());
@@ -304,7 +309,8 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// A number by which states are told apart: exclusive or of those of all unit cells switched an odd number of times.
+/// A number by which states are told apart: exclusive or of those of all unit cells switched an odd
+/// number of times.
 fn key(placed: Placed, width: u32) -> u64 {
     placed.switches(width).iter().fold(0, |key, switch| key ^ switch.mixed())
 }

@@ -14,7 +14,8 @@ use tempfile::{TempDir, tempdir};
 
 pub(crate) static NEVER: AtomicBool = AtomicBool::new(false);
 
-/// libtorch's generator of random numbers belongs to the whole process: whoever draws from it holds this, and has it alone.
+/// libtorch's generator of random numbers belongs to the whole process: whoever draws from it holds
+/// this, and has it alone.
 pub(crate) static GENERATOR: Mutex<()> = Mutex::new(());
 
 pub(crate) fn alone() -> MutexGuard<'static, ()> {

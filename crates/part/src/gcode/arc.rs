@@ -7,7 +7,8 @@ use super::{Arc, Number};
 /// How far a chord may lie from its arc, in mm: well below what a printer can place.
 const DEVIATION_MM: f64 = 0.005;
 
-/// The most chords of one arc, whatever its size, so that a broken program can't ask for endless work.
+/// The most chords of one arc, whatever its size, so that a broken program can't ask for endless
+/// work.
 const MOST_CHORDS: u32 = 720;
 
 /// A smaller radius is no arc, in mm.
@@ -79,7 +80,8 @@ impl Chords {
     }
 }
 
-/// The centre, seen from the beginning, of the arc of this radius to a place (dx, dy); the shorter way round unless the radius is less than 0.
+/// The centre, seen from the beginning, of the arc of this radius to a place (dx, dy); the shorter
+/// way round unless the radius is less than 0.
 fn centre_of(dx: f64, dy: f64, radius: f64, clockwise: bool) -> Option<[f64; 2]> {
     let chord = dx.hypot(dy);
     let half = chord / 2.0;

@@ -1,8 +1,9 @@
 //! Checks a print from its text alone.
 //!
-//! Nothing here knows how a program is written: it follows the motions, finds the cells each of them passes, and compares that with the layers that were
-//! to be printed. A cell is two halves, from the side the path enters by to the middle and on to the side it leaves by, so that straight beads and
-//! corners alike make one cell each.
+//! Nothing here knows how a program is written: it follows the motions, finds the cells each of
+//! them passes, and compares that with the layers that were to be printed.
+//! A cell is two halves, from the side the path enters by to the middle and on to the side it
+//! leaves by, so that straight beads and corners alike make one cell each.
 
 mod error;
 mod heat;
@@ -60,18 +61,27 @@ const SPEED_MM_S: f64 = 1e-4;
 const VOLUME: f64 = 0.01;
 
 impl Program {
-    /// Checks that the program prints these layers, which are numbered from 0 without a gap, and nothing else.
+    /// Checks that the program prints these layers, which are numbered from 0 without a gap, and
+    /// nothing else.
     ///
-    /// - Each cell is printed once, in the order of the path, with the tool of its zone and as much as the settings say, by motions from edge to
-    ///   edge along the middles of the cells, no faster than the settings say. Layers are printed upwards.
-    /// - Beside the part only the tower is printed, within its place and with beads like the part's, in each layer up to its last. After a
-    ///   change of tools the part goes on when the tower has taken the volume the settings ask for.
-    /// - Once anything is printed, the head stays above the highest layer begun; it never leaves the bed.
-    /// - Filament is drawn back before a tool is put aside, and pushed out again before a bead. Marlin and Klipper count it alike.
-    /// - Whatever prints was set to its temperature, and waited for, as was the bed; the motors hold until the last bead.
+    /// - Each cell is printed once, in the order of the path, with the tool of its zone and as much
+    ///   as the settings say, by motions from edge to edge along the middles of the cells, no
+    ///   faster than the settings say.
+    ///   Layers are printed upwards.
+    /// - Beside the part only the tower is printed, within its place and with beads like the
+    ///   part's, in each layer up to its last.
+    ///   After a change of tools the part goes on when the tower has taken the volume the settings
+    ///   ask for.
+    /// - Once anything is printed, the head stays above the highest layer begun; it never leaves
+    ///   the bed.
+    /// - Filament is drawn back before a tool is put aside, and pushed out again before a bead.
+    ///   Marlin and Klipper count it alike.
+    /// - Whatever prints was set to its temperature, and waited for, as was the bed; the motors
+    ///   hold until the last bead.
     ///
-    /// Not checked are the speed of travel, the fan, the shape of the tower, and travel across the layer that is being printed. Linear in the motions
-    /// and cells.
+    /// Not checked are the speed of travel, the fan, the shape of the tower, and travel across the
+    /// layer that is being printed.
+    /// Linear in the motions and cells.
     pub fn check(
         &self,
         layers: &[Layer<'_>],
@@ -112,7 +122,8 @@ struct Checker<'a> {
     begun: Option<usize>,
     /// Number of the highest layer that has any of the tower.
     tower: Option<usize>,
-    /// For each cell of the plane, which ways from its middle to its sides were printed in this layer, as bits; two make a cell.
+    /// For each cell of the plane, which ways from its middle to its sides were printed in this
+    /// layer, as bits; two make a cell.
     halves: Vec<u8>,
     /// How many halves of cells were printed in this layer.
     printed: usize,
@@ -318,7 +329,8 @@ impl<'a> Checker<'a> {
         Ok(())
     }
 
-    /// A place in halves of a cell from the corner of the plane; `None` if it is neither a middle nor an edge, or far away.
+    /// A place in halves of a cell from the corner of the plane; `None` if it is neither a middle
+    /// nor an edge, or far away.
     fn halves_at(&self, place_mm: [f64; 3]) -> Option<[i32; 2]> {
         let half_mm = self.frame.cell_mm / 2.0;
         // A hundredth of a cell, and what rounding takes.
@@ -391,8 +403,8 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// The sides that a path enters and leaves a cell by: 0 left, 1 right, 2 behind, 3 in front. A bead begins and ends straight, one of a
-/// single cell runs to the right.
+/// The sides that a path enters and leaves a cell by: 0 left, 1 right, 2 behind, 3 in front.
+/// A bead begins and ends straight, one of a single cell runs to the right.
 fn way(layer: Layer<'_>, cell: Cell) -> [u8; 2] {
     let side = |other: Cell| {
         let ([x, y], [other_x, other_y]) = (layer.place(cell), layer.place(other));

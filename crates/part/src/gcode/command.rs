@@ -4,14 +4,17 @@ use thiserror::Error;
 
 use super::{Number, parse};
 
-/// One command. What is not typed here is kept word for word as [`Command::Other`].
+/// One command.
+/// What is not typed here is kept word for word as [`Command::Other`].
 ///
-/// `None` stands for a word that is not written: an axis that does not move, a speed that stays as it was.
+/// `None` stands for a word that is not written: an axis that does not move, a speed that stays as
+/// it was.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Command {
     /// A straight move, `G0` or `G1`.
     Move(Move),
-    /// A move along an arc, `G2` or `G3`. Boxed, for it is rarer and larger than all others.
+    /// A move along an arc, `G2` or `G3`.
+    /// Boxed, for it is rarer and larger than all others.
     Arc(Box<Arc>),
     /// A pause, `G4`; if both are given, printers take the seconds.
     Dwell {
@@ -52,7 +55,8 @@ pub enum Command {
     Retract,
     /// The printer undoes that, `G11`.
     Unretract,
-    /// Selects a tool, `T0` and so on, below 255: `T255` unloads in some printers, and is kept word for word when read.
+    /// Selects a tool, `T0` and so on, below 255: `T255` unloads in some printers, and is kept word
+    /// for word when read.
     Tool(u8),
     /// Heats the nozzle, `M104`, or waits until it is hot, `M109`.
     NozzleTemperature {
@@ -72,7 +76,9 @@ pub enum Command {
     },
     /// Speed of the fan, 0 to 255, `M106`; off, `M107`.
     Fan(Option<Number>),
-    /// Acceleration in mm/s², `M204`. Klipper takes `S`, or else the lesser of `P` and `T`, for all moves; the trace takes each for its own.
+    /// Acceleration in mm/s², `M204`.
+    /// Klipper takes `S`, or else the lesser of `P` and `T`, for all moves; the trace takes each
+    /// for its own.
     Acceleration {
         /// `P`: of printing moves.
         print: Option<Number>,
@@ -83,7 +89,8 @@ pub enum Command {
         /// `S`: of printing moves and travel.
         all: Option<Number>,
     },
-    /// Klipper's `SET_VELOCITY_LIMIT`, if it has no other words than these; else it is kept word for word, and only its `ACCEL` counts.
+    /// Klipper's `SET_VELOCITY_LIMIT`, if it has no other words than these; else it is kept word
+    /// for word, and only its `ACCEL` counts.
     VelocityLimit {
         /// `VELOCITY`: greatest speed, in mm/s.
         velocity: Option<Number>,
@@ -121,13 +128,15 @@ pub enum Command {
 pub enum Wait {
     /// Nothing: it goes on at once, `M104 S`.
     No,
-    /// Until the nozzle is as hot, `M109 S`: Marlin goes on at once if it is hotter, Klipper waits then too.
+    /// Until the nozzle is as hot, `M109 S`: Marlin goes on at once if it is hotter, Klipper waits
+    /// then too.
     Heating,
     /// Until the nozzle is as hot or as cool, `M109 R`, which Marlin knows and Klipper does not.
     Both,
 }
 
-/// A straight move, `G0` or `G1`. Coordinates in mm.
+/// A straight move, `G0` or `G1`.
+/// Coordinates in mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Move {
     /// Whether it is `G0`, which printers of plastic treat like `G1`.
@@ -144,7 +153,8 @@ pub struct Move {
     pub f: Option<Number>,
 }
 
-/// A move along an arc of a circle in the plane of x and y. Coordinates in mm.
+/// A move along an arc of a circle in the plane of x and y.
+/// Coordinates in mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Arc {
     /// Whether it is `G2`.
@@ -169,8 +179,9 @@ pub struct Arc {
 
 /// The text of a command that is not typed.
 ///
-/// Invariant: reading it as a line gives itself again. So it is not blank, is trimmed, holds neither a semicolon nor a line break, and is no
-/// command that [`Command`] has a type for.
+/// Invariant: reading it as a line gives itself again.
+/// So it is not blank, is trimmed, holds neither a semicolon nor a line break, and is no command
+/// that [`Command`] has a type for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Verbatim(Box<str>);
 

@@ -13,7 +13,8 @@ pub enum Feature {
     InnerWall,
     /// Sparse filling.
     Infill,
-    /// Solid filling: what beadwork prints parts of. Bridges and ironing are of its kind.
+    /// Solid filling: what beadwork prints parts of.
+    /// Bridges and ironing are of its kind.
     SolidInfill,
     /// What holds up overhangs, and where it meets them.
     Support,

@@ -4,8 +4,9 @@ use super::print::{PLACE_DECIMALS, Title, comment, number};
 use super::{Line, Settings, Tool, ToolUse, Totals};
 use crate::Frame;
 
-/// The lines before the first command: what the print is, for people, and for those programs that list files by such comments; each looks for others,
-/// and none is promised to find all it could show.
+/// The lines before the first command: what the print is, for people, and for those programs that
+/// list files by such comments; each looks for others, and none is promised to find all it could
+/// show.
 pub(super) fn header(
     title: Title<'_>,
     frame: &Frame,

@@ -5,10 +5,12 @@ use beadwork_grid::{Cell, Path, Region, Zones};
 use super::{Settings, SettingsError};
 use crate::Frame;
 
-/// A layer with its path. A print has them from the bed up, none left out: each rests on the one below.
+/// A layer with its path.
+/// A print has them from the bed up, none left out: each rests on the one below.
 #[derive(Clone, Copy, Debug)]
 pub struct Layer<'a> {
-    /// Its number from 0, counted from the bed; [`Motion::layer`](super::Motion::layer) is the same number in a program that was read.
+    /// Its number from 0, counted from the bed; [`Motion::layer`](super::Motion::layer) is the same
+    /// number in a program that was read.
     pub number: usize,
     /// Its cells.
     pub region: &'a Region,
@@ -50,8 +52,9 @@ impl<'a> Layer<'a> {
 }
 
 impl Run<'_> {
-    /// The corners of the run's stroke in halves of a cell, where (1, 1) is the middle of cell (0, 0): from edge to edge, so that it is
-    /// as long as it has cells. A bead of a single cell runs along x.
+    /// The corners of the run's stroke in halves of a cell, where (1, 1) is the middle of cell (0,
+    /// 0): from edge to edge, so that it is as long as it has cells.
+    /// A bead of a single cell runs along x.
     pub(super) fn corners(&self, place: impl Fn(Cell) -> [i32; 2]) -> Vec<[i32; 2]> {
         corners(
             self.before.map(&place),
@@ -61,7 +64,8 @@ impl Run<'_> {
     }
 }
 
-/// The corners of a stroke through cells, in halves of a cell; the cells before and after it tell where it comes from and goes to.
+/// The corners of a stroke through cells, in halves of a cell; the cells before and after it tell
+/// where it comes from and goes to.
 pub(super) fn corners(
     before: Option<[i32; 2]>,
     cells: impl Iterator<Item = [i32; 2]>,

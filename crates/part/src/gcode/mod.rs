@@ -1,19 +1,25 @@
 //! G-code: planned layers to the program of a printer, and programs of any origin back to motions.
 //!
-//! - [`Program`]: the lines of a file. [`Program::parse`] reads real files, [`Program::emit`] writes them; numbers are exact ([`Number`]), so that
-//!   reading what was written gives the same program.
-//! - [`Program::trace`]: what the head does, one [`Event`] after the other, whichever slicer wrote the program: motions, changes of tool, heat, pauses.
-//! - [`Program::print_seconds`]: how long that takes, with acceleration and corners; [`Program::paced`]: how long each motion does.
+//! - [`Program`]: the lines of a file.
+//!   [`Program::parse`] reads real files, [`Program::emit`] writes them; numbers are exact
+//!   ([`Number`]), so that reading what was written gives the same program.
+//! - [`Program::trace`]: what the head does, one [`Event`] after the other, whichever slicer wrote
+//!   the program: motions, changes of tool, heat, pauses.
+//! - [`Program::print_seconds`]: how long that takes, with acceleration and corners;
+//!   [`Program::paced`]: how long each motion does.
 //! - [`Print::new`]: the program of planned [`Layer`]s, and its [`Totals`].
 //! - [`Program::check`]: whether a program, from its text alone, prints the layers it is to print.
 //!
 //! # Words
-//! A **stroke** is a motion that extrudes. A tool's filament is **drawn back** before it travels and **pushed out** again before the next bead.
+//! A **stroke** is a motion that extrudes.
+//! A tool's filament is **drawn back** before it travels and **pushed out** again before the next
+//! bead.
 //! To **purge** is to extrude what is left of the old material, into a **tower** beside the part.
 //!
 //! # Units and axes
-//! As in files: x right, y to the back, z up, all in mm; filament as a length in mm. [`Frame`](crate::Frame) says where cells lie. Speeds are
-//! in mm/s everywhere but in commands, which have mm/min.
+//! As in files: x right, y to the back, z up, all in mm; filament as a length in mm.
+//! [`Frame`](crate::Frame) says where cells lie.
+//! Speeds are in mm/s everywhere but in commands, which have mm/min.
 //!
 //! # Example
 //! ```
@@ -42,8 +48,10 @@
 //! ```
 //!
 //! # Limits
-//! Programs of plastic printers in mm; no inches, no planes but that of x and y, no macros: what a macro does is not seen by anything here. Travel goes
-//! straight, over printed parts too. A change of tools is one `T` command; how the printer performs it is its own business.
+//! Programs of plastic printers in mm; no inches, no planes but that of x and y, no macros: what a
+//! macro does is not seen by anything here.
+//! Travel goes straight, over printed parts too.
+//! A change of tools is one `T` command; how the printer performs it is its own business.
 
 mod arc;
 mod check;

@@ -7,8 +7,10 @@ use thiserror::Error;
 
 /// A decimal number in millionths.
 ///
-/// Printers and slicers write three to five decimals; whole millionths hold them exactly, so that a number which is written and read
-/// again is the same number, whatever a binary fraction would make of it. The range is about ±9.2 million millions.
+/// Printers and slicers write three to five decimals; whole millionths hold them exactly, so that a
+/// number which is written and read again is the same number, whatever a binary fraction would make
+/// of it.
+/// The range is about ±9.2 million millions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Number(i64);
 
@@ -49,11 +51,13 @@ impl Number {
         Self(value as i64 * SCALE)
     }
 
-    /// The nearest number of at most `decimals` decimals, 0 to 6; halves are rounded away from zero.
+    /// The nearest number of at most `decimals` decimals, 0 to 6; halves are rounded away from
+    /// zero.
     pub fn from_f64(value: f64, decimals: u32) -> Result<Self, NumberError> {
         let fine = 10_i64.pow(decimals.min(DECIMALS as u32));
         let units = (value * fine as f64).round();
-        // Casts saturate: the bound keeps what follows from overflowing, and turns away what is not a number.
+        // Casts saturate: the bound keeps what follows from overflowing, and turns away what is not
+        // a number.
         let limit = (i64::MAX / SCALE * fine) as f64;
         if units.abs() <= limit {
             Ok(Self(units as i64 * (SCALE / fine)))
@@ -68,7 +72,8 @@ impl Number {
         self.0 as f64 / SCALE as f64
     }
 
-    /// The number at the beginning of a text, and how many bytes it takes. Decimals beyond the sixth are rounded, halves away from zero.
+    /// The number at the beginning of a text, and how many bytes it takes.
+    /// Decimals beyond the sixth are rounded, halves away from zero.
     pub(super) fn scan(text: &[u8]) -> Result<(Self, usize), NumberError> {
         let (negative, mut at) = match text.first() {
             Some(b'-') => (true, 1),
@@ -109,13 +114,15 @@ impl Number {
         Ok((Self(value.ok_or(NumberError::TooLarge)?), at))
     }
 
-    /// Appends the shortest text that reads as this number: no zeros at the end, no point without decimals.
+    /// Appends the shortest text that reads as this number: no zeros at the end, no point without
+    /// decimals.
     pub(super) fn push_to(self, out: &mut String) {
         let mut text = [0; LONGEST];
         out.push_str(self.text(&mut text));
     }
 
-    /// The shortest text, written from its end: formatting through the general machinery would take most of the time of writing a file.
+    /// The shortest text, written from its end: formatting through the general machinery would take
+    /// most of the time of writing a file.
     fn text(self, buffer: &mut [u8; LONGEST]) -> &str {
         let scale = SCALE.unsigned_abs();
         let (mut whole, mut decimals) =

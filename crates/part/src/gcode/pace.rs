@@ -44,7 +44,8 @@ impl Pace {
         self.seconds
     }
 
-    /// How long it takes the head to get so far from the beginning, in s. `way_mm` is from 0 to the motion's length.
+    /// How long it takes the head to get so far from the beginning, in s.
+    /// `way_mm` is from 0 to the motion's length.
     ///
     /// All of it while the head stands.
     pub fn seconds_to(&self, way_mm: f64) -> f64 {
@@ -66,7 +67,8 @@ impl Pace {
 }
 
 impl Program {
-    /// The motions and pauses of the program in order, each with its pace; it ends after an error. Linear in all.
+    /// The motions and pauses of the program in order, each with its pace; it ends after an error.
+    /// Linear in all.
     ///
     /// The paces add up to [`Program::print_seconds`].
     pub fn paced(&self, limits: Limits) -> Paced<'_> {
@@ -86,7 +88,8 @@ pub struct Paced<'a> {
     /// `None` after its end.
     trace: Option<Trace<'a>>,
     watch: Stopwatch,
-    /// Events whose pace is still open, for it depends on what follows, and those whose pace is known.
+    /// Events whose pace is still open, for it depends on what follows, and those whose pace is
+    /// known.
     waiting: VecDeque<Event>,
     paces: VecDeque<Pace>,
     error: Option<TraceError>,

@@ -1,9 +1,12 @@
 //! Reads G-code as real files have it.
 //!
-//! Lenient are: line breaks of both kinds, lower case, missing or additional blanks, repeated words (the last one holds), line numbers and
-//! their checksums, comments in parentheses, a byte order mark, and text that is not UTF-8. A command that is not typed, or has words that its type
-//! does not hold, is kept word for word; only those that move the head or say where it is are always typed, and lose words that are
-//! not theirs: a program must not move unseen. A broken number in a typed command is an error.
+//! Lenient are: line breaks of both kinds, lower case, missing or additional blanks, repeated words
+//! (the last one holds), line numbers and their checksums, comments in parentheses, a byte order
+//! mark, and text that is not UTF-8.
+//! A command that is not typed, or has words that its type does not hold, is kept word for word;
+//! only those that move the head or say where it is are always typed, and lose words that are not
+//! theirs: a program must not move unseen.
+//! A broken number in a typed command is an error.
 
 use thiserror::Error;
 
@@ -41,7 +44,8 @@ pub(super) type Broken<'a> = (&'a str, ParseFault);
 const SHOWN: usize = 32;
 
 impl Program {
-    /// Reads a file. Linear in its length; takes at most about a hundred bytes for each line and twice the text.
+    /// Reads a file.
+    /// Linear in its length; takes at most about a hundred bytes for each line and twice the text.
     pub fn parse(text: &str) -> Result<Self, ParseError> {
         // Counting first saves the half that growth would leave unused.
         let mut lines = Vec::with_capacity(text.bytes().filter(|&byte| byte == b'\n').count() + 1);
@@ -55,7 +59,8 @@ impl Program {
         Ok(Self { lines })
     }
 
-    /// Reads a file that may hold bytes which are not UTF-8: in comments and macros they become replacement characters.
+    /// Reads a file that may hold bytes which are not UTF-8: in comments and macros they become
+    /// replacement characters.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ParseError> {
         Self::parse(&String::from_utf8_lossy(bytes))
     }
@@ -86,7 +91,8 @@ pub(super) fn line(text: &str) -> Result<Line, Broken<'_>> {
 struct Asides(Option<String>);
 
 impl Asides {
-    /// Takes the comment at the beginning of `text`, which starts with a parenthesis, and gives what follows it.
+    /// Takes the comment at the beginning of `text`, which starts with a parenthesis, and gives
+    /// what follows it.
     fn take<'a>(&mut self, text: &'a str) -> &'a str {
         let (inner, rest) = text[1..].split_once(')').unwrap_or((&text[1..], ""));
         let inner = inner.trim_end_matches('\r');
@@ -103,10 +109,12 @@ fn is_blank(character: char) -> bool {
     character.is_whitespace() || character == '\u{feff}'
 }
 
-/// The command without blanks around it, without line number and checksum, and without comments before it.
+/// The command without blanks around it, without line number and checksum, and without comments
+/// before it.
 fn unnumbered<'a>(code: &'a str, asides: &mut Asides) -> &'a str {
     let mut code = code.trim_matches(is_blank);
-    // A line has one checksum; looking for it behind each of many numbers would take the square of the line's length.
+    // A line has one checksum; looking for it behind each of many numbers would take the square of
+    // the line's length.
     let mut has_number = false;
     loop {
         if code.starts_with('(') {
@@ -210,7 +218,8 @@ fn typed<'a>(code: &'a str, asides: &mut Asides) -> Result<Option<Command>, Brok
         (b'M', 73) => read("PR", "")?.only(|words| {
             Some(Command::Progress { percent: words.value('P'), minutes: words.value('R') })
         }),
-        // Some slicers count tools beyond any that exist, to say "none"; the printers of one take 255 so.
+        // Some slicers count tools beyond any that exist, to say "none"; the printers of one take
+        // 255 so.
         (b'T', number) => match u8::try_from(number) {
             Ok(tool) if tool < u8::MAX => read("", "")?.only(|_| Some(Command::Tool(tool))),
             _ => None,
@@ -287,7 +296,8 @@ struct Words {
 }
 
 impl Words {
-    /// Reads all words. Those of `known` need a number, except for `flags`; the others may have one.
+    /// Reads all words.
+    /// Those of `known` need a number, except for `flags`; the others may have one.
     fn read<'a>(
         mut rest: &'a str,
         known: &str,
@@ -313,7 +323,8 @@ impl Words {
             words.present |= bit(letter);
             if matches!(follows, b'0'..=b'9' | b'.' | b'+' | b'-') {
                 let scanned = Number::scan(behind.as_bytes()).and_then(|(number, length)| {
-                    // A number ends where a word, a blank or a comment begins, not in the midst of other signs.
+                    // A number ends where a word, a blank or a comment begins, not in the midst of
+                    // other signs.
                     let next = behind[length..].chars().next().unwrap_or(' ');
                     let ends = is_blank(next) || next.is_ascii_alphabetic() || next == '(';
                     if ends { Ok((number, length)) } else { Err(NumberError::Junk) }

@@ -1,7 +1,9 @@
 //! Planned layers as a program.
 //!
-//! Each piece of a path is one bead, from the outer edge of its first cell along the middles to the outer edge of its last: as long as it has cells,
-//! with the same flow everywhere. Where the zone changes within a piece, the old tool ends at the edge between the two cells, and the new one begins there.
+//! Each piece of a path is one bead, from the outer edge of its first cell along the middles to the
+//! outer edge of its last: as long as it has cells, with the same flow everywhere.
+//! Where the zone changes within a piece, the old tool ends at the edge between the two cells, and
+//! the new one begins there.
 
 use super::header::header;
 use super::tower::TowerPlan;
@@ -33,13 +35,16 @@ pub struct Print {
 pub(super) const PLACE_DECIMALS: u32 = 3;
 const FILAMENT_DECIMALS: u32 = 5;
 
-/// Where the head waits for the heat, in mm above the bed, if the printer is so high: away from the bed, on which it would drip and stick.
+/// Where the head waits for the heat, in mm above the bed, if the printer is so high: away from the
+/// bed, on which it would drip and stick.
 const START_LIFT_MM: f64 = 5.0;
 
-/// Speed of that lift, in mm/s, unless the printer is slower: a z axis is slow, and nothing has been set so far.
+/// Speed of that lift, in mm/s, unless the printer is slower: a z axis is slow, and nothing has
+/// been set so far.
 const START_LIFT_MM_S: f64 = 10.0;
 
-/// How far the head rises at least for a change of tools, in mm, if the printer is so high: one that stood on the part would melt it.
+/// How far the head rises at least for a change of tools, in mm, if the printer is so high: one
+/// that stood on the part would melt it.
 const CHANGE_LIFT_MM: f64 = 1.0;
 
 /// How far the head rises at the end, in mm, if the printer is so high.
@@ -49,9 +54,11 @@ const END_LIFT_MM: f64 = 10.0;
 const JUNCTION_DEVIATIONS_MM: [f64; 2] = [0.01, 0.3];
 
 impl Print {
-    /// Writes the program of these layers, which are numbered from 0 without a gap. Linear in the cells.
+    /// Writes the program of these layers, which are numbered from 0 without a gap.
+    /// Linear in the cells.
     ///
-    /// Every tool is taken to begin with its filament drawn back by `retract_mm`, as the end of a print leaves it.
+    /// Every tool is taken to begin with its filament drawn back by `retract_mm`, as the end of a
+    /// print leaves it.
     pub fn new(
         title: Title<'_>,
         layers: &[Layer<'_>],
@@ -83,8 +90,8 @@ struct Writer<'a> {
     settings: &'a Settings,
     bead_mm2: f64,
     lines: Vec<Line>,
-    /// Where the head is, rounded as it was written; `None` if that is not known: at the beginning, and after a change of tools, during
-    /// which the printer goes where it likes.
+    /// Where the head is, rounded as it was written; `None` if that is not known: at the beginning,
+    /// and after a change of tools, during which the printer goes where it likes.
     at: [Option<Number>; 3],
     feed: Option<Number>,
     /// At least so high goes the next travel, in mm; 0 if it does not matter.
@@ -95,8 +102,9 @@ struct Writer<'a> {
     used: Vec<u8>,
     /// For each tool, whether its filament is drawn back.
     drawn: Vec<bool>,
-    /// For each tool, the filament that rounding has kept back so far, in mm: from the part and from the tower. One sum for both would let
-    /// the tower take a little from the part at each change.
+    /// For each tool, the filament that rounding has kept back so far, in mm: from the part and
+    /// from the tower.
+    /// One sum for both would let the tower take a little from the part at each change.
     owed_mm: Vec<[f64; 2]>,
     /// z of the layer, in mm.
     top_mm: f64,
@@ -167,7 +175,8 @@ impl<'a> Writer<'a> {
         self.limits();
     }
 
-    /// Coordinates are places, and filament is counted from move to move. In this order: `G90` makes Marlin count filament from the start.
+    /// Coordinates are places, and filament is counted from move to move.
+    /// In this order: `G90` makes Marlin count filament from the start.
     fn modes(&mut self) {
         self.command(Command::Absolute);
         self.command(Command::RelativeExtrusion);
@@ -203,7 +212,8 @@ impl<'a> Writer<'a> {
                     retract: None,
                     all: None,
                 });
-                // Each Marlin knows one of the two, as it was built. The deviation gives the same corners as Klipper's square corner velocity.
+                // Each Marlin knows one of the two, as it was built.
+                // The deviation gives the same corners as Klipper's square corner velocity.
                 let corner2 = printer.square_corner_mm_s * printer.square_corner_mm_s;
                 let deviation =
                     corner2 * (std::f64::consts::SQRT_2 - 1.0) / printer.acceleration_mm_s2;
@@ -436,7 +446,8 @@ impl<'a> Writer<'a> {
                     tool,
                     wait: Wait::No,
                 };
-                // A tool that was put aside may have a heater of its own; the last line is for printers that number their tools otherwise.
+                // A tool that was put aside may have a heater of its own; the last line is for
+                // printers that number their tools otherwise.
                 if self.used.len() > 1 {
                     for tool in self.used.clone() {
                         self.command(off(Some(tool)));

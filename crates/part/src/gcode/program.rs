@@ -8,10 +8,12 @@ use super::Command;
 
 /// The lines of a file, in order.
 ///
-/// Every value can be written and read again: `Program::parse(&program.emit())` is the same program, unless it selects tool 255.
+/// Every value can be written and read again: `Program::parse(&program.emit())` is the same
+/// program, unless it selects tool 255.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Program {
-    /// The lines. Errors and motions name them by number, from 1.
+    /// The lines.
+    /// Errors and motions name them by number, from 1.
     pub lines: Vec<Line>,
 }
 
@@ -30,7 +32,8 @@ pub struct Line {
 pub struct CommentError(pub String);
 
 impl Line {
-    /// A line of a command, a comment, or both. The comment is what follows the semicolon, blanks and all.
+    /// A line of a command, a comment, or both.
+    /// The comment is what follows the semicolon, blanks and all.
     pub fn new(command: Option<Command>, comment: Option<String>) -> Result<Self, CommentError> {
         match comment {
             Some(text) if text.contains('\n') || text.ends_with('\r') => Err(CommentError(text)),
@@ -86,7 +89,8 @@ impl fmt::Display for Line {
 }
 
 impl Program {
-    /// The text of the file: upper case, one blank between words, the shortest numbers, a line feed after every line.
+    /// The text of the file: upper case, one blank between words, the shortest numbers, a line feed
+    /// after every line.
     pub fn emit(&self) -> String {
         /// A usual move with extrusion.
         const USUAL_LINE: usize = 28;

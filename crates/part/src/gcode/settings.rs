@@ -26,8 +26,9 @@ pub struct Settings {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Flavour {
-    /// Marlin and its kin: limits are set by `M204` and `M205`. Of the corners it gets both the junction deviation, which has to lie from 0.01
-    /// to 0.3 mm and is brought into these bounds, and the jerk of x and y: it takes the one it was built for.
+    /// Marlin and its kin: limits are set by `M204` and `M205`.
+    /// Of the corners it gets both the junction deviation, which has to lie from 0.01 to 0.3 mm and
+    /// is brought into these bounds, and the jerk of x and y: it takes the one it was built for.
     #[default]
     Marlin,
     /// Klipper: limits are set by `SET_VELOCITY_LIMIT`.
@@ -41,7 +42,8 @@ pub enum Nozzles {
     /// The tools are filaments of one nozzle, which gets the temperature of the present one.
     #[default]
     Shared,
-    /// Each tool has a nozzle of its own: all that print are heated at the beginning and stay hot to the end.
+    /// Each tool has a nozzle of its own: all that print are heated at the beginning and stay hot
+    /// to the end.
     Own,
 }
 
@@ -59,12 +61,14 @@ pub struct Printer {
     pub acceleration_mm_s2: f64,
     /// Speed through a right angle, in mm/s.
     pub square_corner_mm_s: f64,
-    /// The greatest speed of the head, in mm/s; it is not written to the file, but no speed of the head in the process may be higher.
+    /// The greatest speed of the head, in mm/s; it is not written to the file, but no speed of the
+    /// head in the process may be higher.
     pub greatest_mm_s: f64,
 }
 
 impl Default for Printer {
-    /// A usual machine: Marlin, one nozzle, 250 x 210 x 210 mm, 1000 mm/s², 5 mm/s in corners, at most 200 mm/s.
+    /// A usual machine: Marlin, one nozzle, 250 x 210 x 210 mm, 1000 mm/s², 5 mm/s in corners, at
+    /// most 200 mm/s.
     fn default() -> Self {
         Self {
             flavour: Flavour::default(),
@@ -128,10 +132,12 @@ impl Tool {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CrossSection {
-    /// The whole cell: width times height. Beads side by side fill the part.
+    /// The whole cell: width times height.
+    /// Beads side by side fill the part.
     #[default]
     Rectangle,
-    /// A rectangle with half a circle at either side, as slicers reckon single beads. Leaves gaps between beads a whole width apart.
+    /// A rectangle with half a circle at either side, as slicers reckon single beads.
+    /// Leaves gaps between beads a whole width apart.
     Oval,
 }
 
@@ -164,7 +170,9 @@ pub struct Process {
 }
 
 impl Default for Process {
-    /// The paper on heat prints at 30 mm/s, travels at 150 mm/s and keeps the bed at 80 °C; it has no fan. Retraction is that of a usual direct drive.
+    /// The paper on heat prints at 30 mm/s, travels at 150 mm/s and keeps the bed at 80 °C; it has
+    /// no fan.
+    /// Retraction is that of a usual direct drive.
     fn default() -> Self {
         Self {
             print_mm_s: 30.0,
@@ -197,8 +205,9 @@ impl Process {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Purge {
-    /// How much, in mm³, from the tool of the row to that of the column: what the new one extrudes before it prints the part. What stands on
-    /// the diagonal does not matter.
+    /// How much, in mm³, from the tool of the row to that of the column: what the new one extrudes
+    /// before it prints the part.
+    /// What stands on the diagonal does not matter.
     pub volume_mm3: Vec<Vec<f64>>,
     /// Where it goes; `None`: the printer purges by itself when it is told to change tools.
     pub tower: Option<Tower>,
@@ -361,7 +370,8 @@ pub enum SettingsError {
 /// Larger than any speed, acceleration or volume of a purge.
 const LARGEST: f64 = 1e6;
 
-/// Larger than any bed, in mm. The filament in a cube of this size still is a [`Number`](super::Number).
+/// Larger than any bed, in mm.
+/// The filament in a cube of this size still is a [`Number`](super::Number).
 const LARGEST_BED_MM: f64 = 1e4;
 
 /// Beads thinner than this, in mm, are lost in the decimals of a file.

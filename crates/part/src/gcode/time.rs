@@ -1,14 +1,20 @@
 //! How long a print takes.
 //!
-//! The head speeds up and slows down at a given acceleration and passes corners at a limited speed, which the planner of the firmware looks ahead for.
-//! The rule of corners is that of Klipper, from its documentation, page "Kinematics", section "Look-ahead": with the angle θ between two moves
-//! that meet (π if straight on), a circle that comes as near to the corner as the junction deviation δ has the radius
-//! R = δ sin(θ/2) / (1 - sin(θ/2)), and the head may pass with v² = R a. The deviation is chosen so that a right angle is passed with the square corner
-//! velocity s: δ = s² (√2 - 1) / a. Marlin's junction deviation (`M205 J`) is the same rule.
+//! The head speeds up and slows down at a given acceleration and passes corners at a limited speed,
+//! which the planner of the firmware looks ahead for.
+//! The rule of corners is that of Klipper, from its documentation, page "Kinematics", section
+//! "Look-ahead": with the angle θ between two moves that meet (π if straight on), a circle that
+//! comes as near to the corner as the junction deviation δ has the radius R = δ sin(θ/2) / (1 -
+//! sin(θ/2)), and the head may pass with v² = R a.
+//! The deviation is chosen so that a right angle is passed with the square corner velocity s: δ =
+//! s² (√2 - 1) / a.
+//! Marlin's junction deviation (`M205 J`) is the same rule.
 //!
-//! Not reckoned with: smoothing of short moves (Klipper's minimum cruise ratio and its limit of short moves at corners), pressure advance, limits of
-//! single axes (`M203`), what a program says of corners and of the greatest speed (`M205`, and all of `SET_VELOCITY_LIMIT` but `ACCEL`: [`Limits`] holds
-//! throughout), acceleration of filament alone (`M204 R`) and Klipper's limit of speed where the flow changes, heating, and what macros and changes of tool take.
+//! Not reckoned with: smoothing of short moves (Klipper's minimum cruise ratio and its limit of
+//! short moves at corners), pressure advance, limits of single axes (`M203`), what a program says
+//! of corners and of the greatest speed (`M205`, and all of `SET_VELOCITY_LIMIT` but `ACCEL`:
+//! [`Limits`] holds throughout), acceleration of filament alone (`M204 R`) and Klipper's limit of
+//! speed where the flow changes, heating, and what macros and changes of tool take.
 
 use super::pace::Pace;
 use super::{Event, Motion, Program, TraceError, Wait};
@@ -24,8 +30,9 @@ pub struct Limits {
     pub greatest_mm_s: f64,
 }
 
-/// Reckons the time of events as they come, in linear time; it holds the motions since the last stop, but no more than
-/// about 65,000: of those before, nothing that comes changes the speed, unless none of them was long enough to brake in.
+/// Reckons the time of events as they come, in linear time; it holds the motions since the last
+/// stop, but no more than about 65,000: of those before, nothing that comes changes the speed,
+/// unless none of them was long enough to brake in.
 #[derive(Clone, Debug)]
 pub struct Stopwatch {
     limits: Limits,
@@ -35,7 +42,8 @@ pub struct Stopwatch {
     most_legs: usize,
 }
 
-/// A program may go on without a stop, and an arc of a few letters be hundreds of motions: so many are held.
+/// A program may go on without a stop, and an arc of a few letters be hundreds of motions: so many
+/// are held.
 const MOST_LEGS: usize = 1 << 16;
 
 /// A motion of the head on the way from one stop to the next.
@@ -51,7 +59,8 @@ struct Leg {
 }
 
 impl Program {
-    /// How long the program takes, in s. Linear.
+    /// How long the program takes, in s.
+    /// Linear.
     pub fn print_seconds(&self, limits: Limits) -> Result<f64, TraceError> {
         let mut watch = Stopwatch::new(limits);
         for event in self.trace() {
@@ -72,7 +81,8 @@ impl Stopwatch {
         self.take_to(event, &mut |_| {});
     }
 
-    /// The next event; tells the paces of all motions and pauses that are now certain, in their order.
+    /// The next event; tells the paces of all motions and pauses that are now certain, in their
+    /// order.
     pub(super) fn take_to(&mut self, event: &Event, told: &mut impl FnMut(Pace)) {
         match event {
             Event::Motion(motion) => self.motion(motion, told),
@@ -121,8 +131,10 @@ impl Stopwatch {
 
     /// Lets go of the legs whose speeds are the same whatever comes.
     ///
-    /// The speeds lie between those with a stop behind the last leg and those without any limit there. Where both agree they agree in all legs before too: what
-    /// slows down in one of them only would have to do so in every leg up to the last.
+    /// The speeds lie between those with a stop behind the last leg and those without any limit
+    /// there.
+    /// Where both agree they agree in all legs before too: what slows down in one of them only
+    /// would have to do so in every leg up to the last.
     fn settle(&mut self, told: &mut impl FnMut(Pace)) {
         let (least, greatest) = (speeds2(&self.chain, 0.0), speeds2(&self.chain, f64::INFINITY));
         let settled = least.iter().zip(&greatest).rposition(|(least, greatest)| least >= greatest);
@@ -172,9 +184,11 @@ impl Leg {
     }
 }
 
-/// Squares of the speeds at the ends of the legs, from the first one's junction to `end2`: the greatest that break no limit.
+/// Squares of the speeds at the ends of the legs, from the first one's junction to `end2`: the
+/// greatest that break no limit.
 ///
-/// Backwards, each leg must be able to slow down to what follows; then forwards, to speed up from what comes before.
+/// Backwards, each leg must be able to slow down to what follows; then forwards, to speed up from
+/// what comes before.
 fn speeds2(chain: &[Leg], end2: f64) -> Vec<f64> {
     let mut speeds: Vec<f64> = chain.iter().map(|leg| leg.junction2).chain([end2]).collect();
     for (at, leg) in chain.iter().enumerate().rev() {

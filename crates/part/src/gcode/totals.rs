@@ -11,8 +11,9 @@ pub struct Totals {
     pub layers: usize,
     /// Changes from one tool to another.
     pub tool_changes: usize,
-    /// Breaks between the beads of a layer, over all layers: pieces of the paths beyond the first of each layer. What changes of tool and the
-    /// tower break does not count.
+    /// Breaks between the beads of a layer, over all layers: pieces of the paths beyond the first
+    /// of each layer.
+    /// What changes of tool and the tower break does not count.
     pub lifts: usize,
     /// Way of the head without extruding, in mm, from its home on.
     pub travel_mm: f64,

@@ -1,8 +1,9 @@
 //! The tower that takes up what is purged when tools change.
 //!
-//! It is an outline of one bead and rows of beads within, counted from the front. A layer purges into the first rows, solid, one change after the other,
-//! and fills the rest with sparse lines across the rows, so that whatever the next layer purges rests on something. The first layer is solid
-//! all over, to hold on the bed.
+//! It is an outline of one bead and rows of beads within, counted from the front.
+//! A layer purges into the first rows, solid, one change after the other, and fills the rest with
+//! sparse lines across the rows, so that whatever the next layer purges rests on something.
+//! The first layer is solid all over, to hold on the bed.
 
 use super::layer::corners;
 use super::{Layer, Settings, SettingsError, Tower};
@@ -99,7 +100,8 @@ impl TowerPlan {
         corners(None, cells, None)
     }
 
-    /// Sparse lines across the rows from `begin` to the last: one bead, back and forth. Empty if there are no such rows.
+    /// Sparse lines across the rows from `begin` to the last: one bead, back and forth.
+    /// Empty if there are no such rows.
     pub(super) fn sparse(&self, begin: i32) -> Vec<[i32; 2]> {
         let (columns, end) = (self.columns, self.rows);
         if begin >= end {
@@ -140,7 +142,8 @@ mod tests {
         TowerPlan { left_mm, front_mm, cell_mm, columns, rows, last_layer: 0, row_mm3 }
     }
 
-    /// The cells a bead goes through, in halves of a cell, each as often as it has half a cell of it.
+    /// The cells a bead goes through, in halves of a cell, each as often as it has half a cell of
+    /// it.
     fn halves(corners: &[[i32; 2]]) -> Vec<[i32; 2]> {
         let mut found = Vec::new();
         for pair in corners.windows(2) {

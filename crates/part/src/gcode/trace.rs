@@ -1,9 +1,14 @@
 //! What a program makes the printer do: motions, changes of tool, heat and pauses.
 //!
-//! The printer is one of plastic as Marlin and Klipper drive them. At the beginning it stands at 0, takes coordinates as places and lengths of
-//! filament as counted from the start, and has the first tool. `G28` puts the named axes to 0 without a motion. Filament is counted from move to
-//! move while places are (`G91`), and after `M83` until `M82`. Klipper does just that; Marlin differs in that `G90` ends `M83`, and `M82` holds after
-//! `G91`: [`Program::check`] refuses programs in which that matters. Macros, offsets of tools and retractions by the firmware do nothing here, for only the printer knows what they do.
+//! The printer is one of plastic as Marlin and Klipper drive them.
+//! At the beginning it stands at 0, takes coordinates as places and lengths of filament as counted
+//! from the start, and has the first tool.
+//! `G28` puts the named axes to 0 without a motion.
+//! Filament is counted from move to move while places are (`G91`), and after `M83` until `M82`.
+//! Klipper does just that; Marlin differs in that `G90` ends `M83`, and `M82` holds after `G91`:
+//! [`Program::check`] refuses programs in which that matters.
+//! Macros, offsets of tools and retractions by the firmware do nothing here, for only the printer
+//! knows what they do.
 
 use std::iter::Enumerate;
 use std::slice::Iter;
@@ -31,7 +36,8 @@ pub struct Motion {
     pub tool: u8,
     /// What is printed, as the last comment says.
     pub feature: Feature,
-    /// Number of the layer from 0, as the last comment says: counted from the bed, unless the program has a raft below.
+    /// Number of the layer from 0, as the last comment says: counted from the bed, unless the
+    /// program has a raft below.
     /// [`Layer::number`](super::Layer::number) in the programs written here.
     pub layer: Option<u32>,
     /// Number of the line, from 1.
@@ -146,7 +152,8 @@ pub enum TraceError {
         /// The acceleration, in mm/s².
         acceleration_mm_s2: f64,
     },
-    /// It asks for an arc without centre and radius, around its own beginning, or with a radius that does not reach its end.
+    /// It asks for an arc without centre and radius, around its own beginning, or with a radius
+    /// that does not reach its end.
     #[error("line {line}: no such arc")]
     Arc {
         /// Number of the line, from 1.
@@ -158,7 +165,9 @@ pub enum TraceError {
 const FIRST_FEED_MM_S: f64 = 25.0;
 
 impl Program {
-    /// The events of the program in order, one at a time; it ends after an error. Arcs come as straight motions. Linear in lines and chords.
+    /// The events of the program in order, one at a time; it ends after an error.
+    /// Arcs come as straight motions.
+    /// Linear in lines and chords.
     pub fn trace(&self) -> Trace<'_> {
         Trace {
             lines: self.lines.iter().enumerate(),

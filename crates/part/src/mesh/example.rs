@@ -10,7 +10,8 @@ use super::model::{Body, Material, Model};
 use super::shapes::Shape;
 use super::surface::Mesh;
 
-/// A part made by a few lines of code. All stand on z = 0.
+/// A part made by a few lines of code.
+/// All stand on z = 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Example {
     /// A plate of 60 x 20 x 3 mm: with beads of 0.5 mm and layers of 0.25 mm, 120 x 40 x 12 cells.

@@ -12,7 +12,8 @@ use super::{obj, stl, threemf};
 pub struct Model {
     /// The bodies; where two of them overlap, the later one fills the place.
     pub bodies: Vec<Body>,
-    /// The materials, as the file names them. Empty if it names none.
+    /// The materials, as the file names them.
+    /// Empty if it names none.
     pub materials: Vec<Material>,
 }
 
@@ -62,7 +63,8 @@ impl Format {
     }
 }
 
-/// How much a file may hold. A small file can unpack to any size.
+/// How much a file may hold.
+/// A small file can unpack to any size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Most bytes that the parts of an archive may unpack to, together.
@@ -72,7 +74,8 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// 1 GiB unpacked, 32 million triangles: what is read takes at most some ten times what was unpacked.
+    /// 1 GiB unpacked, 32 million triangles: what is read takes at most some ten times what was
+    /// unpacked.
     fn default() -> Self {
         Self { unpacked_bytes: 1 << 30, triangles: 32_000_000 }
     }
@@ -169,7 +172,8 @@ pub enum Materials {
 }
 
 impl Model {
-    /// Reads a file's bytes. Linear in them.
+    /// Reads a file's bytes.
+    /// Linear in them.
     pub fn read(format: Format, bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
         if bytes.is_empty() {
             return Err(ReadError::Empty);
@@ -185,8 +189,8 @@ impl Model {
         Ok(model)
     }
 
-    /// Takes over the bodies and the materials of another model in the same frame. Together they have at most 256
-    /// materials.
+    /// Takes over the bodies and the materials of another model in the same frame.
+    /// Together they have at most 256 materials.
     pub fn append(&mut self, other: Self) -> Result<(), ReadError> {
         let before = self.materials.len();
         if before + other.materials.len() > MOST_MATERIALS {
@@ -203,8 +207,8 @@ impl Model {
 
     /// Gives every body a material, by a rule, and drops what is then not used.
     ///
-    /// Materials of the same name and colour become one. Those that are left keep their order; bodies without one get
-    /// theirs after them.
+    /// Materials of the same name and colour become one.
+    /// Those that are left keep their order; bodies without one get theirs after them.
     ///
     /// # Panics
     /// If a body or its paint names a material that is not there.

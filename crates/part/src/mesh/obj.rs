@@ -8,13 +8,16 @@ use super::surface::Mesh;
 
 /// Reads a file.
 ///
-/// An `o` begins a body, unless it comes before the first face of the last one; groups (`g`) are stretches of one
-/// surface as often as bodies, so they only name what has no other name. Polygons are cut into fans. Each `usemtl`
-/// names a material; a body of several is painted. Colours stand in another file (`mtllib`) and are not read; curves
-/// and surfaces of higher order are passed over, as are texture coordinates and normals.
+/// An `o` begins a body, unless it comes before the first face of the last one; groups (`g`) are
+/// stretches of one surface as often as bodies, so they only name what has no other name.
+/// Polygons are cut into fans.
+/// Each `usemtl` names a material; a body of several is painted.
+/// Colours stand in another file (`mtllib`) and are not read; curves and surfaces of higher order
+/// are passed over, as are texture coordinates and normals.
 pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
     let mut reader = Reader { limits: *limits, ..Reader::default() };
-    // A backslash at the end of a line joins it to the next; not one in a comment, which may end in the name of a folder.
+    // A backslash at the end of a line joins it to the next; not one in a comment, which may end in
+    // the name of a folder.
     let mut joined = String::new();
     let mut last = 0;
     for (line, text) in (1..).zip(bytes.split(|&byte| byte == b'\n')) {
@@ -36,7 +39,8 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
     Ok(reader.finish())
 }
 
-/// A line up to its comment. A `#` within a word is part of a name.
+/// A line up to its comment.
+/// A `#` within a word is part of a name.
 fn without_comment(text: &str) -> &str {
     let begins = |&(at, _): &(usize, &str)| {
         at == 0 || text[..at].ends_with(|before: char| before.is_ascii_whitespace())
@@ -117,7 +121,8 @@ impl Reader {
         Ok(())
     }
 
-    /// The vertex that a corner such as `7`, `7/1`, `7//2` or `-1` names: from 1, or back from the last.
+    /// The vertex that a corner such as `7`, `7/1`, `7//2` or `-1` names: from 1, or back from the
+    /// last.
     fn vertex(&self, line: usize, word: &str) -> Result<u32, ReadError> {
         let wrong = || {
             let word: String = word.chars().take(20).collect();

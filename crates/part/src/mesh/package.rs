@@ -38,7 +38,8 @@ impl<'a> Package<'a> {
         self.names.get(&key(part)).map(String::as_str)
     }
 
-    /// Unpacks a part while `read` reads it. What `read` makes of an error of the archive or the limit is replaced by that.
+    /// Unpacks a part while `read` reads it.
+    /// What `read` makes of an error of the archive or the limit is replaced by that.
     pub(super) fn read<T>(
         &mut self,
         part: &str,
@@ -66,7 +67,8 @@ fn key(part: &str) -> String {
     part.trim_start_matches('/').to_ascii_lowercase()
 }
 
-/// Stops at the limit, and remembers why, for an XML reader tells of no more than "an error of the source".
+/// Stops at the limit, and remembers why, for an XML reader tells of no more than "an error of the
+/// source".
 struct Limited<R> {
     inner: R,
     left: u64,

@@ -29,7 +29,8 @@ impl Transform {
         moved
     }
 
-    /// Turns about axis 0 (x), 1 (y) or 2 (z), counter-clockwise seen against its direction, by so many degrees.
+    /// Turns about axis 0 (x), 1 (y) or 2 (z), counter-clockwise seen against its direction, by so
+    /// many degrees.
     ///
     /// Multiples of 90 degrees are exact.
     pub fn turn(axis: usize, degrees: f64) -> Self {
@@ -81,7 +82,8 @@ impl Transform {
         spat < 0.0
     }
 
-    /// Moves a mesh; one that it mirrors is turned inside out once more, so that its outside stays outside.
+    /// Moves a mesh; one that it mirrors is turned inside out once more, so that its outside stays
+    /// outside.
     pub fn apply(&self, mesh: &mut Mesh) {
         mesh.map(|point| self.point(point), self.is_mirror());
     }
@@ -90,7 +92,8 @@ impl Transform {
 /// How a model is put on the bed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
-    /// Lengths are multiplied by this: 25.4 for a file in inches that does not say so. More than 0.
+    /// Lengths are multiplied by this: 25.4 for a file in inches that does not say so.
+    /// More than 0.
     pub scale: f64,
     /// Turns in degrees about x, then y, then z.
     pub turn_degrees: [f64; 3],
@@ -144,7 +147,8 @@ pub enum PlaceError {
 }
 
 impl Placement {
-    /// Turns, scales and moves a model; its lowest point comes to lie on the bed. A model that is refused stays as it was.
+    /// Turns, scales and moves a model; its lowest point comes to lie on the bed.
+    /// A model that is refused stays as it was.
     pub fn apply(&self, model: &mut Model) -> Result<(), PlaceError> {
         let positive = |what, value: f64| {
             let is_right = value > 0.0 && value.is_finite();

@@ -1,8 +1,9 @@
 //! Makes the surface of a body closed and turns it outwards, and says what it had to change.
 //!
-//! Every triangle's boundary is a closed circle, so what is left of all triangles' boundaries, once edges that are used
-//! both ways cancel out, is a set of closed loops too: the holes. Each of them can be filled by a fan, and then the
-//! surface is closed, whatever it looked like before.
+//! Every triangle's boundary is a closed circle, so what is left of all triangles' boundaries, once
+//! edges that are used both ways cancel out, is a set of closed loops too: the holes.
+//! Each of them can be filled by a fan, and then the surface is closed, whatever it looked like
+//! before.
 
 mod above;
 
@@ -58,10 +59,12 @@ pub enum RepairError {
     },
 }
 
-/// Ray tests for bodies within bodies are given up beyond so many triangles looked at: some seconds.
+/// Ray tests for bodies within bodies are given up beyond so many triangles looked at: some
+/// seconds.
 const MOST_LOOKS: usize = 500_000_000;
 
-/// Holes are small if the way around them is at most so much of the body's diagonal. Flat ones may be of any size.
+/// Holes are small if the way around them is at most so much of the body's diagonal.
+/// Flat ones may be of any size.
 const SMALL_HOLE: f64 = 1.0;
 /// A body has a volume if it is thicker than this over its whole size, in mm.
 const THINNEST_MM: f64 = 1e-6;
@@ -72,11 +75,14 @@ const FLAT_HOLE: f64 = 1e-3;
 impl Body {
     /// Repairs the surface.
     ///
-    /// 1. Vertices at the same place become one; triangles that are left with two corners at one place are dropped.
+    /// 1. Vertices at the same place become one; triangles that are left with two corners at one
+    ///    place are dropped.
     /// 2. Triangles are turned to agree with their neighbours: of each connected part the fewer.
-    /// 3. Holes that are flat or small (no longer around than the body is across) are closed by fans.
-    /// 4. A body that is inside out is turned over, and so are connected parts of it, unless they lie within another:
-    ///    those are cavities. Of thousands of parts inside out, one above the other, some may be left as they are.
+    /// 3. Holes that are flat or small (no longer around than the body is across) are closed by
+    ///    fans.
+    /// 4. A body that is inside out is turned over, and so are connected parts of it, unless they
+    ///    lie within another: those are cavities.
+    ///    Of thousands of parts inside out, one above the other, some may be left as they are.
     ///
     /// Nearly linear in the triangles; needs about as much memory as the mesh itself, beside it.
     pub fn repair(&mut self) -> Result<Repaired, RepairError> {
@@ -209,8 +215,8 @@ fn is_rising(mesh: &Mesh, half: u32) -> bool {
     corners[corner] < corners[(corner + 1) % 3]
 }
 
-/// Triangles joined over edges that two of them share, each part a tree; a bit says whether a triangle faces against
-/// its parent.
+/// Triangles joined over edges that two of them share, each part a tree; a bit says whether a
+/// triangle faces against its parent.
 struct Parts {
     parents: Vec<u32>,
     against: Vec<bool>,
@@ -247,7 +253,8 @@ impl Parts {
         (root, against)
     }
 
-    /// A part that can't be turned to agree, such as a Moebius strip, stays as it is along one line.
+    /// A part that can't be turned to agree, such as a Moebius strip, stays as it is along one
+    /// line.
     fn join(&mut self, first: u32, second: u32, clash: bool) {
         let ((a, a_against), (b, b_against)) = (self.root(first), self.root(second));
         let (low, high) = (a.min(b), a.max(b));
@@ -257,8 +264,8 @@ impl Parts {
         }
     }
 
-    /// Joins what meets at an edge of more than two triangles too. How they face no longer matters: each part can only
-    /// be turned as a whole.
+    /// Joins what meets at an edge of more than two triangles too.
+    /// How they face no longer matters: each part can only be turned as a whole.
     fn join_all(&mut self, edges: &Edges) {
         for (_, group) in edges.groups() {
             for pair in group.windows(2) {
@@ -267,7 +274,8 @@ impl Parts {
         }
     }
 
-    /// Turns the triangles of each part to agree: the fewer of them. Tells how many.
+    /// Turns the triangles of each part to agree: the fewer of them.
+    /// Tells how many.
     fn flip_fewer(&mut self, mesh: &mut Mesh) -> usize {
         let count = self.parents.len() as u32;
         if self.against.iter().all(|&against| !against) {
@@ -339,10 +347,11 @@ fn close_holes(body: &mut Body, edges: &Edges, parts: &mut Parts) -> Result<usiz
     Ok(loops.len())
 }
 
-/// Splits directed edges, sorted by their start, into simple loops, each a list of their numbers in order.
+/// Splits directed edges, sorted by their start, into simple loops, each a list of their numbers in
+/// order.
 ///
-/// As many edges lead to a vertex as from it, so a walk can only end where it began. A vertex that comes twice closes a
-/// loop at once: two holes that touch are two.
+/// As many edges lead to a vertex as from it, so a walk can only end where it began.
+/// A vertex that comes twice closes a loop at once: two holes that touch are two.
 fn loops(open: &[[u32; 3]]) -> Vec<Vec<usize>> {
     let first_from = |vertex: u32| open.partition_point(|edge| edge[0] < vertex);
     // For the first edge of each vertex, how many of its edges were walked.
@@ -373,7 +382,8 @@ fn loops(open: &[[u32; 3]]) -> Vec<Vec<usize>> {
             walk.push(edge);
             at = open[edge][1];
         }
-        // All that was walked is closed. To clear the map would take the time of the most it ever held, for each edge.
+        // All that was walked is closed.
+        // To clear the map would take the time of the most it ever held, for each edge.
         met.remove(&at);
     }
     loops
@@ -449,7 +459,8 @@ fn turn_outwards(mesh: &mut Mesh, parts: &mut Parts) -> usize {
     flipped
 }
 
-/// What a triangle adds to how often a ray upwards from a point leaves the body more than it enters it: 1, -1 or 0.
+/// What a triangle adds to how often a ray upwards from a point leaves the body more than it enters
+/// it: 1, -1 or 0.
 fn turn_above(corners: [[f64; 3]; 3], point: [f64; 3]) -> i32 {
     let normal = cross(minus(corners[1], corners[0]), minus(corners[2], corners[0]));
     let is_above = normal[2] != 0.0
@@ -464,7 +475,8 @@ fn turn_above(corners: [[f64; 3]; 3], point: [f64; 3]) -> i32 {
     }
 }
 
-/// Whether a triangle lies above or below a point; of triangles that share an edge exactly one does.
+/// Whether a triangle lies above or below a point; of triangles that share an edge exactly one
+/// does.
 fn covers(corners: [[f64; 3]; 3], point: [f64; 3]) -> bool {
     let mut is_inside = false;
     for corner in 0..3 {

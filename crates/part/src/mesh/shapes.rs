@@ -14,7 +14,8 @@ pub enum Shape {
     },
     /// An outline, raised.
     Prism {
-        /// Corners, counter-clockwise seen from above, in mm. The last one is linked to the first.
+        /// Corners, counter-clockwise seen from above, in mm.
+        /// The last one is linked to the first.
         outline_mm: Vec<[f64; 2]>,
         /// z of its bottom and top in mm.
         z_mm: [f64; 2],
@@ -26,7 +27,8 @@ pub enum Shape {
         /// Its height in mm.
         height_mm: f64,
     },
-    /// A sphere around the origin, drawn with 2 x `steps` meridians and `steps` rings: 4 `steps` (`steps` - 1) triangles.
+    /// A sphere around the origin, drawn with 2 x `steps` meridians and `steps` rings: 4 `steps`
+    /// (`steps` - 1) triangles.
     Sphere {
         /// Its radius in mm.
         radius_mm: f64,
@@ -36,7 +38,8 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// The surface. Linear in its triangles.
+    /// The surface.
+    /// Linear in its triangles.
     ///
     /// # Panics
     /// If a prism has less than 3 corners, a sphere less than 2 steps, or a length is not finite.
@@ -58,8 +61,9 @@ impl Shape {
     }
 }
 
-/// Between an outline and one of as many corners above it, or the same. The ends are fans: where the outline is not
-/// convex their triangles overlap, but what lies outside is covered as often from one side as from the other.
+/// Between an outline and one of as many corners above it, or the same.
+/// The ends are fans: where the outline is not convex their triangles overlap, but what lies
+/// outside is covered as often from one side as from the other.
 fn prism(bottom: &[[f64; 2]], top: Option<&[[f64; 2]]>, z_mm: [f64; 2]) -> Mesh {
     let count = bottom.len() as u32;
     assert!(count >= 3, "an outline needs 3 corners");

@@ -8,10 +8,11 @@ const HEADER: usize = 84;
 /// Normal, three corners and two bytes of attributes.
 const RECORD: usize = 50;
 
-/// Reads a file. Each `solid` of a text file is a body.
+/// Reads a file.
+/// Each `solid` of a text file is a body.
 ///
-/// A file is binary if its length fits the count of triangles in its header, whatever that header begins with: many
-/// programs write "solid" there.
+/// A file is binary if its length fits the count of triangles in its header, whatever that header
+/// begins with: many programs write "solid" there.
 pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
     let promised = match bytes.get(HEADER - 4..HEADER) {
         Some(count) => u64::from(u32::from_le_bytes(count.try_into().expect("it has four bytes"))),
@@ -72,8 +73,8 @@ fn push(model: &mut Model, name: String, welder: Welder) -> Result<(), ReadError
     Ok(())
 }
 
-/// Text: keywords in any case, one to a line. Normals are not read, for the corners' order says the same and is right
-/// more often.
+/// Text: keywords in any case, one to a line.
+/// Normals are not read, for the corners' order says the same and is right more often.
 fn read_text(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
     let mut model = Model::default();
     let mut welder = Welder::default();

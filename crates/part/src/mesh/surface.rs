@@ -7,8 +7,9 @@ use thiserror::Error;
 
 /// Triangles over shared vertices, in mm.
 ///
-/// Invariant: every coordinate is finite and every index names a vertex. Seen from outside the body, the vertices of a
-/// triangle run counter-clockwise; [`Body::repair`](super::Body::repair) sees to that, and that the surface is closed.
+/// Invariant: every coordinate is finite and every index names a vertex.
+/// Seen from outside the body, the vertices of a triangle run counter-clockwise;
+/// [`Body::repair`](super::Body::repair) sees to that, and that the surface is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     vertices: Vec<[f64; 3]>,
@@ -125,7 +126,8 @@ impl Mesh {
         bounds
     }
 
-    /// The volume it encloses in mm³, negative if it is turned inside out. Meaningless for a surface with holes.
+    /// The volume it encloses in mm³, negative if it is turned inside out.
+    /// Meaningless for a surface with holes.
     pub fn volume_mm3(&self) -> f64 {
         // Seen from a point of the body, it is no difference of large numbers.
         let Some(&[first, ..]) = self.triangles.first() else { return 0.0 };
@@ -141,7 +143,8 @@ impl Mesh {
         size_of_val(&*self.vertices) + size_of_val(&*self.triangles)
     }
 
-    /// Moves every vertex, and turns the triangles over where `mirrored` says that the move turns the space inside out.
+    /// Moves every vertex, and turns the triangles over where `mirrored` says that the move turns
+    /// the space inside out.
     pub(crate) fn map(&mut self, place: impl Fn([f64; 3]) -> [f64; 3], mirrored: bool) {
         self.vertices.iter_mut().for_each(|vertex| *vertex = place(*vertex));
         if mirrored {
@@ -154,8 +157,9 @@ impl Mesh {
     }
 }
 
-/// Drops the vertices that no triangle uses if they are more than those that can be used: a mesh then takes no more
-/// than its triangles say, however often it is copied. Changes nothing if a triangle names a vertex that is not there.
+/// Drops the vertices that no triangle uses if they are more than those that can be used: a mesh
+/// then takes no more than its triangles say, however often it is copied.
+/// Changes nothing if a triangle names a vertex that is not there.
 pub(super) fn keep_used(vertices: &mut Vec<[f64; 3]>, triangles: &mut [[u32; 3]]) {
     if vertices.len() <= 3 * triangles.len() {
         return;
@@ -197,12 +201,12 @@ pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 /// Collects triangles whose corners are given as points, each point once.
 ///
-/// Points are one vertex if all bits of their coordinates are equal (0 and -0 too): what touches belongs together, and
-/// nothing is moved.
+/// Points are one vertex if all bits of their coordinates are equal (0 and -0 too): what touches
+/// belongs together, and nothing is moved.
 #[derive(Default)]
 pub(super) struct Welder {
-    /// Numbers of vertices by the hash of their coordinates, which stand in `vertices` alone: as keys they would take
-    /// more memory than the mesh.
+    /// Numbers of vertices by the hash of their coordinates, which stand in `vertices` alone: as
+    /// keys they would take more memory than the mesh.
     numbers: HashTable<u32>,
     vertices: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,

@@ -1,7 +1,8 @@
 //! 3MF files: every object that the build names, with its transforms, units and materials.
 //!
-//! Core specification 1.3, with the colour groups of the materials extension and the references to other parts of the
-//! production extension. What else an extension adds is passed over.
+//! Core specification 1.3, with the colour groups of the materials extension and the references to
+//! other parts of the production extension.
+//! What else an extension adds is passed over.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -21,7 +22,8 @@ use super::surface::{Mesh, keep_used};
 const RELATIONSHIPS: &str = "_rels/.rels";
 /// Where the model stands if that list does not say.
 const USUAL_MODEL: &str = "3D/3dmodel.model";
-/// Objects made of objects made of objects: deeper than any program writes them, and no circle ends before.
+/// Objects made of objects made of objects: deeper than any program writes them, and no circle ends
+/// before.
 const DEEPEST: usize = 32;
 /// Names are cut after so many characters.
 const LONGEST_NAME: usize = 200;
@@ -132,7 +134,8 @@ impl Builder<'_> {
         Ok(read)
     }
 
-    /// Adds the bodies of an object. `outer` is the material that the objects around it have.
+    /// Adds the bodies of an object.
+    /// `outer` is the material that the objects around it have.
     fn instance(
         &mut self,
         part: &str,
@@ -194,7 +197,8 @@ impl Builder<'_> {
             if used.iter().all(|&other| other == first) {
                 body.material = first;
             } else {
-                // Triangles that are not painted have the material of the body, or the first paint if it has none.
+                // Triangles that are not painted have the material of the body, or the first paint
+                // if it has none.
                 let rest = used.iter().flatten().next().copied().unwrap_or_default();
                 body.paint = used.iter().map(|material| material.unwrap_or(rest) as u8).collect();
             }
@@ -214,8 +218,8 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// The number in the model of a material of a part; `None` also for textures and other groups that are no
-    /// materials.
+    /// The number in the model of a material of a part; `None` also for textures and other groups
+    /// that are no materials.
     fn material(
         &mut self,
         part: &str,
@@ -531,7 +535,8 @@ enum Element<'a> {
     Close(&'a str),
 }
 
-/// Shows `visit` all elements in their order, and whether they end where they begin; tells where it found fault.
+/// Shows `visit` all elements in their order, and whether they end where they begin; tells where it
+/// found fault.
 fn each_element(
     part: &str,
     source: &mut dyn BufRead,

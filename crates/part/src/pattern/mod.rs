@@ -19,9 +19,11 @@ pub use self::sheet::pattern_sheet;
 
 /// One of the 38 orders in which the cells of a layer may be deposited.
 ///
-/// Each is an order of the whole plane of which a region keeps its cells: consecutive cells need not be neighbours. A
-/// name has the family, the axis along which the lines run where there is a choice, and the **corner** where the order
-/// begins: 0 = least x and y, 1 = most x, 2 = most y, 3 = most of both. In the order of their numbers:
+/// Each is an order of the whole plane of which a region keeps its cells: consecutive cells need
+/// not be neighbours.
+/// A name has the family, the axis along which the lines run where there is a choice, and the
+/// **corner** where the order begins: 0 = least x and y, 1 = most x, 2 = most y, 3 = most of both.
+/// In the order of their numbers:
 ///
 /// | Numbers | Names | Order |
 /// |---|---|---|
@@ -33,23 +35,30 @@ pub use self::sheet::pattern_sheet;
 /// | 32..=35 | `contour-raster-x-0`, `-x-3`, `-y-0`, `-y-3` | the outlines, then all else as a raster |
 /// | 36, 37 | `diagonal-0`, `diagonal-1` | diagonals from corner 0 or 1, each second one backwards |
 ///
-/// The orders from the other corners are those from corner 0 in the mirror, and those along y are those along x
-/// transposed, outlines included. So a spiral from corner 0 or 3 turns clockwise (seen with y down) and one from corner
-/// 1 or 2 the other way. A diagonal zigzag enters its second diagonal at row 0.
+/// The orders from the other corners are those from corner 0 in the mirror, and those along y are
+/// those along x transposed, outlines included.
+/// So a spiral from corner 0 or 3 turns clockwise (seen with y down) and one from corner 1 or 2 the
+/// other way.
+/// A diagonal zigzag enters its second diagonal at row 0.
 ///
 /// # Outlines
-/// A contour takes the cells that have one of their **eight** neighbours outside the region or the plane. With four, an
-/// outline would break at each inner corner of the region, where it would step diagonally; with eight, each outline is
-/// a closed walk in unit steps. Parts of the region that meet only at a corner have an outline each, holes that meet at
-/// a corner share one.
+/// A contour takes the cells that have one of their **eight** neighbours outside the region or the
+/// plane.
+/// With four, an outline would break at each inner corner of the region, where it would step
+/// diagonally; with eight, each outline is a closed walk in unit steps.
+/// Parts of the region that meet only at a corner have an outline each, holes that meet at a corner
+/// share one.
 ///
-/// An outline begins at its cell nearest to the corner, as the crow flies; of equally near ones, at that in the line
-/// nearest to the corner. It runs so that a part's outer outline sets out across the axis: along it, a contour with a
-/// zigzag inside would be nothing but the spiral on many a rectangle. As it is, a rectangle's outline ends beside the
-/// first line of the rest: here the first line of the plane counts as one backwards, so that the second begins at the
-/// corner's side. Around a hole it runs the other way, the region on the same hand. Outlines that begin nearer to the
-/// corner come first, so that none comes before the one around it; what two of them touch, or one touches twice, as in
-/// walls one or two cells wide, comes where it is touched first.
+/// An outline begins at its cell nearest to the corner, as the crow flies; of equally near ones, at
+/// that in the line nearest to the corner.
+/// It runs so that a part's outer outline sets out across the axis: along it, a contour with a
+/// zigzag inside would be nothing but the spiral on many a rectangle.
+/// As it is, a rectangle's outline ends beside the first line of the rest: here the first line of
+/// the plane counts as one backwards, so that the second begins at the corner's side.
+/// Around a hole it runs the other way, the region on the same hand.
+/// Outlines that begin nearer to the corner come first, so that none comes before the one around
+/// it; what two of them touch, or one touches twice, as in walls one or two cells wide, comes where
+/// it is touched first.
 ///
 /// # Example
 /// ```
@@ -151,7 +160,8 @@ impl Pattern {
         all
     };
 
-    /// `contour-zigzag-x-0`: what a slicer does unasked, outlines and then parallel lines to and fro.
+    /// `contour-zigzag-x-0`: what a slicer does unasked, outlines and then parallel lines to and
+    /// fro.
     pub const CONVENTIONAL: Self = Self(24);
 
     /// The pattern of a number; `None` from [`Pattern::COUNT`] on.
@@ -159,7 +169,8 @@ impl Pattern {
         Self::ALL.get(number).copied()
     }
 
-    /// Its number, below [`Pattern::COUNT`]. It never changes: records and learned models hold it.
+    /// Its number, below [`Pattern::COUNT`].
+    /// It never changes: records and learned models hold it.
     pub fn number(self) -> usize {
         usize::from(self.0)
     }
@@ -169,8 +180,8 @@ impl Pattern {
         self.spec().name
     }
 
-    /// Every cell of the region once, in the order of deposition; the first and the last of them are where a layer
-    /// starts and ends.
+    /// Every cell of the region once, in the order of deposition; the first and the last of them
+    /// are where a layer starts and ends.
     ///
     /// Linear in the plane's cells; times the logarithm of their number for the outlines.
     pub fn order(self, region: &Region) -> Vec<Cell> {

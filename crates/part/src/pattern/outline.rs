@@ -1,8 +1,10 @@
-//! The outlines of a region, walked around along the cracks between its cells and what lies outside.
+//! The outlines of a region, walked around along the cracks between its cells and what lies
+//! outside.
 //!
-//! A **crack** is a side of a cell of the region that has no cell of the region on its other side. Followed with the
-//! region on the left hand, cracks close in loops, each crack in one of them; where two loops meet at a corner, each
-//! turns left. The cells on the left, and those passed at inner corners, are the outline.
+//! A **crack** is a side of a cell of the region that has no cell of the region on its other side.
+//! Followed with the region on the left hand, cracks close in loops, each crack in one of them;
+//! where two loops meet at a corner, each turns left.
+//! The cells on the left, and those passed at inner corners, are the outline.
 
 use beadwork_grid::{Cell, Region};
 
@@ -14,7 +16,8 @@ type Place = (u32, u32);
 /// Steps along u and v in the four directions, each a right turn from the one before with v down.
 const STEPS: [(i32, i32); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
 
-/// All cells with one of their eight neighbours outside, outline by outline, each where it is first met.
+/// All cells with one of their eight neighbours outside, outline by outline, each where it is first
+/// met.
 pub(super) fn outlines(region: &Region, view: &View) -> Vec<Cell> {
     let nearness = |&(u, v): &Place| (u * u + v * v, v);
     let mut walks = walks(region, view);
@@ -23,7 +26,8 @@ pub(super) fn outlines(region: &Region, view: &View) -> Vec<Cell> {
             (0..walk.len()).min_by_key(|&at| nearness(&walk[at])).expect("a walk has a place");
         walk.rotate_left(nearest);
     }
-    // Stable: of a wall one cell wide, the outer outline was found before that of the hole, and stays so.
+    // Stable: of a wall one cell wide, the outer outline was found before that of the hole, and
+    // stays so.
     walks.sort_by_key(|walk| nearness(&walk[0]));
     let mut taken = vec![false; region.plane_len()];
     let cells = walks.into_iter().flatten().map(|(u, v)| view.cell(u, v));
@@ -32,7 +36,8 @@ pub(super) fn outlines(region: &Region, view: &View) -> Vec<Cell> {
 
 /// Each outline as a closed walk in unit steps or none; places may come back.
 fn walks(region: &Region, view: &View) -> Vec<Vec<Place>> {
-    // For each cell, one bit for each direction in which the crack on that direction's right was walked.
+    // For each cell, one bit for each direction in which the crack on that direction's right was
+    // walked.
     let mut walked = vec![0_u8; region.plane_len()];
     let mut walks = Vec::new();
     for v in 0..view.height {
@@ -67,7 +72,8 @@ fn walk(
         }
         *mark |= 1 << direction;
         walk.push(place);
-        // An outer corner keeps the cell, also where another part of the region touches it from across.
+        // An outer corner keeps the cell, also where another part of the region touches it from
+        // across.
         let Some(ahead) = step(region, view, place, direction) else {
             direction = left_of(direction);
             continue;

@@ -7,7 +7,8 @@ use beadwork_grid::{Cell, Region};
 use super::Pattern;
 use crate::svg::{FONT, PATH_COLOUR, STROKE};
 
-/// A small layer with what orders differ in: a slanted side, a notch and a hole of more than one cell.
+/// A small layer with what orders differ in: a slanted side, a notch and a hole of more than one
+/// cell.
 const LAYER: [&str; 10] = [
     "..##########",
     ".###########",
@@ -40,11 +41,12 @@ const LINE_WIDTH: f64 = 0.14;
 const JUMP_WIDTH: f64 = 0.08;
 const MARK_WIDTH: f64 = 0.62;
 
-/// Draws all 38 patterns on one small layer, as SVG: number, name, and the line from the first cell, green, to the
-/// last, red.
+/// Draws all 38 patterns on one small layer, as SVG: number, name, and the line from the first
+/// cell, green, to the last, red.
 ///
-/// Steps between cells that touch, at a side or a corner, are drawn through; longer jumps thin, grey and dashed. The
-/// text is the same on every machine.
+/// Steps between cells that touch, at a side or a corner, are drawn through; longer jumps thin,
+/// grey and dashed.
+/// The text is the same on every machine.
 pub fn pattern_sheet() -> String {
     let mut text = String::new();
     write_sheet(&mut text).expect("a string takes all text");
@@ -185,8 +187,8 @@ fn write_key(out: &mut String, y: u32) -> fmt::Result {
 mod tests {
     use super::*;
 
-    /// The committed picture is what this code draws. To draw it anew: `BEADWORK_BLESS=1 cargo test -p beadwork-part
-    /// sheet`.
+    /// The committed picture is what this code draws.
+    /// To draw it anew: `BEADWORK_BLESS=1 cargo test -p beadwork-part sheet`.
     #[test]
     fn the_committed_sheet_is_up_to_date() {
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/pictures/patterns.svg");

@@ -15,9 +15,11 @@ pub(super) enum Sweep {
     Diagonal,
 }
 
-/// A plane as seen from one of its corners: u runs along the lines, v across them, both from 0 in that corner.
+/// A plane as seen from one of its corners: u runs along the lines, v across them, both from 0 in
+/// that corner.
 ///
-/// All orders are made in this view, so that those from other corners and along the other axis are exact mirror images.
+/// All orders are made in this view, so that those from other corners and along the other axis are
+/// exact mirror images.
 pub(super) struct View {
     /// Number of places along u.
     pub(super) width: u32,

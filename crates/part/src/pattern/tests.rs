@@ -79,7 +79,8 @@ fn slow_spiral(pattern: Pattern, region: &Region, outward: bool) -> Vec<Cell> {
     trail
 }
 
-/// The outlines from the corners of cells: directed edges in a map, glued at their ends with the sharpest left turn.
+/// The outlines from the corners of cells: directed edges in a map, glued at their ends with the
+/// sharpest left turn.
 fn slow_outlines(pattern: Pattern, region: &Region) -> Vec<Cell> {
     let inside: BTreeSet<(i64, i64)> =
         region.cells().map(|cell| seen(pattern, region, cell)).collect();
@@ -321,7 +322,8 @@ fn orders_begin_or_end_in_their_corner() {
 
 #[test]
 fn outlines_are_walked_around() {
-    // Outer outlines first, each closed, then the hole's; the inner corner of the notch belongs to the walk.
+    // Outer outlines first, each closed, then the hole's; the inner corner of the notch belongs to
+    // the walk.
     let ring = drawn(&["#####", "#####", "##.##", "#####", "#####"]);
     let order = Pattern::CONVENTIONAL.order(&ring);
     let expected =

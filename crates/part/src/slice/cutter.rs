@@ -1,12 +1,14 @@
 //! Cuts a surface by the horizontal planes through the middle of every layer.
 //!
-//! Nothing is compared with a tolerance. A vertex on a plane counts as above it, so a plane meets a triangle in nothing
-//! or in one segment between two of its edges; segments are linked by the edges they end on, which are the same for
-//! both triangles there. On a closed surface every link is found, and outlines close, however bad the triangles are:
+//! Nothing is compared with a tolerance.
+//! A vertex on a plane counts as above it, so a plane meets a triangle in nothing or in one segment
+//! between two of its edges; segments are linked by the edges they end on, which are the same for
+//! both triangles there.
+//! On a closed surface every link is found, and outlines close, however bad the triangles are:
 //! needles, overlaps, edges with four triangles.
 //!
-//! Planes are swept upwards past triangles sorted by the plane they meet first, so a layer costs what it holds, not
-//! what the mesh holds.
+//! Planes are swept upwards past triangles sorted by the plane they meet first, so a layer costs
+//! what it holds, not what the mesh holds.
 
 use std::ops::Range;
 
@@ -21,13 +23,16 @@ pub(super) fn plane_mm(layer: usize, layer_mm: f64) -> f64 {
     (layer as f64 + 0.5) * layer_mm
 }
 
-/// The outlines of a closed surface in `layers` layers of `layer_mm`, from z = 0 upwards; one for each layer.
+/// The outlines of a closed surface in `layers` layers of `layer_mm`, from z = 0 upwards; one for
+/// each layer.
 ///
-/// `paint` holds one number for each triangle, which its part of an outline takes over, or nothing. Outlines of a
-/// surface that is not closed ([`crate::mesh::Body::repair`] sees to that) may miss lines.
+/// `paint` holds one number for each triangle, which its part of an outline takes over, or nothing.
+/// Outlines of a surface that is not closed ([`crate::mesh::Body::repair`] sees to that) may miss
+/// lines.
 ///
-/// Works in `pool`, or in the calling thread alone; the result does not depend on it. For n triangles, and s segments
-/// in all layers: O(n + s log s) time; beside the outlines 8 bytes a triangle, and 4 more for each thread.
+/// Works in `pool`, or in the calling thread alone; the result does not depend on it.
+/// For n triangles, and s segments in all layers: O(n + s log s) time; beside the outlines 8 bytes
+/// a triangle, and 4 more for each thread.
 ///
 /// # Panics
 /// If there is paint, but not for every triangle.
@@ -51,7 +56,8 @@ pub(super) fn cut_between(
 ) -> Vec<Outline> {
     assert!(paint.is_empty() || paint.len() == mesh.triangles().len(), "one number a triangle");
     let sweep = Sweep::new(mesh, layer_mm, layers.clone());
-    // A few for each thread, for layers take unequal time; not many, for each looks at all triangles below it once.
+    // A few for each thread, for layers take unequal time; not many, for each looks at all
+    // triangles below it once.
     let threads = pool.map_or(1, ThreadPool::current_num_threads);
     let blocks = if threads == 1 { 1 } else { 4 * threads };
     let bound = |block: usize| layers.len() * block / blocks;
@@ -64,8 +70,8 @@ struct Sweep<'a> {
     layer_mm: f64,
     /// Number of the first layer, from which layers are counted here.
     first: usize,
-    /// For each layer where the triangles that it meets first begin in `order`; one more for those that no plane meets,
-    /// and their end.
+    /// For each layer where the triangles that it meets first begin in `order`; one more for those
+    /// that no plane meets, and their end.
     starts: Vec<u32>,
     order: Vec<u32>,
 }
@@ -137,7 +143,8 @@ impl<'a> Sweep<'a> {
     }
 }
 
-/// The part of an outline that lies on one triangle: from one of its edges to another, the body on its left.
+/// The part of an outline that lies on one triangle: from one of its edges to another, the body on
+/// its left.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Segment {
     from: Edge,
@@ -156,7 +163,8 @@ fn segment(mesh: &Mesh, triangle: u32, plane: f64) -> Segment {
     for corner in 0..3 {
         let next = (corner + 1) % 3;
         if is_above[corner] != is_above[next] {
-            // Seen from outside, the edge on which the triangle's outline comes down is on the left.
+            // Seen from outside, the edge on which the triangle's outline comes down is on the
+            // left.
             let edge = [corners[corner].min(corners[next]), corners[corner].max(corners[next])];
             ends[usize::from(is_above[next])] = edge;
         }
@@ -173,7 +181,8 @@ fn point([low, high]: Edge, mesh: &Mesh, plane: f64) -> [f64; 2] {
 
 /// Links segments to closed outlines.
 fn link(mesh: &Mesh, segments: &mut [Segment], paint: &[u8], plane: f64) -> Outline {
-    // Sorted, they can be found by where they begin; and the outline does not depend on how the sweep came to them.
+    // Sorted, they can be found by where they begin; and the outline does not depend on how the
+    // sweep came to them.
     segments.sort_unstable();
     let first_from = |edge: Edge| segments.partition_point(|segment| segment.from < edge);
     // For the first segment from each edge, how many from there are used.

@@ -3,8 +3,8 @@
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
-/// What `work` makes of the numbers below `count`, in their order: in the pool, or one after the other in the calling
-/// thread.
+/// What `work` makes of the numbers below `count`, in their order: in the pool, or one after the
+/// other in the calling thread.
 pub(super) fn each<T: Send>(
     pool: Option<&ThreadPool>,
     count: usize,

@@ -18,15 +18,19 @@ use crate::mesh::{Body, Model};
 /// How to slice.
 #[derive(Clone, Copy)]
 pub struct Settings<'a> {
-    /// Side of a cell in mm: the width of a bead. More than 0.
+    /// Side of a cell in mm: the width of a bead.
+    /// More than 0.
     pub cell_mm: f64,
-    /// Height of a layer in mm. More than 0.
+    /// Height of a layer in mm.
+    /// More than 0.
     pub layer_mm: f64,
     /// What lies within a body whose surface runs into itself.
     pub rule: FillRule,
-    /// Most cells of all layers' planes together; two bytes each. A layer counts as no less than 64.
+    /// Most cells of all layers' planes together; two bytes each.
+    /// A layer counts as no less than 64.
     pub most_cells: u64,
-    /// Where to work; `None` for the calling thread alone. The result does not depend on it.
+    /// Where to work; `None` for the calling thread alone.
+    /// The result does not depend on it.
     pub pool: Option<&'a ThreadPool>,
     /// Stops the work soon after it turns true.
     pub cancel: Option<&'a AtomicBool>,
@@ -35,8 +39,8 @@ pub struct Settings<'a> {
 }
 
 impl Default for Settings<'_> {
-    /// Beads of 0.5 mm in layers of 0.25 mm (*Kim et al. 2026*, section on the domain), up to 2^30 cells, on one
-    /// thread.
+    /// Beads of 0.5 mm in layers of 0.25 mm (*Kim et al. 2026*, section on the domain), up to 2^30
+    /// cells, on one thread.
     fn default() -> Self {
         Self {
             cell_mm: 0.5,
@@ -131,12 +135,14 @@ pub enum SliceError {
 
 /// Cuts a model into layers of cells.
 ///
-/// The bodies stand on z = 0 ([`crate::mesh::Placement`]), are closed ([`Body::repair`]) and have materials
-/// ([`Model::assign`]); where they overlap, the later one fills the place. A layer lies where its middle is within the
-/// part; a cell where its centre is: the surface of the part is met to half a bead and half a layer. The cells' plane
-/// is the smallest around the part, with the part in its middle.
+/// The bodies stand on z = 0 ([`crate::mesh::Placement`]), are closed ([`Body::repair`]) and have
+/// materials ([`Model::assign`]); where they overlap, the later one fills the place.
+/// A layer lies where its middle is within the part; a cell where its centre is: the surface of the
+/// part is met to half a bead and half a layer.
+/// The cells' plane is the smallest around the part, with the part in its middle.
 ///
-/// Time and memory are those of [`cut()`](super::cut()), and beside it linear in the cells of all planes.
+/// Time and memory are those of [`cut()`](super::cut()), and beside it linear in the cells of all
+/// planes.
 pub fn slice(model: &Model, settings: &Settings<'_>) -> Result<Layers, SliceError> {
     let (frame, count) = frame(model, settings)?;
     let is_cancelled = || settings.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed));
@@ -172,8 +178,8 @@ pub fn slice(model: &Model, settings: &Settings<'_>) -> Result<Layers, SliceErro
     Ok(Layers { frame, layers })
 }
 
-/// The outlines of a body in those layers that it reaches: of many small bodies, all layers' would take more memory
-/// than all cells.
+/// The outlines of a body in those layers that it reaches: of many small bodies, all layers' would
+/// take more memory than all cells.
 struct Cuts {
     first: usize,
     outlines: Vec<Outline>,
@@ -290,12 +296,14 @@ impl Layers {
         Voxels::new(self.frame, self.layers.len(), materials)
     }
 
-    /// Layers at the bottom that have no cells, as those of a tip have, where it is thinner than a bead.
+    /// Layers at the bottom that have no cells, as those of a tip have, where it is thinner than a
+    /// bead.
     pub fn empty_below(&self) -> usize {
         self.layers.iter().take_while(|layer| layer.is_none()).count()
     }
 
-    /// The lowest layer without cells that has some above and below it: what lies above hangs in the air.
+    /// The lowest layer without cells that has some above and below it: what lies above hangs in
+    /// the air.
     pub fn gap(&self) -> Option<usize> {
         let last = self.layers.iter().rposition(Option::is_some)?;
         (self.empty_below()..last).find(|&layer| self.layers[layer].is_none())

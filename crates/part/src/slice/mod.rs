@@ -1,8 +1,8 @@
 //! Layers: a model cut at the middle of every layer's height, and filled with cells one bead wide.
 //!
-//! [`cut()`] makes the [`Outline`] of one body in each layer; [`slice()`] goes on to the cells: which of them each
-//! layer has (their centre lies in a body) and of which material they are. [`Layers::voxels`] are the same as one
-//! array.
+//! [`cut()`] makes the [`Outline`] of one body in each layer; [`slice()`] goes on to the cells:
+//! which of them each layer has (their centre lies in a body) and of which material they are.
+//! [`Layers::voxels`] are the same as one array.
 
 mod cutter;
 mod each;

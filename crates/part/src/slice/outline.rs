@@ -9,7 +9,8 @@ pub enum FillRule {
     /// Those that the outlines go around, on balance: shells that overlap are joined.
     #[default]
     NonZero,
-    /// Those that a ray leaves through an odd number of outlines: where two shells overlap is a hole.
+    /// Those that a ray leaves through an odd number of outlines: where two shells overlap is a
+    /// hole.
     EvenOdd,
 }
 
@@ -22,14 +23,15 @@ impl FillRule {
     }
 }
 
-/// Closed loops of straight lines, the body on the left of each: outer ones run counter-clockwise seen from above,
-/// holes clockwise.
+/// Closed loops of straight lines, the body on the left of each: outer ones run counter-clockwise
+/// seen from above, holes clockwise.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outline {
     points: Vec<[f64; 2]>,
     /// Where each loop ends in `points`.
     ends: Vec<usize>,
-    /// For the line from each point on the number its triangle was painted with; empty without paint.
+    /// For the line from each point on the number its triangle was painted with; empty without
+    /// paint.
     paint: Vec<u8>,
 }
 

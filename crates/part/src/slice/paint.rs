@@ -1,5 +1,5 @@
-//! Materials of a body whose surface is painted: every cell takes that of the nearest line of the outline, counted in
-//! steps from cell to cell.
+//! Materials of a body whose surface is painted: every cell takes that of the nearest line of the
+//! outline, counted in steps from cell to cell.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -10,9 +10,11 @@ use crate::frame::Frame;
 
 /// Numbers for the cells that lie within; others are left as they are.
 ///
-/// Cells along the outline take the number of the line that passes nearest to their centre, and pass it on inwards in
-/// widening rings. What no line comes near takes the first number of the outline. Linear in the outline's length and in
-/// the cells of the smallest rectangle around it: there may be many small bodies on a large plane.
+/// Cells along the outline take the number of the line that passes nearest to their centre, and
+/// pass it on inwards in widening rings.
+/// What no line comes near takes the first number of the outline.
+/// Linear in the outline's length and in the cells of the smallest rectangle around it: there may
+/// be many small bodies on a large plane.
 pub(super) fn spread(outline: &Outline, rule: FillRule, frame: &Frame, materials: &mut [u8]) {
     let Some((columns, rows)) = rectangle(outline, frame) else { return };
     let width = columns.len();
@@ -81,7 +83,8 @@ pub(super) fn spread(outline: &Outline, rule: FillRule, frame: &Frame, materials
     }
 }
 
-/// The columns and rows that an outline reaches, and one more on every side, for places are rounded.
+/// The columns and rows that an outline reaches, and one more on every side, for places are
+/// rounded.
 fn rectangle(outline: &Outline, frame: &Frame) -> Option<(Range<usize>, Range<usize>)> {
     let mut least = [f64::INFINITY; 2];
     let mut greatest = [f64::NEG_INFINITY; 2];

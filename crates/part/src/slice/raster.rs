@@ -5,8 +5,9 @@ use crate::frame::Frame;
 
 /// Calls `fill` for each run of cells within: row, first column, column after the last.
 ///
-/// A centre on a line belongs to the side right of it, or above it where the line is level: of two bodies that touch,
-/// every cell lies in exactly one. O(r log r) for r rows crossed by lines.
+/// A centre on a line belongs to the side right of it, or above it where the line is level: of two
+/// bodies that touch, every cell lies in exactly one.
+/// O(r log r) for r rows crossed by lines.
 pub(super) fn each_run(
     outline: &Outline,
     rule: FillRule,

@@ -6,8 +6,8 @@ use crate::frame::Frame;
 
 /// The voxels of a part: one cell of one layer each.
 ///
-/// Indexed `[z, y, x]`, x fastest: layers from the bottom up, rows from the back to the front (y down, as in a layer),
-/// columns from the left.
+/// Indexed `[z, y, x]`, x fastest: layers from the bottom up, rows from the back to the front (y
+/// down, as in a layer), columns from the left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Voxels {
     /// Where they lie, and how large they are; its width and height are those of every layer.

@@ -1,9 +1,10 @@
 //! Annealing without a pool: any two switches that together keep the path whole.
 //!
-//! The first switch is drawn among the unit cells near zone borders. If it would close a cycle, the second is
-//! one that joins the cycle again: beside a random link of it (or beside the first, which keeps the change of positions small).
-//! So nearly every proposal that gets as far as a second switch is a move, and the moves reach across the layer, where the
-//! paper's variants end at their window.
+//! The first switch is drawn among the unit cells near zone borders.
+//! If it would close a cycle, the second is one that joins the cycle again: beside a random link of
+//! it (or beside the first, which keeps the change of positions small).
+//! So nearly every proposal that gets as far as a second switch is a move, and the moves reach
+//! across the layer, where the paper's variants end at their window.
 
 use beadwork_grid::{Cell, Path, Sides, Switch};
 use rand::Rng;
@@ -24,10 +25,12 @@ pub struct Free {
     pub cold: f64,
     /// How far from a unit cell that changes the cost the first switch may lie, in cells.
     pub reach: u32,
-    /// Share of the proposals, 0..=1, whose second switch touches the first; the others' lies anywhere on the cycle.
+    /// Share of the proposals, 0..=1, whose second switch touches the first; the others' lies
+    /// anywhere on the cycle.
     pub nearby: f64,
-    /// Moves that change no cost but more positions than this are proposed less often, in inverse proportion. They are most
-    /// of the work otherwise, and worth no more than the others.
+    /// Moves that change no cost but more positions than this are proposed less often, in inverse
+    /// proportion.
+    /// They are most of the work otherwise, and worth no more than the others.
     pub span: u32,
 }
 
@@ -101,14 +104,16 @@ impl Touching {
     fn draw(&self, path: &Path, first: Switch, rng: &mut Xoshiro256PlusPlus) -> Option<Switch> {
         let random = below(rng, 8);
         let corner = first.corner().wrapping_add(self.steps[random]);
-        // Side by side, the first switch changes a side of the second: what that takes out is the other pair.
+        // Side by side, the first switch changes a side of the second: what that takes out is the
+        // other pair.
         let from = if random < 4 { first.from().other() } else { path.sides(corner)? };
         let second = Switch::new(corner, from);
         path.allows_pair(first, second).then_some(second)
     }
 }
 
-/// A second switch beside a random link of the cycle that the first would close, if it joins that to the rest.
+/// A second switch beside a random link of the cycle that the first would close, if it joins that
+/// to the rest.
 #[inline]
 fn on_the_cycle(path: &Path, first: Switch, rng: &mut Xoshiro256PlusPlus) -> Option<Switch> {
     let cuts = path.cuts(first.corner(), first.from());
@@ -136,7 +141,8 @@ fn is_worth_its_span(
     length <= span || below(rng, length as usize) < span as usize
 }
 
-/// The corners at which the first switch is drawn: within `reach` of a unit cell that changes the cost.
+/// The corners at which the first switch is drawn: within `reach` of a unit cell that changes the
+/// cost.
 fn corners<C: Cost>(path: &Path, cost: &C, reach: u32) -> Vec<Cell> {
     let (columns, rows) = (path.width().saturating_sub(1), path.height().saturating_sub(1));
     let mut near = vec![false; (columns * rows) as usize];
@@ -161,7 +167,8 @@ fn corners<C: Cost>(path: &Path, cost: &C, reach: u32) -> Vec<Cell> {
         .collect()
 }
 
-/// Acceptance at one temperature: a table of thresholds for the small changes, which are nearly all.
+/// Acceptance at one temperature: a table of thresholds for the small changes, which are nearly
+/// all.
 struct Metropolis {
     temperature: f64,
     thresholds: [u64; 16],

@@ -159,11 +159,11 @@ pub struct Outcome {
     pub accepted: u64,
 }
 
-/// Anneals a path: proposes moves, takes those that lower the cost, and others with a probability that falls with the
-/// temperature (Metropolis et al. 1953).
+/// Anneals a path: proposes moves, takes those that lower the cost, and others with a probability
+/// that falls with the temperature (Metropolis et al. 1953).
 ///
-/// Costs O(1) a proposal, a pass over the cells for each new best and, in [`Pooled`], for each pool, and the cells between
-/// the first and the last cut for each accepted move.
+/// Costs O(1) a proposal, a pass over the cells for each new best and, in [`Pooled`], for each
+/// pool, and the cells between the first and the last cut for each accepted move.
 pub fn anneal<C: Cost>(start: Path, cost: &C, settings: &Settings<'_>) -> Outcome {
     match settings.method {
         Method::Pooled(pooled) => pooled::run(&pooled, start, cost, settings),

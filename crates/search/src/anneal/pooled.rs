@@ -1,4 +1,5 @@
-//! The annealer of Aali et al., section "Simulated annealing": variants drawn from a pool of feasible ones.
+//! The annealer of Aali et al., section "Simulated annealing": variants drawn from a pool of
+//! feasible ones.
 
 use beadwork_grid::{Kind, Path, Placed};
 
@@ -46,7 +47,8 @@ impl Default for Pooled {
 }
 
 impl Pooled {
-    /// The temperature at an iteration, given the present `hot`: a sigmoid from there down to `cold`.
+    /// The temperature at an iteration, given the present `hot`: a sigmoid from there down to
+    /// `cold`.
     fn temperature(&self, iteration: u32, hot: f64) -> f64 {
         let n = f64::from(self.iterations);
         let at = 10.0 / n * (n / 2.0 - f64::from(iteration));
@@ -121,8 +123,8 @@ impl Pool {
         Self { capacity, moves: Vec::new(), rings: Vec::new() }
     }
 
-    /// Takes the moves that apply now, from the border of the plane inwards, ring by ring, row by row in each, as far as the
-    /// capacity goes.
+    /// Takes the moves that apply now, from the border of the plane inwards, ring by ring, row by
+    /// row in each, as far as the capacity goes.
     fn fill(&mut self, path: &Path, kinds: &[Kind]) {
         let (columns, rows) = (path.width().saturating_sub(1), path.height().saturating_sub(1));
         self.rings.iter_mut().for_each(Vec::clear);

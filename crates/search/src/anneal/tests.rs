@@ -31,7 +31,8 @@ fn walked(order: &[u32], zones: &Zones, region: &Region) -> i64 {
     order.windows(2).filter(crossing).count() as i64
 }
 
-/// Replays the record move by move, counting crossings by a walk, and compares the end with the outcome.
+/// Replays the record move by move, counting crossings by a walk, and compares the end with the
+/// outcome.
 fn check(outcome: &Outcome, start: &Path, region: &Region, zones: &Zones) {
     let mut path = start.clone();
     let mut best = outcome.initial;

@@ -2,7 +2,8 @@
 
 use crate::matching::{Board, Classes, Dir, Matching, Node, Paths, ZoneGraph};
 
-/// Searches for the cheapest link out of a component, at most; beyond it the extra cost counts as the least possible.
+/// Searches for the cheapest link out of a component, at most; beyond it the extra cost counts as
+/// the least possible.
 const MOST_SEARCHES: u32 = 200;
 
 /// What a cover costs more at least where anything is apart, for costs are whole numbers.
@@ -17,8 +18,10 @@ pub(crate) struct Apart {
 }
 
 impl Apart {
-    /// Takes all links that some cheapest 2-matching has: those in this one, and those whose residual step is free of reduced
-    /// cost and lies on a closed walk of such steps, by complementary slackness. `None` if a cover need not cost more.
+    /// Takes all links that some cheapest 2-matching has: those in this one, and those whose
+    /// residual step is free of reduced cost and lies on a closed walk of such steps, by
+    /// complementary slackness.
+    /// `None` if a cover need not cost more.
     pub(crate) fn new(matching: &Matching<'_>, pieces: u32) -> Option<Self> {
         let board = matching.board;
         let classes = Classes::new(matching);
@@ -33,12 +36,14 @@ impl Apart {
     }
 }
 
-/// By how much a path, or a cover in `pieces` pieces, costs more than the cheapest 2-matching, at least.
+/// By how much a path, or a cover in `pieces` pieces, costs more than the cheapest 2-matching, at
+/// least.
 ///
-/// A path leaves each of the components, by a link that no cheapest 2-matching has. The cheapest way to have such a link is a
-/// shortest residual walk through it, and the component where that is dearest counts. Of several pieces one may stay inside a
-/// component, so there only components count in which no cheapest 2-matching has room for an end; that costs at least 1, for
-/// costs are whole numbers.
+/// A path leaves each of the components, by a link that no cheapest 2-matching has.
+/// The cheapest way to have such a link is a shortest residual walk through it, and the component
+/// where that is dearest counts.
+/// Of several pieces one may stay inside a component, so there only components count in which no
+/// cheapest 2-matching has room for an end; that costs at least 1, for costs are whole numbers.
 pub(crate) fn connectivity(
     apart: &Apart,
     matching: &Matching<'_>,
@@ -64,8 +69,8 @@ impl Allowed<'_, '_> {
     }
 }
 
-/// The components that a cover in so many pieces has to leave but this 2-matching does not: with one piece those that hold no
-/// end, with several those that can hold none.
+/// The components that a cover in so many pieces has to leave but this 2-matching does not: with
+/// one piece those that hold no end, with several those that can hold none.
 pub(super) fn closed_sets(
     graph: &ZoneGraph,
     allowed: &Allowed<'_, '_>,
@@ -114,7 +119,8 @@ fn dearest(graph: &ZoneGraph, matching: &Matching<'_>, paths: &mut Paths) -> u32
             cheapest[b] = cheapest[b].min(cost);
         }
     }
-    // A component without a way out at any cost is no matter of costs: then there is no cover in so few pieces.
+    // A component without a way out at any cost is no matter of costs: then there is no cover in so
+    // few pieces.
     let known = cheapest.into_iter().filter(|&cost| cost < NONE);
     known.max().map_or(LEAST, |dearest| dearest as u32).max(LEAST)
 }

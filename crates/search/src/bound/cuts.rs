@@ -4,7 +4,8 @@ use super::connectivity::{Allowed, closed_sets};
 use crate::matching::{Classes, Groups, Matching, Node, Paths, ZoneGraph};
 use crate::stop::Interrupt;
 
-/// Rounds of raising, at most: of sets that no cheapest 2-matching leaves, and of those that the present one does not.
+/// Rounds of raising, at most: of sets that no cheapest 2-matching leaves, and of those that the
+/// present one does not.
 const ROUNDS: u32 = 12;
 const ROUNDS_IN_PARTS: u32 = 16;
 
@@ -13,24 +14,28 @@ const PARTS: i32 = 4;
 
 /// Lower bound of the cost of a cover in so many pieces, by Lagrange multipliers on closed sets.
 ///
-/// The links of a cover are a forest, so inside a set S of cells it has at most |S| - 1 of them (Dantzig, Fulkerson and
-/// Johnson 1954, as for tours; Held and Karp 1970 put the multipliers on the costs). For any weight m >= 0, adding m to the cost
-/// of every link inside S and giving m (|S| - 1) back does not raise the cost of a cover; hence the cheapest 2-matching under
-/// the raised costs, less what is given back, is a bound, for any number of sets and weights; costs being whole numbers, it may
-/// be rounded up.
+/// The links of a cover are a forest, so inside a set S of cells it has at most |S| - 1 of them
+/// (Dantzig, Fulkerson and Johnson 1954, as for tours; Held and Karp 1970 put the multipliers on
+/// the costs).
+/// For any weight m >= 0, adding m to the cost of every link inside S and giving m (|S| - 1) back
+/// does not raise the cost of a cover; hence the cheapest 2-matching under the raised costs, less
+/// what is given back, is a bound, for any number of sets and weights; costs being whole numbers,
+/// it may be rounded up.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Cuts {
-    /// On sets that no cheapest 2-matching leaves, each raised by 1: that raises the bound with each round, as long as no
-    /// exchange becomes free.
+    /// On sets that no cheapest 2-matching leaves, each raised by 1: that raises the bound with
+    /// each round, as long as no exchange becomes free.
     NeverLeft,
-    /// Where there are no such sets, different ones are closed in different 2-matchings; then also on the groups of zones that
-    /// are closed in the present one, raised by a part of 1, a subgradient step.
+    /// Where there are no such sets, different ones are closed in different 2-matchings; then also
+    /// on the groups of zones that are closed in the present one, raised by a part of 1, a
+    /// subgradient step.
     Stepwise,
 }
 
 impl Cuts {
-    /// The bound; the search for it ends when it reaches `enough`. Each round repairs the optimum along the borders of the sets:
-    /// linear in the cells for each link that changes, at most.
+    /// The bound; the search for it ends when it reaches `enough`.
+    /// Each round repairs the optimum along the borders of the sets: linear in the cells for each
+    /// link that changes, at most.
     pub(crate) fn bound(
         self,
         cheapest: &Matching<'_>,

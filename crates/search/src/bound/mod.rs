@@ -1,6 +1,7 @@
 //! Proven lower bounds.
 //!
-//! Each bound is a function of its own, with its proof, in a module of its own; [`Bounds`] has them all for one layer.
+//! Each bound is a function of its own, with its proof, in a module of its own; [`Bounds`] has them
+//! all for one layer.
 
 pub(crate) mod connectivity;
 pub(crate) mod cuts;
@@ -18,15 +19,17 @@ use cuts::Cuts;
 
 /// Crossings that a cover in so many pieces can't do without: zone components minus pieces.
 ///
-/// Along a piece the zone component changes only at crossings, so a piece with c crossings sees at most c + 1 of them, and
-/// all pieces together at most crossings + pieces. Linear in the cells.
+/// Along a piece the zone component changes only at crossings, so a piece with c crossings sees at
+/// most c + 1 of them, and all pieces together at most crossings + pieces.
+/// Linear in the cells.
 pub fn components(region: &Region, zones: &Zones, pieces: u32) -> u32 {
     zone_components(region, zones).count().saturating_sub(pieces)
 }
 
 /// Lower bounds of one layer: of its pieces, and of the crossings of any cover in so many.
 ///
-/// Sums over the connected parts of the region. `None` means that a bound was not to be had in reasonable time.
+/// Sums over the connected parts of the region.
+/// `None` means that a bound was not to be had in reasonable time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounds {
     /// Pieces: half of what the cells of a maximum 2-matching lack, but at least 1, in each part.
@@ -46,8 +49,10 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// All bounds of a layer. The flow is nearly linear in the cells; the walk is exponential in the zone components up to its limit,
-    /// the scattering quadratic in them, and the last two search for each link along a border.
+    /// All bounds of a layer.
+    /// The flow is nearly linear in the cells; the walk is exponential in the zone components up to
+    /// its limit, the scattering quadratic in them, and the last two search for each link along a
+    /// border.
     ///
     /// # Panics
     /// If the zones were made for a plane of another size, or a cell of the region has none.

@@ -4,21 +4,24 @@ use crate::matching::ZoneGraph;
 
 /// Segments of all components minus pieces: p pieces with s segments have s - p crossings.
 ///
-/// `need` is a lower bound of the segments in each component: 1, or what a maximum 2-matching inside it says, for a component of
-/// n cells with s segments has n - s links inside.
+/// `need` is a lower bound of the segments in each component: 1, or what a maximum 2-matching
+/// inside it says, for a component of n cells with s segments has n - s links inside.
 pub(crate) fn cover(need: &[u32], pieces: u32) -> u32 {
     need.iter().sum::<u32>().saturating_sub(pieces)
 }
 
 /// Takes some components, hubs, away and counts the groups into which the others fall.
 ///
-/// Let the pieces visit a group in s stretches, at least 1. Its segments, at least the sum P of their need, are joined by P - s
-/// crossings inside the group or more. Every stretch has two ends; of all these, all but two for each piece go to a hub by a
-/// crossing. So the crossings are at least the sum over the groups of P + s, hence of P + 1, minus twice the pieces. This is how
-/// toughness bounds path covers (Chvatal 1973).
+/// Let the pieces visit a group in s stretches, at least 1. Its segments, at least the sum P of
+/// their need, are joined by P - s crossings inside the group or more.
+/// Every stretch has two ends; of all these, all but two for each piece go to a hub by a crossing.
+/// So the crossings are at least the sum over the groups of P + s, hence of P + 1, minus twice the
+/// pieces.
+/// This is how toughness bounds path covers (Chvatal 1973).
 ///
-/// Tried as hubs: each component alone, and all components that touch at least so many others, for every such number; any
-/// choice gives a bound. O(components x touching pairs).
+/// Tried as hubs: each component alone, and all components that touch at least so many others, for
+/// every such number; any choice gives a bound.
+/// O(components x touching pairs).
 pub(crate) fn scattering(graph: &ZoneGraph, need: &[u32], pieces: u32) -> u32 {
     let count = graph.count() as usize;
     let degree = |component: usize| graph.neighbours[component].len();

@@ -16,7 +16,8 @@ fn layouts_of_the_paper() {
     assert_eq!(components(&region, &zones(Layout::Stripes), 1), 2);
     assert_eq!(components(&region, &zones(Layout::Stripes), 5), 0);
     let islands = Bounds::new(&region, &zones(Layout::Islands));
-    // Three islands that touch only the background: in and out of the one in the middle, in or out of the others.
+    // Three islands that touch only the background: in and out of the one in the middle, in or out
+    // of the others.
     assert_eq!(
         (islands.pieces, islands.walk, islands.scattering, islands.cover),
         (1, Some(4), 4, 3)
@@ -75,7 +76,8 @@ fn turning_mirroring_and_renaming_change_no_bound() {
         for change in 0..3 {
             let (region, zones) = changed(&region, &zones, change);
             let other = Bounds::new(&region, &zones);
-            // How far the weights on closed sets get depends on which of many optima they begin with.
+            // How far the weights on closed sets get depends on which of many optima they begin
+            // with.
             let same = Bounds { cuts: bounds.cuts, ..other };
             assert_eq!(same, bounds, "layer {number}, change {change}");
         }

@@ -9,11 +9,13 @@ const MOST_COMPONENTS: u32 = 13;
 
 const MOST_STATES: u64 = 1 << 18;
 
-/// Crossings of p pieces are at least the steps of p walks in the graph of zone components that visit all of them.
+/// Crossings of p pieces are at least the steps of p walks in the graph of zone components that
+/// visit all of them.
 ///
-/// The components that a piece passes through, in order, are such a walk, a step for each crossing. Breadth-first over (where,
-/// what was visited, walks begun): exact, in 2^components x components x pieces states. `None` for more components than
-/// [`MOST_COMPONENTS`] or more states than is worth while.
+/// The components that a piece passes through, in order, are such a walk, a step for each crossing.
+/// Breadth-first over (where, what was visited, walks begun): exact, in 2^components x components x
+/// pieces states.
+/// `None` for more components than [`MOST_COMPONENTS`] or more states than is worth while.
 pub(crate) fn walk(graph: &ZoneGraph, pieces: u32) -> Option<u32> {
     let count = graph.count();
     let states = |count: u32| (u64::from(pieces) * u64::from(count)) << count;

@@ -7,7 +7,8 @@ use beadwork_grid::{Links, Path, Placed, Switch};
 use super::Settings;
 use crate::Cost;
 
-/// Weight of the cost beside the distance to where it can change, in the choice of chains to pursue.
+/// Weight of the cost beside the distance to where it can change, in the choice of chains to
+/// pursue.
 const GAIN_WEIGHT: i64 = 6;
 
 /// Windows whose first cells lie at most so far apart, along x and y, can overlap.
@@ -22,7 +23,8 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// Whether it gains more for each move or, gaining the same, begins closer to the move made last.
+    /// Whether it gains more for each move or, gaining the same, begins closer to the move made
+    /// last.
     pub(super) fn is_better_than(&self, other: &Self, last: Option<Placed>) -> bool {
         let rate = |a: &Self, b: &Self| a.gain * b.moves.len() as i64;
         let (own, others) = (rate(self, other), rate(other, self));
@@ -89,8 +91,9 @@ impl<'a, C: Cost> Grower<'a, C> {
         Self { cost, settings, width: plane.width(), distance }
     }
 
-    /// The best chain from a variant that applies, if one within the settings' limits lowers the cost, and all cells at which
-    /// the search looked. The links are the same afterwards.
+    /// The best chain from a variant that applies, if one within the settings' limits lowers the
+    /// cost, and all cells at which the search looked.
+    /// The links are the same afterwards.
     pub(super) fn grow(&self, links: &mut Links, first: Placed) -> (Option<Found>, Reach) {
         let mut nodes = vec![self.node(first, None, 0, 0)];
         let mut front = vec![0];
@@ -151,7 +154,8 @@ impl<'a, C: Cost> Grower<'a, C> {
         }
     }
 
-    /// What a chain is pursued for, the less the better: its cost, and how far it still is from changing it.
+    /// What a chain is pursued for, the less the better: its cost, and how far it still is from
+    /// changing it.
     fn promise(&self, node: &Node) -> i64 {
         let corners = node.placed.switches(self.width).map(Switch::corner);
         let near = corners.map(|corner| self.distance[corner as usize]).into_iter().min();
@@ -168,7 +172,8 @@ fn chain(nodes: &[Node], last: usize) -> Vec<Placed> {
     moves
 }
 
-/// Steps from each cell to the nearest corner where a switch can change the cost; far more than any where there is none.
+/// Steps from each cell to the nearest corner where a switch can change the cost; far more than any
+/// where there is none.
 fn distances<C: Cost>(width: u32, height: u32, cost: &C) -> Vec<u32> {
     let mut distance = vec![u32::MAX; (width * height) as usize];
     let mut waiting = VecDeque::new();

@@ -1,14 +1,17 @@
 //! The fewest moves to a lower cost: chains of variants, each overlapping the one before.
 //!
-//! From a zigzag hardly any variant lowers the cost by itself: they apply where the path turns, at the layer's sides, and have to
-//! be carried to where zones meet, window by window. An annealer finds such chains by chance, in many hundred moves. Here
-//! every variant that applies is followed up by a beam search (`grow.rs`), and the chain that gains most for each of its moves
-//! is made; then again, until none gains. What a chain's search looked at is noted, and the search is only repeated where
-//! a move changed that.
+//! From a zigzag hardly any variant lowers the cost by itself: they apply where the path turns, at
+//! the layer's sides, and have to be carried to where zones meet, window by window.
+//! An annealer finds such chains by chance, in many hundred moves.
+//! Here every variant that applies is followed up by a beam search (`grow.rs`), and the chain that
+//! gains most for each of its moves is made; then again, until none gains.
+//! What a chain's search looked at is noted, and the search is only repeated where a move changed
+//! that.
 //!
-//! The moves are few and each has a purpose, which makes their records good examples to learn from. With
-//! [`noise`](Settings::noise) some moves are made at random, and the chains after them show how to go on from there. For the
-//! lowest cost whatever the moves, see [`exact`](crate::exact).
+//! The moves are few and each has a purpose, which makes their records good examples to learn from.
+//! With [`noise`](Settings::noise) some moves are made at random, and the chains after them show
+//! how to go on from there.
+//! For the lowest cost whatever the moves, see [`exact`](crate::exact).
 //!
 //! ```
 //! use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
@@ -50,7 +53,8 @@ pub struct Settings<'a> {
     pub depth: usize,
     /// Moves by which a chain that gains is lengthened in search of a better one.
     pub patience: usize,
-    /// Probability, 0..=1, with which a random move is made in place of a chain's next one, and the rest of the chain given up.
+    /// Probability, 0..=1, with which a random move is made in place of a chain's next one, and the
+    /// rest of the chain given up.
     pub noise: f64,
     /// Seed of the noise.
     pub seed: u64,
@@ -92,8 +96,8 @@ pub struct Outcome {
 
 /// Lowers the cost of a path by chains of variants.
 ///
-/// A chain costs its cells within reach, some 100 us on a zigzag of 30 x 30 cells and milliseconds where few chains are
-/// short; the first one as much for each place where a variant applies.
+/// A chain costs its cells within reach, some 100 us on a zigzag of 30 x 30 cells and milliseconds
+/// where few chains are short; the first one as much for each place where a variant applies.
 pub fn solve<C: Cost>(start: &Path, cost: &C, settings: &Settings<'_>) -> Outcome {
     let grower = Grower::new(start, cost, settings);
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(settings.seed);

@@ -15,7 +15,8 @@ fn instance(width: u32, height: u32, layout: Layout, seed: u64) -> (Path, Crossi
     (Start::RowZigzag.path(&region).unwrap(), Crossings::new(&region, &zones))
 }
 
-/// The greatest gain of all chains from a variant, for each length: breadth first over all links that can be reached.
+/// The greatest gain of all chains from a variant, for each length: breadth first over all links
+/// that can be reached.
 fn best_gains(
     plane: &Path,
     start: &Links,
@@ -71,8 +72,8 @@ proptest! {
         prop_assert_eq!(solve(&start, &crossings, &settings).moves, outcome.moves);
     }
 
-    /// With a beam that drops nothing it is as good as the best of all chains, as long as links that are reached twice, of
-    /// which one way is pursued, have nothing behind them.
+    /// With a beam that drops nothing it is as good as the best of all chains, as long as links
+    /// that are reached twice, of which one way is pursued, have nothing behind them.
     #[test]
     fn a_wide_beam_finds_the_best_chain(
         width in 3_u32..8,

@@ -58,6 +58,7 @@ pub(super) struct Ends {
     pub(super) first: Vec<Node>,
     /// Cells at which the last piece may end.
     pub(super) last: Vec<Node>,
-    /// Whether the first and the last piece must not be one, for there are other parts between them.
+    /// Whether the first and the last piece must not be one, for there are other parts between
+    /// them.
     pub(super) apart: bool,
 }

@@ -7,10 +7,12 @@ use crate::matching::{Dir, Groups, Matching, Node, Paths, ZoneGraph};
 use crate::random::below;
 use crate::stop::Interrupt;
 
-/// Puts links in until no group of zone components is closed: left by no link and without room, so made of cycles only.
+/// Puts links in until no group of zone components is closed: left by no link and without room, so
+/// made of cycles only.
 ///
-/// At first links that cost nothing, as long as they close no other group; then, each time the cheapest of a few drawn at
-/// random, links that cost, and these stay. Closed groups can be left if it is interrupted or no link can be had.
+/// At first links that cost nothing, as long as they close no other group; then, each time the
+/// cheapest of a few drawn at random, links that cost, and these stay.
+/// Closed groups can be left if it is interrupted or no link can be had.
 pub(crate) fn link(
     matching: &mut Matching<'_>,
     graph: &ZoneGraph,

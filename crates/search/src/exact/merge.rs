@@ -30,7 +30,8 @@ impl Joined {
         Self { union, is_cycle }
     }
 
-    /// Whether these two belong to different strands, one of them a cycle: then a switch makes them one.
+    /// Whether these two belong to different strands, one of them a cycle: then a switch makes them
+    /// one.
     fn can_unite(&mut self, a: Node, b: Node) -> bool {
         let (a, b) = (self.union.root(a), self.union.root(b));
         a != b && (self.is_cycle[a as usize] || self.is_cycle[b as usize])
@@ -51,8 +52,8 @@ pub(crate) fn merge(matching: &mut Matching<'_>) {
     while merge_once(matching, &mut joined) {}
 }
 
-/// Switches unit cells at which a cycle meets another strand, each time the cheapest, until no cycle is left or none can be
-/// joined so.
+/// Switches unit cells at which a cycle meets another strand, each time the cheapest, until no
+/// cycle is left or none can be joined so.
 pub(crate) fn merge_at_any_cost(matching: &mut Matching<'_>) {
     let mut joined = Joined::new(matching);
     loop {
@@ -88,7 +89,8 @@ fn merge_once(matching: &mut Matching<'_>, joined: &mut Joined) -> bool {
     merged
 }
 
-/// What switching the unit cell whose top-left cell this is would add to the cost; `None` if it has not two parallel links.
+/// What switching the unit cell whose top-left cell this is would add to the cost; `None` if it has
+/// not two parallel links.
 #[inline]
 fn switch_change(matching: &Matching<'_>, corner: Node) -> Option<i32> {
     const RIGHT_BELOW: u8 = 0b11;

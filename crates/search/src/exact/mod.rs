@@ -1,17 +1,19 @@
 //! Fewest pieces, then fewest crossings, with a proof.
 //!
 //! # Idea
-//! A path through n cells in p pieces is a set of n - p links, at most two at each cell. The cheapest set of so many
-//! links, a 2-matching, is a minimum cost flow, for the grid is bipartite; it bounds the crossings from below. It
-//! consists of paths and cycles, and where the bound is tight it only has to be made one path, without a link more
-//! across zones:
+//! A path through n cells in p pieces is a set of n - p links, at most two at each cell.
+//! The cheapest set of so many links, a 2-matching, is a minimum cost flow, for the grid is
+//! bipartite; it bounds the crossings from below.
+//! It consists of paths and cycles, and where the bound is tight it only has to be made one path,
+//! without a link more across zones:
 //!
 //! 1. ladders inside the zones, then the cheapest 2-matching by shortest alternating paths;
 //! 2. links from groups of zones that nothing leaves, the cheapest first;
 //! 3. cycles joined by switches, and what is left by exchanges along short alternating cycles.
 //!
-//! An attempt is made anew, with other ladders and other random choices, until the crossings meet the bound. If the
-//! first one does not, the bound is raised by what must be paid to hold everything together.
+//! An attempt is made anew, with other ladders and other random choices, until the crossings meet
+//! the bound.
+//! If the first one does not, the bound is raised by what must be paid to hold everything together.
 //!
 //! # Example
 //! ```
@@ -67,16 +69,16 @@ pub struct Settings<'a> {
     pub start: Terminal,
     /// Where the last piece has to end.
     pub end: Terminal,
-    /// Whether the first attempt lays its ladders along the columns, not the rows: paths of layers in turn then cross
-    /// each other.
+    /// Whether the first attempt lays its ladders along the columns, not the rows: paths of layers
+    /// in turn then cross each other.
     pub columns_first: bool,
-    /// A path of the layer below, on a plane of the same size: the first attempts take over its links inside the zones,
-    /// as far as both layers have the cells, and look for the rest only.
+    /// A path of the layer below, on a plane of the same size: the first attempts take over its
+    /// links inside the zones, as far as both layers have the cells, and look for the rest only.
     pub below: Option<&'a Path>,
     /// Stops the search soon after it turns true.
     pub cancel: Option<&'a AtomicBool>,
-    /// Asked now and then; the search stops soon after it gives true. The best plan so far is returned, or one made in
-    /// haste.
+    /// Asked now and then; the search stops soon after it gives true.
+    /// The best plan so far is returned, or one made in haste.
     pub time_is_up: Option<&'a (dyn Fn() -> bool + Sync)>,
     /// Told after each attempt how far the search has come.
     pub observer: Option<&'a (dyn Fn(Progress) + Sync)>,
@@ -103,8 +105,8 @@ pub enum Stage {
 }
 
 impl Default for Settings<'_> {
-    /// Seed 0, 50 attempts, crossings that cost 1, free ends, ladders along the rows, no layer below, nothing that
-    /// stops it.
+    /// Seed 0, 50 attempts, crossings that cost 1, free ends, ladders along the rows, no layer
+    /// below, nothing that stops it.
     fn default() -> Self {
         Self {
             seed: 0,
@@ -142,14 +144,17 @@ pub struct Plan {
     pub path: Path,
     /// Its pieces.
     pub pieces: u32,
-    /// Pieces of any path that begins and ends where asked, at least. Proven.
+    /// Pieces of any path that begins and ends where asked, at least.
+    /// Proven.
     pub piece_bound: u32,
     /// Its steps between two zones.
     pub crossings: u32,
     /// What they cost: their number, unless [`Settings::costs`] says otherwise.
     pub cost: u64,
-    /// Cost of any path in so many pieces, at least. Proven. With costs that depend on the direction it holds for the
-    /// cheaper direction of each pair of zones, so it may be out of reach.
+    /// Cost of any path in so many pieces, at least.
+    /// Proven.
+    /// With costs that depend on the direction it holds for the cheaper direction of each pair of
+    /// zones, so it may be out of reach.
     pub bound: u64,
     /// Why the search stopped.
     pub stop: Stop,
@@ -211,15 +216,19 @@ pub enum SolveError {
     /// The path has to begin and end at one cell, and there are others.
     #[error("the path can't both begin and end at cell {0}")]
     SameCell(Cell),
-    /// The only cell at which the path may begin is the only one at which it may end, and there are others.
+    /// The only cell at which the path may begin is the only one at which it may end, and there are
+    /// others.
     #[error("the sides at which the path has to begin and end have only one cell between them")]
     NoTwoCells,
 }
 
-/// Covers a region in few pieces, and of such covers finds one of low cost, with proven bounds of both.
+/// Covers a region in few pieces, and of such covers finds one of low cost, with proven bounds of
+/// both.
 ///
-/// The same seed and attempts give the same plan on every machine; what stops the search early does not. An attempt is
-/// nearly linear in the cells. The attempts that a part needs to meet the bound are few: one on most parts.
+/// The same seed and attempts give the same plan on every machine; what stops the search early does
+/// not.
+/// An attempt is nearly linear in the cells.
+/// The attempts that a part needs to meet the bound are few: one on most parts.
 pub fn solve(region: &Region, zones: &Zones, settings: &Settings<'_>) -> Result<Plan, SolveError> {
     check(region, zones, settings)?;
     let uniform = ZoneCosts::uniform(zones.count());
@@ -284,7 +293,8 @@ fn check(region: &Region, zones: &Zones, settings: &Settings<'_>) -> Result<(), 
     }
 }
 
-/// The connected parts of a region, each solved at most once for each way in which it may hold the ends.
+/// The connected parts of a region, each solved at most once for each way in which it may hold the
+/// ends.
 struct Solver<'a> {
     boards: &'a [Board],
     /// For each part the cells at which the path may begin; empty for all parts if any will do.
@@ -329,7 +339,8 @@ impl Solver<'_> {
                     .map(|number| flow::cost_in(&self.boards[number], most(number)))
                     .sum();
             }
-            // A cover can be cut into more pieces at no cost, so a bound for more pieces holds for fewer too.
+            // A cover can be cut into more pieces at no cost, so a bound for more pieces holds for
+            // fewer too.
             piece_bound = piece_bound.min(choice.piece_bound);
             bound = bound.min(choice.bound);
             if best
@@ -360,7 +371,8 @@ impl Solver<'_> {
                 last: if stops { ends[number].clone() } else { Vec::new() },
                 apart: begins && stops && boards.len() > 1,
             };
-            // A stream of its own for each part, so that one part's attempts don't change another's.
+            // A stream of its own for each part, so that one part's attempts don't change
+            // another's.
             let stream = (number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
             let rng = Xoshiro256PlusPlus::seed_from_u64(settings.seed.wrapping_add(stream));
             part::solve(&boards[number], &ends, costs, settings, *interrupt, rng)

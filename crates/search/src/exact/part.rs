@@ -34,14 +34,16 @@ pub(super) struct Part {
 /// Attempts in vain after which a number of pieces is given up.
 const ATTEMPTS_AT_PIECES: u32 = 12;
 
-/// Attempts before the bound is raised in small steps: most layers need no more attempts, and an attempt takes less
-/// time.
+/// Attempts before the bound is raised in small steps: most layers need no more attempts, and an
+/// attempt takes less time.
 const ATTEMPTS_BEFORE_STEPS: u32 = 3;
 
-/// Attempts that begin with the path of the layer below, where there is one, before others forget it.
+/// Attempts that begin with the path of the layer below, where there is one, before others forget
+/// it.
 const ATTEMPTS_FROM_BELOW: u32 = 4;
 
-/// Exchanges that one attempt may make to join its last cycles, and how often it may pay for one more link between.
+/// Exchanges that one attempt may make to join its last cycles, and how often it may pay for one
+/// more link between.
 const EXCHANGES: u64 = 100;
 const LINKS_PAID: u32 = 5;
 
@@ -152,8 +154,8 @@ struct Search<'a> {
     /// The path of the layer below, to begin with; `None` once that was tried often enough.
     below: Option<&'a Path>,
     rng: Xoshiro256PlusPlus,
-    /// What has to hang together: the zone components, or finer once it is known what the cheapest 2-matchings leave
-    /// apart.
+    /// What has to hang together: the zone components, or finer once it is known what the cheapest
+    /// 2-matchings leave apart.
     graph: ZoneGraph,
     paths: Paths,
     /// The cells that the present attempt keeps for the beginning and the end.
@@ -173,7 +175,8 @@ impl Search<'_> {
     fn attempt(&mut self, number: u32) -> &Cover {
         let turns = number + u32::from(self.columns_first);
         let grain = Grain { along: (turns % 2) as Dir, odd: (number / 2) % 2 == 1 };
-        // Where directions differ, what a crossing costs at least gives a bound, but is a poor guide to a path.
+        // Where directions differ, what a crossing costs at least gives a bound, but is a poor
+        // guide to a path.
         let guide = (number > 1 && self.bounds != Bounds::Due && !self.costs.is_symmetric())
             .then(|| self.board.with_costs(self.costs.drawn(&mut self.rng)));
         let (relaxed, matching) = self.cheapest(guide.as_ref().unwrap_or(self.board), grain);
@@ -193,7 +196,8 @@ impl Search<'_> {
         if self.bounds == Bounds::Flow && !self.is_met() {
             self.bound_by_zones();
         }
-        // Where the zones say more than the flow, another attempt takes less time than what could raise the flow above them.
+        // Where the zones say more than the flow, another attempt takes less time than what could
+        // raise the flow above them.
         let is_flow_best = self.bound <= relaxed.cost() as u64;
         let is_due = self.bounds == Bounds::Zones && (number > 0 || is_flow_best);
         if is_due && guide.is_none() && !self.is_met() {
@@ -210,15 +214,17 @@ impl Search<'_> {
         self.best.as_ref().expect("the first attempt gives a cover")
     }
 
-    /// Whether the best cover has as many pieces as are tried for, and no other such cover costs less.
+    /// Whether the best cover has as many pieces as are tried for, and no other such cover costs
+    /// less.
     fn is_met(&self) -> bool {
         self.best.as_ref().is_some_and(|best| best.pieces == self.target && best.cost <= self.bound)
     }
 
-    /// The cheapest 2-matching for so many pieces that has room at the cells where the path must begin and end; and, if
-    /// these could be chosen, one without that.
+    /// The cheapest 2-matching for so many pieces that has room at the cells where the path must
+    /// begin and end; and, if these could be chosen, one without that.
     ///
-    /// Raises the number of pieces, and their bound, as far as the cells' colours and the ends demand.
+    /// Raises the number of pieces, and their bound, as far as the cells' colours and the ends
+    /// demand.
     fn cheapest<'b>(
         &mut self,
         board: &'b Board,
@@ -243,7 +249,8 @@ impl Search<'_> {
             let relaxed = (given < sides.len()).then(|| matching.clone());
             let mut flow = matching.cost();
             for (index, &(end, cells)) in sides[given..].iter().enumerate() {
-                // Chosen alone, the second end may be cheaper than after the first one; only that is a bound.
+                // Chosen alone, the second end may be cheaper than after the first one; only that
+                // is a bound.
                 let mut alone = relaxed.clone().expect("there are ends to choose");
                 let chosen_alone = self.paths.reserve(&mut alone, cells);
                 flow = flow.max(alone.cost());
@@ -294,8 +301,8 @@ impl Search<'_> {
         matching
     }
 
-    /// Bounds from the graph of zone components, in units of the cheapest crossing; and the flow's with costs whose
-    /// directions are more alike.
+    /// Bounds from the graph of zone components, in units of the cheapest crossing; and the flow's
+    /// with costs whose directions are more alike.
     fn bound_by_zones(&mut self) {
         let need = vec![1; self.graph.count() as usize];
         let crossings = segments::cover(&need, self.target)
@@ -312,13 +319,15 @@ impl Search<'_> {
         }
     }
 
-    /// Bounds from what the cheapest 2-matchings leave apart, which attempts from now on link first.
+    /// Bounds from what the cheapest 2-matchings leave apart, which attempts from now on link
+    /// first.
     fn bound_by_what_is_apart(&mut self, relaxed: &Matching<'_>) {
         self.bounds = Bounds::Apart;
         let Some(apart) = Apart::new(relaxed, self.target) else { return };
         let enough = self.raise_bound(Cuts::NeverLeft, relaxed);
         if self.bound < enough {
-            // To know what it costs to leave a component takes a search for each link along its border; it is seldom more than 2.
+            // To know what it costs to leave a component takes a search for each link along its
+            // border; it is seldom more than 2.
             let flow = relaxed.cost() as u64;
             let extra = if enough <= flow + 2 {
                 connectivity::connectivity(&apart, relaxed, self.target, &mut self.paths)
@@ -427,8 +436,8 @@ impl Search<'_> {
         Cover { pieces: pieces.len() as u32, cost: total, last_piece, order: pieces.concat() }
     }
 
-    /// After attempts in vain: shows that the pieces are too few, or gives them up. True if others are tried for from
-    /// now on.
+    /// After attempts in vain: shows that the pieces are too few, or gives them up.
+    /// True if others are tried for from now on.
     fn reconsider_pieces(&mut self, attempts: u32) -> bool {
         let Some(found) = self.best.as_ref().map(|best| best.pieces) else { return false };
         if found <= self.target {
@@ -452,8 +461,8 @@ impl Search<'_> {
         self.graph = ZoneGraph::new(self.board);
     }
 
-    /// Whether no cover has as few pieces as are tried for: if crossings cost nothing a cover would cost nothing, but
-    /// closed sets of cells cost something even then.
+    /// Whether no cover has as few pieces as are tried for: if crossings cost nothing a cover would
+    /// cost nothing, but closed sets of cells cost something even then.
     fn is_refuted(&mut self) -> bool {
         let free = self.board.without_zones();
         let mut matching = Matching::inside_zones(&free, Grain::default());
@@ -482,8 +491,8 @@ impl Search<'_> {
     }
 }
 
-/// Brings pieces into the order and the directions that the ends ask for; cuts one in two if it holds both and must
-/// not.
+/// Brings pieces into the order and the directions that the ends ask for; cuts one in two if it
+/// holds both and must not.
 fn order_pieces(pieces: &mut Vec<Vec<Node>>, first: Option<Node>, last: Option<Node>, apart: bool) {
     // The topmost, leftmost piece first, so that the lifts between them stay short.
     pieces.sort_unstable_by_key(|piece| piece.iter().min().copied());

@@ -1,4 +1,5 @@
-//! The paths and cycles of a 2-matching, numbered so that an exchange of links can be judged without walking them.
+//! The paths and cycles of a 2-matching, numbered so that an exchange of links can be judged
+//! without walking them.
 
 use crate::matching::{Board, Dir, Matching, Node, dirs};
 use crate::union::Union;
@@ -33,7 +34,8 @@ struct Scratch {
     /// Strand and place after which it is cut, with the cells before and after the cut.
     cuts: Vec<(u32, u32, [Node; 2])>,
     strands: Vec<u32>,
-    /// The first and the last cell of each segment between cuts, and whether a new link is tied there.
+    /// The first and the last cell of each segment between cuts, and whether a new link is tied
+    /// there.
     segments: Vec<([Node; 2], [bool; 2])>,
     union: Union,
 }
@@ -41,7 +43,8 @@ struct Scratch {
 impl Strands {
     const NONE: u32 = u32::MAX;
 
-    /// Numbers all cells. Linear.
+    /// Numbers all cells.
+    /// Linear.
     pub(crate) fn new(matching: &Matching<'_>, apart: Option<[Node; 2]>) -> Self {
         let nodes = matching.board.nodes();
         let mut strands = Self {
@@ -100,10 +103,12 @@ impl Strands {
         (a == b).then_some(a)
     }
 
-    /// By how much the number of strands, and of paths with two ends that should be apart, changes if the links along an alternating path or cycle are toggled.
+    /// By how much the number of strands, and of paths with two ends that should be apart, changes
+    /// if the links along an alternating path or cycle are toggled.
     ///
-    /// Each step names a link, in or out, by one of its cells. O(k^2) for k steps, whatever the lengths of the strands: cutting
-    /// k links leaves at most k + 1 segments, and the new links tie their ends together.
+    /// Each step names a link, in or out, by one of its cells.
+    /// O(k^2) for k steps, whatever the lengths of the strands: cutting k links leaves at most k +
+    /// 1 segments, and the new links tie their ends together.
     pub(crate) fn change(&mut self, matching: &Matching<'_>, steps: &[(Node, Dir)]) -> i32 {
         let Self { strand, place, list, scratch, apart, .. } = self;
         let Scratch { cuts, strands, segments, union } = scratch;
@@ -168,7 +173,8 @@ impl Strands {
             before += i32::from(strand[ends[0] as usize] == strand[ends[1] as usize]);
             let place = |end: Node| segments.iter().position(|(cells, _)| cells.contains(&end));
             let joined = match ends.map(place) {
-                // Each is the end of some segment, for it is the end of a path; the last link of its path keeps it so.
+                // Each is the end of some segment, for it is the end of a path; the last link of
+                // its path keeps it so.
                 [Some(a), Some(b)] => union.root(a as u32) == union.root(b as u32),
                 _ => false,
             };
@@ -223,8 +229,8 @@ impl Strands {
         }
     }
 
-    /// The links that could lead to another strand from a cycle, or from a path whose ends should be apart; from their black
-    /// cells.
+    /// The links that could lead to another strand from a cycle, or from a path whose ends should
+    /// be apart; from their black cells.
     pub(crate) fn links_to_settle(&self, matching: &Matching<'_>) -> Vec<(Node, Dir)> {
         let board = matching.board;
         let strand = |node: Node| self.strand[node as usize];
@@ -308,7 +314,8 @@ mod tests {
         Strands::new(matching, None).list.len() as i32
     }
 
-    /// A random alternating walk of links put in and taken out, that ends where it began or begins at a cell with room.
+    /// A random alternating walk of links put in and taken out, that ends where it began or begins
+    /// at a cell with room.
     fn exchange(matching: &Matching<'_>, rng: &mut impl Rng) -> Option<Vec<(Node, Dir)>> {
         let board = matching.board;
         let mut pick = |bits: u8| {

@@ -64,7 +64,8 @@ impl Change {
     const NONE: Self = Self { costs: None, start: None, end: None };
 }
 
-/// Solves many small problems; gives how often the answer was the best there is, and how often it was proven to be.
+/// Solves many small problems; gives how often the answer was the best there is, and how often it
+/// was proven to be.
 fn compare(
     count: u64,
     seed: u64,
@@ -374,7 +375,8 @@ fn ends_at_corners_are_kept_to() {
     }
 }
 
-/// Two blocks joined by one link: both are cycles of the only 2-factor, but a path leads through both.
+/// Two blocks joined by one link: both are cycles of the only 2-factor, but a path leads through
+/// both.
 #[test]
 fn a_path_through_two_blocks_is_not_refuted() {
     let mask = |cell: u32| cell % 5 != 2 || cell == 2;

@@ -132,7 +132,8 @@ impl Search<'_> {
             let forward = cost_of(piece);
             let backward = cost_of(&piece.iter().rev().copied().collect::<Vec<_>>());
             let (first, last) = (piece[0], piece[piece.len() - 1]);
-            // The first piece begins at the start, the last one ends at the end; they are one only if there is one.
+            // The first piece begins at the start, the last one ends at the end; they are one only
+            // if there is one.
             let ways = [(forward, first, last), (backward, last, first)].into_iter().filter(
                 |&(_, first, last)| {
                     let [has_start, has_end] =

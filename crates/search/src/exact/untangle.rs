@@ -10,12 +10,13 @@ use crate::stop::Interrupt;
 /// Steps of the longest exchange tried: half of them links put in, half taken out.
 const LONGEST: usize = 12;
 
-/// Joins cycles to other strands by exchanges along short alternating cycles, and by ends that move along alternating paths,
-/// none of which raises the cost.
+/// Joins cycles to other strands by exchanges along short alternating cycles, and by ends that move
+/// along alternating paths, none of which raises the cost.
 ///
-/// While no exchange around a cycle takes a strand away, one that takes none away is made at random: the cycle changes its
-/// shape and place, until it can be joined. A path that has both of the ends that should be apart is treated like a cycle. Ends
-/// when nothing is left to settle, or after so many exchanges.
+/// While no exchange around a cycle takes a strand away, one that takes none away is made at
+/// random: the cycle changes its shape and place, until it can be joined.
+/// A path that has both of the ends that should be apart is treated like a cycle.
+/// Ends when nothing is left to settle, or after so many exchanges.
 pub(crate) fn untangle(
     matching: &mut Matching<'_>,
     strands: &mut Strands,
@@ -30,7 +31,8 @@ pub(crate) fn untangle(
             .or(strands.joined_ends())
             .expect("something is left to settle");
         let cells = strands.cells(matching, number);
-        // Short exchanges are found at once and mostly suffice; there are far more of the long ones.
+        // Short exchanges are found at once and mostly suffice; there are far more of the long
+        // ones.
         let steps = match in_vain {
             0 => 6,
             1..6 => 8,

@@ -17,17 +17,18 @@ pub enum Crossover {
     },
     /// The genes of one parent, but for a random stretch of the other's in place of its own.
     TwoPoint,
-    /// The moves of one parent outside a random window of the plane, and those of the other inside, in their own order
-    /// and as many as fit.
+    /// The moves of one parent outside a random window of the plane, and those of the other inside,
+    /// in their own order and as many as fit.
     ///
-    /// A variant applies or not by the links near it alone, and crossings are links too. So the child has the crossings
-    /// of one parent inside the window, those of the other outside, and surprises only along its edges: it can have the
-    /// best of both.
+    /// A variant applies or not by the links near it alone, and crossings are links too.
+    /// So the child has the crossings of one parent inside the window, those of the other outside,
+    /// and surprises only along its edges: it can have the best of both.
     Window,
 }
 
 impl Crossover {
-    /// Makes a child in a plane of such a width and height. Both parents have as many genes, and so has the child.
+    /// Makes a child in a plane of such a width and height.
+    /// Both parents have as many genes, and so has the child.
     pub(super) fn cross(
         self,
         [one, other]: [&[Gene]; 2],
@@ -45,7 +46,8 @@ impl Crossover {
             }
             Self::Window => {
                 let window = Window::draw(width, height, rng);
-                // Room for all of both, so that each gene can be written whether it counts or not: which do is as good as random.
+                // Room for all of both, so that each gene can be written whether it counts or not:
+                // which do is as good as random.
                 let mut genes = vec![None; one.len() + other.len() + 1];
                 let mut length = 0;
                 for (outer, inner) in one.iter().zip(other) {

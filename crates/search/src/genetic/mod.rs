@@ -1,13 +1,15 @@
 //! The genetic algorithm of Aali et al., section "Genetic algorithm".
 //!
-//! An individual is a list of moves, its *genes*, of fixed length: shorter lists end in blanks. It is judged by
-//! replaying the genes one after the other from the start path, skipping those that don't apply; its cost is the lowest
-//! seen on the way. The first population are the moves of the best of many annealing runs ([`annealed`]). In each
-//! generation ([`evolve`]) the best individuals and others drawn at random are carried over, nobody twice, and children
-//! of tournament winners fill the rest; a child that costs much more than its better parent is dropped for a copy of
-//! that one.
+//! An individual is a list of moves, its *genes*, of fixed length: shorter lists end in blanks.
+//! It is judged by replaying the genes one after the other from the start path, skipping those that
+//! don't apply; its cost is the lowest seen on the way.
+//! The first population are the moves of the best of many annealing runs ([`annealed`]).
+//! In each generation ([`evolve`]) the best individuals and others drawn at random are carried
+//! over, nobody twice, and children of tournament winners fill the rest; a child that costs much
+//! more than its better parent is dropped for a copy of that one.
 //!
-//! Two things make it fast. The paper's variants look at links alone, so they are replayed on [`Links`] instead of a
+//! Two things make it fast.
+//! The paper's variants look at links alone, so they are replayed on [`Links`] instead of a
 //! [`Path`]: a few nanoseconds a gene. And a child begins like one of its parents, so it is replayed from the last
 //! state of that parent which was kept before the first gene that differs.
 //!
@@ -24,7 +26,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! What it can find is made of the annealers' moves; how much it adds to their best run, docs/results/zones.md tells.
+//! What it can find is made of the annealers' moves; how much it adds to their best run,
+//! docs/results/zones.md tells.
 
 mod crossover;
 mod individual;
@@ -71,7 +74,8 @@ pub struct Evolution {
     pub elites: usize,
     /// By how much a child may cost more than its better parent without being dropped.
     pub tolerance: i64,
-    /// Genes of each child that are replaced by random variants anywhere in the plane; 0 in the paper.
+    /// Genes of each child that are replaced by random variants anywhere in the plane; 0 in the
+    /// paper.
     pub mutations: u32,
 }
 
@@ -104,9 +108,11 @@ pub struct Settings<'a> {
     pub bound: Option<i64>,
     /// Stops the run soon after it turns true.
     pub cancel: Option<&'a AtomicBool>,
-    /// Told after each annealing run and each generation how far the run has come; perhaps from another thread.
+    /// Told after each annealing run and each generation how far the run has come; perhaps from
+    /// another thread.
     pub observer: Option<&'a (dyn Fn(Progress) + Sync)>,
-    /// The threads to work on; without one it works on the caller's. The result is the same.
+    /// The threads to work on; without one it works on the caller's.
+    /// The result is the same.
     pub pool: Option<&'a rayon::ThreadPool>,
 }
 
@@ -140,8 +146,8 @@ pub struct Generation {
     pub best: i64,
     /// Mean cost.
     pub mean: f64,
-    /// Share of the genes, 0..=1, in which an individual differs from the best one, on average; of at most 256 genes at
-    /// equal distances.
+    /// Share of the genes, 0..=1, in which an individual differs from the best one, on average; of
+    /// at most 256 genes at equal distances.
     pub diversity: f64,
     /// Children that stayed, and neither cost too much nor equal a parent.
     pub stayed: u32,
@@ -174,18 +180,20 @@ pub struct Outcome {
 
 /// Anneals a first population and lets it evolve.
 ///
-/// Costs the annealing runs, and then O(1) a gene that is replayed: at most children x length a generation, and mostly
-/// much less.
+/// Costs the annealing runs, and then O(1) a gene that is replayed: at most children x length a
+/// generation, and mostly much less.
 pub fn solve<C: Cost + Sync>(start: &Path, cost: &C, settings: &Settings<'_>) -> Outcome {
     let population = annealed(start, cost, settings);
     evolve(start, cost, &population, settings)
 }
 
-/// Lets a population of lists of moves evolve, each to be replayed from `start`. Of a longer list than asked, the first
-/// ones; a shorter one is repeated from its beginning, and an empty one stands for the start alone.
+/// Lets a population of lists of moves evolve, each to be replayed from `start`.
+/// Of a longer list than asked, the first ones; a shorter one is repeated from its beginning, and
+/// an empty one stands for the start alone.
 ///
-/// See [`solve`] for its cost. Memory: 12 bytes a gene, and up to 256 MB of kept states; of both half as much again
-/// with the paper's parameters while a generation is bred, for parents stay until their children are there.
+/// See [`solve`] for its cost.
+/// Memory: 12 bytes a gene, and up to 256 MB of kept states; of both half as much again with the
+/// paper's parameters while a generation is bred, for parents stay until their children are there.
 ///
 /// # Panics
 /// If the evolution has no individuals or no tournament.
@@ -242,7 +250,8 @@ fn run<C: Cost + Sync, S: State>(
         if let Some(observer) = settings.observer {
             observer(Progress::Bred(generation));
         }
-        // First, for a cancelled run may have begun with fewer individuals than it would have otherwise.
+        // First, for a cancelled run may have begun with fewer individuals than it would have
+        // otherwise.
         if settings.is_cancelled() {
             break Stop::Cancelled;
         }
@@ -338,8 +347,8 @@ fn draw<S: State>(
 }
 
 impl Birth {
-    /// Whether the child will be like both parents, which is not even to be tried out: most pairs are such in a
-    /// population that has converged.
+    /// Whether the child will be like both parents, which is not even to be tried out: most pairs
+    /// are such in a population that has converged.
     fn copies(&self, [one, other]: [&Arc<[Gene]>; 2], evolution: &Evolution) -> bool {
         // Window crossover moves blanks to the end, also where both parents are alike.
         let alike = Arc::ptr_eq(one, other) && evolution.crossover != Crossover::Window;

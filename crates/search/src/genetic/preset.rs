@@ -15,11 +15,13 @@ pub enum Preset {
     Paper,
     /// The same with two-point crossover, which the paper leaves to future work.
     TwoPoint,
-    /// The same with window crossover and a mutation for each child: our best with the paper's moves.
+    /// The same with window crossover and a mutation for each child: our best with the paper's
+    /// moves.
     Window,
     /// The best 40 of 100 annealing runs, 60 generations: as `Window` in a tenth of the time.
     Short,
-    /// Eight runs of the annealer `fast`, 50 generations. Crossover hardly ever adds to those.
+    /// Eight runs of the annealer `fast`, 50 generations.
+    /// Crossover hardly ever adds to those.
     Fast,
 }
 

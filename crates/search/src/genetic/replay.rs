@@ -90,7 +90,8 @@ pub(super) struct Replay<'a, S, C> {
 }
 
 impl<'a, S: State, C: Cost> Replay<'a, S, C> {
-    /// Prepares replays of lists of so many genes from `state`, which is that of `start`; each replay keeps so many states.
+    /// Prepares replays of lists of so many genes from `state`, which is that of `start`; each
+    /// replay keeps so many states.
     pub(super) fn new(
         state: &'a S,
         start: &Path,

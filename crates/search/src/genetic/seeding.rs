@@ -13,12 +13,12 @@ use crate::{Cost, Move};
 
 /// Which annealing runs the first population comes from.
 ///
-/// The default is what the paper says of its data: 22,111 runs of five presets over 24 combinations of layout and size
-/// are 920 for each.
+/// The default is what the paper says of its data: 22,111 runs of five presets over 24 combinations
+/// of layout and size are 920 for each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seeding {
-    /// The annealers, which take turns. All of one sort, [`Method::Pooled`] or [`Method::Free`], if their moves are to
-    /// be recorded.
+    /// The annealers, which take turns.
+    /// All of one sort, [`Method::Pooled`] or [`Method::Free`], if their moves are to be recorded.
     pub methods: Vec<Method>,
     /// Runs in all; the best make up the population.
     pub runs: u32,
@@ -32,11 +32,11 @@ impl Default for Seeding {
     }
 }
 
-/// Anneals a first population: the moves of the best runs, the best first, at most as many as there shall be
-/// individuals.
+/// Anneals a first population: the moves of the best runs, the best first, at most as many as there
+/// shall be individuals.
 ///
-/// Runs are told apart by seeds of their own, so the result does not depend on the threads. A cancelled call gives
-/// those that were done.
+/// Runs are told apart by seeds of their own, so the result does not depend on the threads.
+/// A cancelled call gives those that were done.
 pub fn annealed<C: Cost + Sync>(start: &Path, cost: &C, settings: &Settings<'_>) -> Vec<Vec<Move>> {
     let Settings { seeding, bound, cancel, .. } = settings;
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(settings.seed);

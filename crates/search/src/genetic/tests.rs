@@ -53,7 +53,8 @@ fn walked(layer: &Layer, path: &Path) -> i64 {
     path.order().windows(2).filter(crosses).count() as i64
 }
 
-/// The lowest cost on the way and the number of genes up to there, by applying each gene to a path and walking it.
+/// The lowest cost on the way and the number of genes up to there, by applying each gene to a path
+/// and walking it.
 fn judged(layer: &Layer, genes: &[Gene]) -> (i64, usize) {
     let mut path = layer.start.clone();
     let mut best = (walked(layer, &path), 0);

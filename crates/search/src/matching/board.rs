@@ -7,7 +7,8 @@ use crate::ZoneCosts;
 /// The number of a cell on a [`Board`].
 pub(crate) type Node = u32;
 
-/// A direction: 0 right, 1 below, 2 left, 3 above. As a bit, `1 << dir`.
+/// A direction: 0 right, 1 below, 2 left, 3 above.
+/// As a bit, `1 << dir`.
 pub(crate) type Dir = usize;
 
 /// The direction back.
@@ -18,15 +19,16 @@ pub(crate) fn back(dir: Dir) -> Dir {
 
 /// Cells in a frame of empty ones, so that a step in any direction needs no check.
 ///
-/// The rows are an odd number of nodes apart: hence a node is black, in a chessboard colouring, exactly if its number
-/// is even.
+/// The rows are an odd number of nodes apart: hence a node is black, in a chessboard colouring,
+/// exactly if its number is even.
 #[derive(Clone)]
 pub(crate) struct Board {
     stride: usize,
-    /// 2^[`Board::SHIFT`] divided by the stride, rounded up: division by multiplication, for places are asked for all
-    /// the time.
+    /// 2^[`Board::SHIFT`] divided by the stride, rounded up: division by multiplication, for places
+    /// are asked for all the time.
     inverse: u64,
-    /// Column and row, in the region's plane, of the node at column 1 and row 1; the column may be -1.
+    /// Column and row, in the region's plane, of the node at column 1 and row 1; the column may be
+    /// -1.
     origin: (i64, i64),
     /// Width of the region's plane.
     width: u32,
@@ -54,8 +56,8 @@ impl Board {
             places().next().expect("a board has cells").1,
             region.xy(members[members.len() - 1]).1,
         );
-        // A frame on both sides, and one more column where that would make the number even. The colours shall be the
-        // plane's, so the origin may move by one column.
+        // A frame on both sides, and one more column where that would make the number even.
+        // The colours shall be the plane's, so the origin may move by one column.
         let shift = (left + top) % 2;
         let stride = ((right - left + 3 + shift) | 1) as usize;
         let origin = (i64::from(left) - i64::from(shift), i64::from(top));
@@ -171,7 +173,8 @@ impl Board {
     /// Column and row on the board, the frame included.
     #[inline]
     pub(crate) fn xy(&self, node: Node) -> (u32, u32) {
-        // Exact as long as node times stride is below 2^SHIFT: there are at most 2^25 nodes, 2^13 apart.
+        // Exact as long as node times stride is below 2^SHIFT: there are at most 2^25 nodes, 2^13
+        // apart.
         let y = ((u64::from(node) * self.inverse) >> Self::SHIFT) as u32;
         (node - y * self.stride as u32, y)
     }

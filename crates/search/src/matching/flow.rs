@@ -9,12 +9,15 @@ use super::board::{Board, Dir, Node, back, dirs};
 use super::ladder::{Grain, as_below, ladders};
 use crate::union::Union;
 
-/// A set of links of a board, at most two at each cell; the cheapest of its size until links are locked or paid for.
+/// A set of links of a board, at most two at each cell; the cheapest of its size until links are
+/// locked or paid for.
 ///
-/// Black cells send, white cells receive: a link is a unit of flow. The proof of its optimality is a **potential** for
-/// each cell, such that every residual step has a reduced cost of at least 0: cost + potential(from) - potential(to),
-/// where a step from black to white puts a link in and costs what it costs, and one from white to black takes a link
-/// out and gives that back. Each black cell draws from one source, each white one drains into one sink.
+/// Black cells send, white cells receive: a link is a unit of flow.
+/// The proof of its optimality is a **potential** for each cell, such that every residual step has
+/// a reduced cost of at least 0: cost + potential(from) - potential(to), where a step from black to
+/// white puts a link in and costs what it costs, and one from white to black takes a link out and
+/// gives that back.
+/// Each black cell draws from one source, each white one drains into one sink.
 #[derive(Clone)]
 pub(crate) struct Matching<'a> {
     pub(crate) board: &'a Board,
@@ -31,22 +34,26 @@ pub(crate) struct Matching<'a> {
     pub(crate) sink: i32,
     /// For each node a bit for each link that must stay.
     pub(crate) locked: Vec<u8>,
-    /// What the links of each node to the right and below cost beside the board's cost; empty if nothing.
+    /// What the links of each node to the right and below cost beside the board's cost; empty if
+    /// nothing.
     extra: Vec<[i32; 2]>,
 }
 
 impl<'a> Matching<'a> {
-    /// Inside the zones: ladders and what fits beside them. Linear in the cells.
+    /// Inside the zones: ladders and what fits beside them.
+    /// Linear in the cells.
     pub(crate) fn inside_zones(board: &'a Board, grain: Grain) -> Self {
         Self::of_links(board, |room| ladders(board, grain, room))
     }
 
-    /// Inside the zones: what a path of the layer below links, and what fits beside that. Linear in the cells.
+    /// Inside the zones: what a path of the layer below links, and what fits beside that.
+    /// Linear in the cells.
     pub(crate) fn as_below(board: &'a Board, below: &Path) -> Self {
         Self::of_links(board, |room| as_below(board, below, room))
     }
 
-    /// Links inside the zones, chosen within the room of each cell. They cost 0, so the potentials are 0.
+    /// Links inside the zones, chosen within the room of each cell.
+    /// They cost 0, so the potentials are 0.
     fn of_links(board: &'a Board, choose: impl FnOnce(&mut [u8]) -> Vec<u8>) -> Self {
         let mut capacity = vec![0; board.nodes()];
         board.cells.iter().for_each(|&node| capacity[node as usize] = 2);
@@ -87,7 +94,8 @@ impl<'a> Matching<'a> {
         self.locked[self.board.step(node, dir) as usize] |= 1 << back(dir);
     }
 
-    /// Takes links inside zones out until there is so much spare room; `choose` picks one of so many.
+    /// Takes links inside zones out until there is so much spare room; `choose` picks one of so
+    /// many.
     pub(crate) fn drop_links_inside(&mut self, spare: u32, mut choose: impl FnMut(usize) -> usize) {
         while self.spare < spare {
             let inside = |node: Node| self.links[node as usize] & !self.board.across[node as usize];
@@ -114,8 +122,8 @@ impl<'a> Matching<'a> {
         self.board.cells.iter().map(cost_of).sum()
     }
 
-    /// Reduced cost of putting in the link from a cell, of either colour, in a direction; its negative for taking it
-    /// out.
+    /// Reduced cost of putting in the link from a cell, of either colour, in a direction; its
+    /// negative for taking it out.
     #[inline]
     pub(crate) fn reduced(&self, node: Node, dir: Dir) -> i32 {
         let other = self.board.step(node, dir);
@@ -147,7 +155,8 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Adds to the cost of every link inside a set of cells, and to the potentials so that few reduced costs change.
+    /// Adds to the cost of every link inside a set of cells, and to the potentials so that few
+    /// reduced costs change.
     /// The caller has to [`repair`](super::Paths::repair) the optimum.
     pub(crate) fn raise_inside(&mut self, members: &[Node], by: i32) {
         let board = self.board;
@@ -175,12 +184,14 @@ impl<'a> Matching<'a> {
         self.cost() + self.board.cells.iter().map(extra_of).sum::<i64>()
     }
 
-    /// Adds links along cheapest alternating paths until the spare room is down to `spare`, or no path is left.
+    /// Adds links along cheapest alternating paths until the spare room is down to `spare`, or no
+    /// path is left.
     ///
-    /// Successive shortest paths after Busacker and Gowen (1961) with the potentials of Edmonds and Karp (1972), all
-    /// paths of one length in one round. There are few rounds, for the lengths, small multiples of the costs, only
-    /// grow. A round is linear in the cells, and in what its searches look at: strips between cells with room, and once
-    /// what they find without a way out.
+    /// Successive shortest paths after Busacker and Gowen (1961) with the potentials of Edmonds and
+    /// Karp (1972), all paths of one length in one round.
+    /// There are few rounds, for the lengths, small multiples of the costs, only grow.
+    /// A round is linear in the cells, and in what its searches look at: strips between cells with
+    /// room, and once what they find without a way out.
     pub(crate) fn grow(&mut self, spare: u32) {
         if self.spare <= spare {
             return;
@@ -207,8 +218,8 @@ struct Label {
     round: u32,
     /// Reduced length of the shortest path from it to a white cell with room.
     length: i32,
-    /// The white cell, as an index of the sinks, that the path leads to; with [`Label::OPEN`] while the length can
-    /// still fall.
+    /// The white cell, as an index of the sinks, that the path leads to; with [`Label::OPEN`] while
+    /// the length can still fall.
     sink: u32,
 }
 
@@ -229,8 +240,8 @@ struct Trace {
     back: u8,
 }
 
-/// Nodes to go on from, with the steps that lead to them: those whose steps and distance to a goal sum to the least
-/// come first, of these the last one.
+/// Nodes to go on from, with the steps that lead to them: those whose steps and distance to a goal
+/// sum to the least come first, of these the last one.
 #[derive(Default)]
 struct Open {
     /// By the sum.
@@ -272,7 +283,8 @@ struct Rounds {
     labels: Vec<Label>,
     sources: Vec<Node>,
     sinks: Vec<Node>,
-    /// Sinks between which residual steps of reduced cost 0 may lead, in any direction, have one root.
+    /// Sinks between which residual steps of reduced cost 0 may lead, in any direction, have one
+    /// root.
     basins: Union,
     /// Labelled nodes whose length is final.
     reached: Vec<Node>,
@@ -313,8 +325,8 @@ impl Rounds {
         }
     }
 
-    /// Dijkstra backwards from all white cells with room to the nearest black one, whose path it makes free of reduced
-    /// cost; false if there is none of at most that reduced length.
+    /// Dijkstra backwards from all white cells with room to the nearest black one, whose path it
+    /// makes free of reduced cost; false if there is none of at most that reduced length.
     fn label(&mut self, matching: &mut Matching<'_>, longest: i32) -> bool {
         self.round += 1;
         self.reached.clear();
@@ -386,7 +398,8 @@ impl Rounds {
         }
     }
 
-    /// Augments along paths free of reduced cost until there are none, or down to so much spare room.
+    /// Augments along paths free of reduced cost until there are none, or down to so much spare
+    /// room.
     fn augment(&mut self, matching: &mut Matching<'_>, spare: u32) {
         self.dead = self.search + 1;
         self.search += 1;
@@ -400,10 +413,12 @@ impl Rounds {
         }
     }
 
-    /// A search of the kind A* for a path from one black cell with room, towards the nearest white ones.
+    /// A search of the kind A* for a path from one black cell with room, towards the nearest white
+    /// ones.
     ///
-    /// Paths need not be short, but short ones leave more of the ladders as they are. What a search in vain has seen
-    /// leads nowhere for the rest of the round: no path enters it, so none opens a way out of it.
+    /// Paths need not be short, but short ones leave more of the ladders as they are.
+    /// What a search in vain has seen leads nowhere for the rest of the round: no path enters it,
+    /// so none opens a way out of it.
     fn reach(&mut self, matching: &mut Matching<'_>, source: Node) -> bool {
         if !self.choose_goals(matching, source) {
             return false;
@@ -435,8 +450,8 @@ impl Rounds {
         false
     }
 
-    /// The nearest white cells with room that a source might reach; false if there are none. A few do, for they only
-    /// say where to look first.
+    /// The nearest white cells with room that a source might reach; false if there are none.
+    /// A few do, for they only say where to look first.
     fn choose_goals(&mut self, matching: &Matching<'_>, source: Node) -> bool {
         const MOST: usize = 4;
         const MOST_LOOKED_AT: usize = 1000;
@@ -448,7 +463,8 @@ impl Rounds {
         }
         let from = matching.board.xy(source);
         let root = self.basins.root(label.sink);
-        // Of very many, those that come about where the nearest one does; without a goal the search spreads evenly.
+        // Of very many, those that come about where the nearest one does; without a goal the search
+        // spreads evenly.
         let near = label.sink as usize;
         let window =
             near.saturating_sub(MOST_LOOKED_AT)..(near + MOST_LOOKED_AT).min(self.sinks.len());
@@ -511,7 +527,8 @@ fn steps_to(matching: &Matching<'_>, node: Node) -> impl Iterator<Item = Dir> + 
     )
 }
 
-/// The directions of the residual steps from a node, as bits: to put a link in from black, to take one out from white.
+/// The directions of the residual steps from a node, as bits: to put a link in from black, to take
+/// one out from white.
 #[inline]
 pub(super) fn directions(matching: &Matching<'_>, node: Node) -> u8 {
     let links = matching.links[node as usize];

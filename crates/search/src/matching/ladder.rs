@@ -15,9 +15,11 @@ pub(crate) struct Grain {
 
 /// Links each cell to at most `room` others of its zone.
 ///
-/// Two rows of a zone make a ladder: the cycle around each stretch they have in common. Cells left over are linked to
-/// neighbours left over. Long cycles side by side have many unit cells at which they can be joined, and few cells are
-/// left with room, all of them at borders: that leaves little to the search that follows. Linear in the cells.
+/// Two rows of a zone make a ladder: the cycle around each stretch they have in common.
+/// Cells left over are linked to neighbours left over.
+/// Long cycles side by side have many unit cells at which they can be joined, and few cells are
+/// left with room, all of them at borders: that leaves little to the search that follows.
+/// Linear in the cells.
 pub(crate) fn ladders(board: &Board, grain: Grain, room: &mut [u8]) -> Vec<u8> {
     let mut links = Inside { board, links: vec![0; board.nodes()], room };
     let across_grain = 1 - grain.along;
@@ -48,11 +50,12 @@ pub(crate) fn ladders(board: &Board, grain: Grain, room: &mut [u8]) -> Vec<u8> {
     links.fill()
 }
 
-/// Links each cell to at most `room` others of its zone: as a path of the layer below does, as far as it goes, and what
-/// fits beside that.
+/// Links each cell to at most `room` others of its zone: as a path of the layer below does, as far
+/// as it goes, and what fits beside that.
 ///
-/// Where the layer below has other cells or other zones, ends of the path's parts are left with room. Linear in the
-/// cells.
+/// Where the layer below has other cells or other zones, ends of the path's parts are left with
+/// room.
+/// Linear in the cells.
 pub(crate) fn as_below(board: &Board, below: &Path, room: &mut [u8]) -> Vec<u8> {
     let mut links = Inside { board, links: vec![0; board.nodes()], room };
     for &node in &board.cells {

@@ -1,8 +1,9 @@
-//! Cheapest simple 2-matchings: paths and cycles through all cells, with as many links as asked and as few crossings as
-//! possible.
+//! Cheapest simple 2-matchings: paths and cycles through all cells, with as many links as asked and
+//! as few crossings as possible.
 //!
-//! A path through n cells in p pieces is a set of n - p links with at most two at each cell, so the cheapest such set bounds
-//! its crossings from below; and its paths and cycles are what [`exact`](crate::exact) joins to one path.
+//! A path through n cells in p pieces is a set of n - p links with at most two at each cell, so the
+//! cheapest such set bounds its crossings from below; and its paths and cycles are what
+//! [`exact`](crate::exact) joins to one path.
 
 mod board;
 mod flow;

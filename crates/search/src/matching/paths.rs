@@ -8,8 +8,8 @@ use super::flow::{Matching, step_cost, steps};
 
 /// A search for shortest residual paths; kept between searches to spare allocations.
 ///
-/// Beside the cells there are the **source**, from which black cells draw, and the **sink**, into which white cells drain: a
-/// path through one of them moves room from one cell to another.
+/// Beside the cells there are the **source**, from which black cells draw, and the **sink**, into
+/// which white cells drain: a path through one of them moves room from one cell to another.
 pub(crate) struct Paths {
     round: u32,
     /// Of each node and then of the source, the sink and the end of the search.
@@ -47,9 +47,11 @@ impl Paths {
         }
     }
 
-    /// What it adds to the cost at least to have the link from this black cell in this direction, if that is below `limit`.
+    /// What it adds to the cost at least to have the link from this black cell in this direction,
+    /// if that is below `limit`.
     ///
-    /// The exchange leads from the link's white cell back to its black one. It visits what is nearer than the limit.
+    /// The exchange leads from the link's white cell back to its black one.
+    /// It visits what is nearer than the limit.
     pub(crate) fn cost_of_link(
         &mut self,
         matching: &Matching<'_>,
@@ -69,18 +71,22 @@ impl Paths {
         matching.toggle(black, dir);
     }
 
-    /// Takes back the last link put in, which must have cost nothing: then the potentials are as they were.
+    /// Takes back the last link put in, which must have cost nothing: then the potentials are as
+    /// they were.
     pub(crate) fn undo(&mut self, matching: &mut Matching<'_>, black: Node, dir: Dir) {
         self.taken.iter_mut().for_each(|(from, to)| std::mem::swap(from, to));
         self.toggle_taken(matching);
         matching.toggle(black, dir);
     }
 
-    /// Moves room to one of these cells, the cheapest, and keeps it there for good: its path ends there. Gives what that adds to
-    /// the cost, and the cell; `None`, and nothing changes, if no cell can have room.
+    /// Moves room to one of these cells, the cheapest, and keeps it there for good: its path ends
+    /// there.
+    /// Gives what that adds to the cost, and the cell; `None`, and nothing changes, if no cell can
+    /// have room.
     ///
-    /// A cell that gives up a link gets room, and the link moves on along a shortest path to a cell of its colour that has
-    /// room. Two searches, one for each colour.
+    /// A cell that gives up a link gets room, and the link moves on along a shortest path to a cell
+    /// of its colour that has room.
+    /// Two searches, one for each colour.
     pub(crate) fn reserve(
         &mut self,
         matching: &mut Matching<'_>,
@@ -110,7 +116,8 @@ impl Paths {
         Some((cost, cell))
     }
 
-    /// The one of these cells, all of one colour and without room, that gets room at the least cost, below the limit.
+    /// The one of these cells, all of one colour and without room, that gets room at the least
+    /// cost, below the limit.
     fn cheapest_room(
         &mut self,
         matching: &Matching<'_>,
@@ -119,7 +126,8 @@ impl Paths {
     ) -> Option<(i32, Node)> {
         let end = self.end();
         let is_black = Board::is_black(*cells.first()?);
-        // A black cell draws one less, at the end of the path; a white one drains one less, at its beginning.
+        // A black cell draws one less, at the end of the path; a white one drains one less, at its
+        // beginning.
         let less = |cell: Node| {
             let potential = matching.potential[cell as usize];
             if is_black { potential - matching.source } else { matching.sink - potential }
@@ -147,8 +155,9 @@ impl Paths {
 
     /// Makes a 2-matching the cheapest of its size again after costs have changed.
     ///
-    /// Links whose reduced cost has the wrong sign go in or out; each cell that this leaves with a link too many or too few
-    /// begins or ends a shortest path along which the surplus moves on. O(cells) for each such cell at most.
+    /// Links whose reduced cost has the wrong sign go in or out; each cell that this leaves with a
+    /// link too many or too few begins or ends a shortest path along which the surplus moves on.
+    /// O(cells) for each such cell at most.
     pub(crate) fn repair(&mut self, matching: &mut Matching<'_>) {
         let mut excess = self.saturate(matching);
         let nodes = matching.board.cells.iter().copied().chain([self.source, self.sink]);
@@ -166,7 +175,8 @@ impl Paths {
         matching.spare = matching.room.iter().map(|&room| u32::from(room)).sum();
     }
 
-    /// Puts links of negative reduced cost in and takes those of positive cost out; gives what each node has too many.
+    /// Puts links of negative reduced cost in and takes those of positive cost out; gives what each
+    /// node has too many.
     fn saturate(&self, matching: &mut Matching<'_>) -> Vec<i32> {
         let board = matching.board;
         let mut excess = vec![0; board.nodes() + 2];
@@ -200,8 +210,9 @@ impl Paths {
         excess
     }
 
-    /// Dijkstra from some nodes, each at a length of its own, to the node at which all ends: reached from those that give what
-    /// that adds to the length. `None` if it is not nearer than the limit.
+    /// Dijkstra from some nodes, each at a length of its own, to the node at which all ends:
+    /// reached from those that give what that adds to the length.
+    /// `None` if it is not nearer than the limit.
     fn shortest(
         &mut self,
         matching: &Matching<'_>,
@@ -302,8 +313,8 @@ impl Paths {
         if label.round == self.round && (label.is_final || label.length <= length) {
             return;
         }
-        // Reduced costs are negative only where a locked link was exchanged; then the path found may not be the shortest, which
-        // a search for a good cover can bear.
+        // Reduced costs are negative only where a locked link was exchanged; then the path found
+        // may not be the shortest, which a search for a good cover can bear.
         let length = length.max(self.length);
         let is_final = length == self.length;
         *label = Label { round: self.round, length, before, is_final };

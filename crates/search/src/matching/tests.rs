@@ -1,4 +1,5 @@
-//! Optima are judged by their certificate: no residual step of negative reduced cost means that nothing is cheaper.
+//! Optima are judged by their certificate: no residual step of negative reduced cost means that
+//! nothing is cheaper.
 
 use beadwork_grid::{Layout, LayoutSpec, Region, Shape};
 use rand::{Rng, SeedableRng};
@@ -29,7 +30,8 @@ fn boards() -> impl Iterator<Item = Board> {
     })
 }
 
-/// Degrees, room and both ends of each link agree, and the potentials prove that nothing of its size is cheaper.
+/// Degrees, room and both ends of each link agree, and the potentials prove that nothing of its
+/// size is cheaper.
 fn judge(matching: &Matching<'_>, what: &str) {
     let board = matching.board;
     let mut spare = 0;

@@ -3,10 +3,12 @@
 use super::board::{Board, Node};
 use super::flow::{Matching, directions, step_cost};
 
-/// The strongly connected classes of the residual steps of reduced cost 0, the source and the sink included.
+/// The strongly connected classes of the residual steps of reduced cost 0, the source and the sink
+/// included.
 ///
-/// Any two cheapest 2-matchings of one size differ by closed walks of such steps (complementary slackness), so a link that is
-/// not there can be put in at no cost exactly if its step is free of reduced cost and both of its cells are of one class.
+/// Any two cheapest 2-matchings of one size differ by closed walks of such steps (complementary
+/// slackness), so a link that is not there can be put in at no cost exactly if its step is free of
+/// reduced cost and both of its cells are of one class.
 /// Tarjan (1972); linear in the cells.
 pub(crate) struct Classes {
     class: Vec<u32>,
@@ -78,7 +80,8 @@ impl<'m, 'a> Tarjan<'m, 'a> {
         Classes { class: self.class, source, sink }
     }
 
-    /// Depth-first, with the nodes on the way on a stack of its own: boards are larger than the call stack.
+    /// Depth-first, with the nodes on the way on a stack of its own: boards are larger than the
+    /// call stack.
     fn search(&mut self, first: Node) {
         self.enter(first);
         let mut way = vec![(first, 0)];
@@ -116,8 +119,8 @@ impl<'m, 'a> Tarjan<'m, 'a> {
         self.open.push(node);
     }
 
-    /// The next node that a step of reduced cost 0 leads to; the cursor counts what was looked at: directions and then the source
-    /// or sink from a cell, cells from these two.
+    /// The next node that a step of reduced cost 0 leads to; the cursor counts what was looked at:
+    /// directions and then the source or sink from a cell, cells from these two.
     fn ahead(&self, node: Node, cursor: &mut usize) -> Option<Node> {
         let m = self.matching;
         if node >= self.source {

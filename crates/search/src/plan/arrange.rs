@@ -15,10 +15,11 @@ pub(super) enum Group<'a> {
 /// An end of a piece: its place, the number of the piece, and whether it is the last cell's.
 type End = GeomWithData<[i64; 2], (usize, bool)>;
 
-/// The cells of all pieces, group by group, beginning near the cell `from` of the same plane, or near the first cell of
-/// all.
+/// The cells of all pieces, group by group, beginning near the cell `from` of the same plane, or
+/// near the first cell of all.
 ///
-/// Always on to the nearest end of a piece left in the group, in Euclidean distance: a short way, not the shortest.
+/// Always on to the nearest end of a piece left in the group, in Euclidean distance: a short way,
+/// not the shortest.
 /// About O(p log p) for p pieces.
 pub(super) fn arrange(region: &Region, groups: Vec<Group<'_>>, from: Option<Cell>) -> Vec<Cell> {
     let mut order: Vec<Cell> = Vec::with_capacity(region.cell_count() as usize);

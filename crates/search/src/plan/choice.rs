@@ -33,10 +33,11 @@ pub(super) struct Chosen {
     pub(super) lifts: u64,
 }
 
-/// The choice of least weight; `None` if some layer has no way, or the first none that begins with `first`.
+/// The choice of least weight; `None` if some layer has no way, or the first none that begins with
+/// `first`.
 ///
-/// What follows a layer depends on its last tool alone. O(l w t) steps for l layers of w ways with t tools at their
-/// ends.
+/// What follows a layer depends on its last tool alone.
+/// O(l w t) steps for l layers of w ways with t tools at their ends.
 pub(super) fn choose(
     layers: &[Vec<Way>],
     costs: &ToolCosts,
@@ -46,7 +47,8 @@ pub(super) fn choose(
     if layers.iter().any(Vec::is_empty) {
         return None;
     }
-    // Forwards: for each layer and each of its ways the least weight up to its end, and the way before.
+    // Forwards: for each layer and each of its ways the least weight up to its end, and the way
+    // before.
     let mut table: Vec<Vec<(u128, usize)>> = Vec::with_capacity(layers.len());
     for (number, ways) in layers.iter().enumerate() {
         // Of the ways before only the best for each last tool counts.
@@ -99,8 +101,8 @@ pub(super) fn choose(
 /// Points of a frontier beyond which no more are sought.
 const MOST_POINTS: usize = 256;
 
-/// The choices that are the cheapest at some price of a lift, from few lifts to cheap tools: the corners of the convex
-/// hull, up to 256 of them.
+/// The choices that are the cheapest at some price of a lift, from few lifts to cheap tools: the
+/// corners of the convex hull, up to 256 of them.
 pub(super) fn frontier(layers: &[Vec<Way>], costs: &ToolCosts, first: Option<u8>) -> Vec<Chosen> {
     // So much more than the other that only ties are left to it.
     let more = 1 << 40;

@@ -8,7 +8,8 @@ use super::ToolCosts;
 use crate::exact::{self, SolveError};
 use crate::{ZoneCosts, ZoneCostsError};
 
-/// A layer of a part. The number of a cell's zone is that of the tool that prints it.
+/// A layer of a part.
+/// The number of a cell's zone is that of the tool that prints it.
 #[derive(Clone, Copy, Debug)]
 pub struct LayerRef<'a> {
     /// Its cells.
@@ -53,7 +54,8 @@ impl CrossingCosts {
 /// Pieces that hold every cell of a layer once, and how good they are.
 #[derive(Clone, Debug)]
 pub(super) struct Cover {
-    /// The pieces one after the other; where two of different zones happen to meet, the path has one less.
+    /// The pieces one after the other; where two of different zones happen to meet, the path has
+    /// one less.
     pub(super) path: Path,
     pub(super) pieces: u32,
     /// Pieces that any cover of its kind has at least.

@@ -22,12 +22,14 @@ pub(super) struct Wants {
 #[derive(Clone)]
 pub(super) struct Covers {
     pub(super) continuous: Option<Cover>,
-    /// `None` also where the layer has one tool and the other cover is there: both would be the same.
+    /// `None` also where the layer has one tool and the other cover is there: both would be the
+    /// same.
     pub(super) by_zones: Option<Cover>,
 }
 
 impl Covers {
-    /// The paths that the layer above may start from: of each kind, or of the other where there is none.
+    /// The paths that the layer above may start from: of each kind, or of the other where there is
+    /// none.
     fn paths(&self) -> [Option<&Path>; 2] {
         let [one, other] =
             [&self.continuous, &self.by_zones].map(|cover| cover.as_ref().map(|cover| &cover.path));

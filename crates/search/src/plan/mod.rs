@@ -1,9 +1,11 @@
 //! Plans of a whole part: what the layers decide together.
 //!
-//! [`tools_plan`] plans a part: the beads of every layer and their order, for the least sum of tool changes and lifts.
-//! A layer of several materials may be printed tool by tool, and the tool that ends one layer may begin the next:
-//! [`order()`] finds the cheapest order of the tools over all layers of a part, exactly, with a bound that no other way
-//! of printing beats; [`fixed_order_cost`] tells what printing every layer in the same rising order costs beside it.
+//! [`tools_plan`] plans a part: the beads of every layer and their order, for the least sum of tool
+//! changes and lifts.
+//! A layer of several materials may be printed tool by tool, and the tool that ends one layer may
+//! begin the next: [`order()`] finds the cheapest order of the tools over all layers of a part,
+//! exactly, with a bound that no other way of printing beats; [`fixed_order_cost`] tells what
+//! printing every layer in the same rising order costs beside it.
 //!
 //! # Example
 //! ```

@@ -60,7 +60,8 @@ impl<'a> Options<'a> {
         }
     }
 
-    /// Adds the cheapest order of the tools between any two of them, if the layer is covered by zones.
+    /// Adds the cheapest order of the tools between any two of them, if the layer is covered by
+    /// zones.
     pub(super) fn add_orders(&mut self, set: &[u8], within: &Within) {
         for from in 0..set.len() {
             for to in 0..set.len() {

@@ -64,8 +64,9 @@ pub(super) fn blocks(pieces: &[&[Cell]], zones: &Zones, costs: &ToolCosts) -> Ve
 
 /// For each tool to begin and each to end with, the cheapest sequence of all blocks.
 ///
-/// The pieces of one tool stay together. Exact but for that for up to 10 blocks, in O(2^n n² t) steps for t tools;
-/// beyond, one sequence for each tool to begin with, of steps to the cheapest block left.
+/// The pieces of one tool stay together.
+/// Exact but for that for up to 10 blocks, in O(2^n n² t) steps for t tools; beyond, one sequence
+/// for each tool to begin with, of steps to the cheapest block left.
 pub(super) fn sequences(blocks: &[Block], costs: &ToolCosts) -> Vec<Sequence> {
     let mut firsts: Vec<u8> = blocks.iter().flat_map(|block| block.ends).collect();
     firsts.sort_unstable();
@@ -97,11 +98,13 @@ impl Block {
     }
 }
 
-/// By the dynamic programme of Held and Karp over sets of blocks and the way in which the last of them is printed.
+/// By the dynamic programme of Held and Karp over sets of blocks and the way in which the last of
+/// them is printed.
 fn exact(blocks: &[Block], costs: &ToolCosts, first: u8) -> Vec<Sequence> {
     let count = blocks.len();
     let all = (1_usize << count) - 1;
-    // At `set * 2 count + 2 block + turned`: the least cost of the set's blocks with this one last, and what came before it.
+    // At `set * 2 count + 2 block + turned`: the least cost of the set's blocks with this one last,
+    // and what came before it.
     let mut least = vec![(NEVER, usize::MAX); (all + 1) * 2 * count];
     let place = |set: usize, way: usize| set * 2 * count + way;
     for way in 0..2 * count {

@@ -4,8 +4,8 @@ use beadwork_grid::{Cell, Path};
 
 /// Links that two paths on planes of the same size have in common.
 ///
-/// A bead on a bead of the same course continues its seam; one that crosses it binds the layers. Linear in the cells of
-/// the second path.
+/// A bead on a bead of the same course continues its seam; one that crosses it binds the layers.
+/// Linear in the cells of the second path.
 ///
 /// # Panics
 /// If the planes differ in size.

@@ -2,11 +2,13 @@
 
 use thiserror::Error;
 
-/// The cost of a change for each ordered pair of tools, in any one unit: the volume to purge in mm³, say, or seconds.
+/// The cost of a change for each ordered pair of tools, in any one unit: the volume to purge in
+/// mm³, say, or seconds.
 ///
-/// From b to a need not cost what from a to b does, and a detour over a third tool may be cheaper than the direct
-/// change. Tools are numbered from 0. Invariant: one cost for each ordered pair, staying with a tool costs nothing, and
-/// there are at most [`ToolCosts::MAX_TOOLS`].
+/// From b to a need not cost what from a to b does, and a detour over a third tool may be cheaper
+/// than the direct change.
+/// Tools are numbered from 0. Invariant: one cost for each ordered pair, staying with a tool costs
+/// nothing, and there are at most [`ToolCosts::MAX_TOOLS`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ToolCosts {
     tools: usize,
@@ -86,12 +88,14 @@ impl ToolCosts {
         self.costs[usize::from(from) * self.tools + usize::from(to)]
     }
 
-    /// Whether no detour over other tools is cheaper than a direct change. Cubic in the tools.
+    /// Whether no detour over other tools is cheaper than a direct change.
+    /// Cubic in the tools.
     pub fn is_metric(&self) -> bool {
         self.with_detours() == *self
     }
 
-    /// What the cheapest way from each tool to each other costs, over any tools: by the method of Floyd and Warshall.
+    /// What the cheapest way from each tool to each other costs, over any tools: by the method of
+    /// Floyd and Warshall.
     pub(crate) fn with_detours(&self) -> Self {
         let n = self.tools;
         let mut costs = self.costs.clone();

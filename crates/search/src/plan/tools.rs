@@ -22,7 +22,8 @@ pub enum Mode {
     /// Each layer whichever way makes the part cheaper, at the price of a lift.
     #[default]
     Cheapest,
-    /// Without a lift wherever that is possible: pieces run on across zones, and the tool changes as they do.
+    /// Without a lift wherever that is possible: pieces run on across zones, and the tool changes
+    /// as they do.
     Continuous,
     /// Tool by tool: no piece runs on across zones, and every tool is used once in a layer.
     Free,
@@ -31,10 +32,11 @@ pub enum Mode {
 /// Of two equally good paths of a layer, which to take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stacking {
-    /// The one that has more links in common with the layer below: seams are stacked, and surfaces alike.
+    /// The one that has more links in common with the layer below: seams are stacked, and surfaces
+    /// alike.
     Keep,
-    /// The one that has fewer: beads cross those below and bind the layers. Straight stretches run along rows and
-    /// columns in turn.
+    /// The one that has fewer: beads cross those below and bind the layers.
+    /// Straight stretches run along rows and columns in turn.
     Break,
 }
 
@@ -47,17 +49,19 @@ pub struct Settings<'a> {
     pub lift_cost: u32,
     /// How layers may be printed.
     pub mode: Mode,
-    /// What the order of the tools has to obey; [`Mode::Continuous`] can only obey [`Constraints::first`].
+    /// What the order of the tools has to obey; [`Mode::Continuous`] can only obey
+    /// [`Constraints::first`].
     pub constraints: &'a Constraints,
-    /// Whether to try for each layer the path of the one below too, and what then decides. `None`: each layer by
-    /// itself.
+    /// Whether to try for each layer the path of the one below too, and what then decides.
+    /// `None`: each layer by itself.
     pub stacking: Option<Stacking>,
     /// Seed of all random choices.
     pub seed: u64,
     /// Most attempts at each connected part of a layer.
     pub attempts: u32,
-    /// Where to work; `None` for the calling thread alone. The plan does not depend on it. With [`Settings::stacking`]
-    /// layers wait for the one below.
+    /// Where to work; `None` for the calling thread alone.
+    /// The plan does not depend on it.
+    /// With [`Settings::stacking`] layers wait for the one below.
     pub pool: Option<&'a ThreadPool>,
     /// Stops the work soon after it turns true.
     pub cancel: Option<&'a AtomicBool>,
@@ -66,7 +70,8 @@ pub struct Settings<'a> {
 }
 
 impl<'a> Settings<'a> {
-    /// Any mode, lifts that cost nothing, seed 0, 50 attempts, layers by themselves, in the calling thread.
+    /// Any mode, lifts that cost nothing, seed 0, 50 attempts, layers by themselves, in the calling
+    /// thread.
     pub fn new(costs: &'a ToolCosts, constraints: &'a Constraints) -> Self {
         Self {
             costs,
@@ -96,19 +101,22 @@ pub struct Progress {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct LayerPlan {
-    /// Its path: every cell once, piece after piece. Where a piece of the cover happens to end beside the next one,
-    /// they are one.
+    /// Its path: every cell once, piece after piece.
+    /// Where a piece of the cover happens to end beside the next one, they are one.
     pub path: Path,
     /// Whether its pieces run on across zones.
     pub is_continuous: bool,
-    /// Pieces of the cover that the path is made of; each lies in one zone unless the layer is continuous.
+    /// Pieces of the cover that the path is made of; each lies in one zone unless the layer is
+    /// continuous.
     pub pieces: u32,
-    /// Pieces of any cover of this kind, at least. Proven.
+    /// Pieces of any cover of this kind, at least.
+    /// Proven.
     pub piece_bound: u32,
     /// Steps of the path between two zones.
     pub crossings: u32,
-    /// Of a continuous layer: what the crossings within its pieces cost as they are printed, and what those of any
-    /// cover in so many pieces cost at least, in the unit of the tool costs. The bound is proven.
+    /// Of a continuous layer: what the crossings within its pieces cost as they are printed, and
+    /// what those of any cover in so many pieces cost at least, in the unit of the tool costs.
+    /// The bound is proven.
     pub crossing_cost: Option<[u64; 2]>,
     /// Links that it has in common with the layer below; `None` in the first layer.
     pub kept_links: Option<u32>,
@@ -120,22 +128,24 @@ impl LayerPlan {
         self.path.pieces() - 1
     }
 
-    /// Whether it is proven that no cover of this kind has fewer pieces, or as few and cheaper crossings.
+    /// Whether it is proven that no cover of this kind has fewer pieces, or as few and cheaper
+    /// crossings.
     pub fn is_optimal(&self) -> bool {
         self.pieces == self.piece_bound
             && self.crossing_cost.is_none_or(|[cost, bound]| cost == bound)
     }
 }
 
-/// A point of the frontier of lifts against tool changes, lifts counted before pieces that happen to meet are joined.
+/// A point of the frontier of lifts against tool changes, lifts counted before pieces that happen
+/// to meet are joined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrontierPoint {
     /// Lifts of the whole part.
     pub lifts: u64,
     /// Cost of its tool changes.
     pub tool_cost: u64,
-    /// The price of a lift up to which this point is as cheap as any, in units of tool cost, as a fraction; `None` for
-    /// any price.
+    /// The price of a lift up to which this point is as cheap as any, in units of tool cost, as a
+    /// fraction; `None` for any price.
     pub up_to_price: Option<[u64; 2]>,
 }
 
@@ -151,15 +161,16 @@ pub struct ToolPlan {
     pub tool_cost: u64,
     /// Lifts within layers.
     pub lifts: u64,
-    /// What the order of tools could be if no piece ran across zones, with its bounds; `None` in [`Mode::Continuous`]
-    /// with more than 12 tools in a layer. Its [`bound`](ToolOrder::bound) holds for the tool changes of *every* plan,
-    /// whatever its mode.
+    /// What the order of tools could be if no piece ran across zones, with its bounds; `None` in
+    /// [`Mode::Continuous`] with more than 12 tools in a layer.
+    /// Its [`bound`](ToolOrder::bound) holds for the tool changes of *every* plan, whatever its
+    /// mode.
     pub order: Option<ToolOrder>,
-    /// What printing the tools of every layer by rising number costs, for comparison; `None` with more than 12 tools in
-    /// a layer.
+    /// What printing the tools of every layer by rising number costs, for comparison; `None` with
+    /// more than 12 tools in a layer.
     pub fixed: Option<FixedOrder>,
-    /// Lifts against tool changes, from few lifts to cheap tools, up to 256 points; one unless the mode is
-    /// [`Mode::Cheapest`].
+    /// Lifts against tool changes, from few lifts to cheap tools, up to 256 points; one unless the
+    /// mode is [`Mode::Cheapest`].
     pub frontier: Vec<FrontierPoint>,
 }
 
@@ -220,19 +231,22 @@ pub enum PlanError {
     Cancelled,
 }
 
-/// Plans a part for as few and as cheap tool changes, and as few lifts, as can be: the least sum of purge costs and of
-/// lifts times their price.
+/// Plans a part for as few and as cheap tool changes, and as few lifts, as can be: the least sum of
+/// purge costs and of lifts times their price.
 ///
-/// 1. Each layer is covered in one or two ways ([`Mode`]) by [`crate::exact`]: in the fewest pieces, with the cheapest
-///    crossings; or zone by zone. Layers that are equal are covered once, unless layers are stacked.
-/// 2. For each way, the cheapest order of its pieces from each tool to each other; the pieces of one tool together, and
-///    zone by zone up to 12 tools a layer.
+/// 1. Each layer is covered in one or two ways ([`Mode`]) by [`crate::exact`]: in the fewest
+///    pieces, with the cheapest crossings; or zone by zone.
+///    Layers that are equal are covered once, unless layers are stacked.
+/// 2. For each way, the cheapest order of its pieces from each tool to each other; the pieces of
+///    one tool together, and zone by zone up to 12 tools a layer.
 /// 3. A shortest way through the layers, over the last tool of each, chooses among them all.
 ///
-/// Step 3 is exact for what step 2 gives it, and step 2 with up to 10 blocks of pieces a layer, but for what keeping
-/// the pieces of a tool together may cost where a detour over another tool is cheaper than the direct change. What any
-/// plan must pay for tools is bounded in [`ToolPlan::order`]. All layers lie on planes of one size. Time is that of
-/// [`crate::exact::solve`] for each different layer, and that of [`order`].
+/// Step 3 is exact for what step 2 gives it, and step 2 with up to 10 blocks of pieces a layer, but
+/// for what keeping the pieces of a tool together may cost where a detour over another tool is
+/// cheaper than the direct change.
+/// What any plan must pay for tools is bounded in [`ToolPlan::order`].
+/// All layers lie on planes of one size.
+/// Time is that of [`crate::exact::solve`] for each different layer, and that of [`order`].
 pub fn tools_plan(layers: &[LayerRef<'_>], settings: &Settings<'_>) -> Result<ToolPlan, PlanError> {
     let Settings { costs, mode, constraints, .. } = *settings;
     check(layers, settings)?;

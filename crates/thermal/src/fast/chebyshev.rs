@@ -1,10 +1,12 @@
 //! Explicit steps that are longer than explicit steps may be.
 //!
-//! A step of s stages multiplies each mode of the temperature, which decays at rate λ, by a polynomial P of degree s at
-//! z = -λ dt. Of all polynomials with P(z) = 1 + z + z² / 2 + ..., which makes the step second-order accurate, shifted
-//! Chebyshev ones stay below 1 farthest: to about 2/3 s² (Sommeijer, Shampine and Verwer 1997, RKC; damping 2/13). They
-//! are used in factors here: the roots of P come in conjugate pairs, and each pair is one [`crate::kernel::Pair`], which
-//! needs no memory of earlier stages.
+//! A step of s stages multiplies each mode of the temperature, which decays at rate λ, by a
+//! polynomial P of degree s at z = -λ dt.
+//! Of all polynomials with P(z) = 1 + z + z² / 2 + ..., which makes the step second-order accurate,
+//! shifted Chebyshev ones stay below 1 farthest: to about 2/3 s² (Sommeijer, Shampine and Verwer
+//! 1997, RKC; damping 2/13).
+//! They are used in factors here: the roots of P come in conjugate pairs, and each pair is one
+//! [`crate::kernel::Pair`], which needs no memory of earlier stages.
 
 use std::f64::consts::PI;
 
@@ -29,8 +31,10 @@ const DAMPING: f64 = 2.0 / 13.0;
 /// The largest λ dt of the fitted step.
 const FITTED_REACH: f64 = 73.0;
 
-/// A step of twelve stages that is as near to what modes really do as it can be: see `docs/bench/step_polynomial.py`, which
-/// prints these numbers. Its weighed error is less than a fifth of that of the shifted Chebyshev polynomial with the same reach.
+/// A step of twelve stages that is as near to what modes really do as it can be: see
+/// `docs/bench/step_polynomial.py`, which prints these numbers.
+/// Its weighed error is less than a fifth of that of the shifted Chebyshev polynomial with the same
+/// reach.
 const FITTED: [Factor; 6] = [
     Factor { a: 0.032_481_318_962_853_38, b: 0.000_262_927_252_372_502_5 },
     Factor { a: 0.303_614_845_656_898_8, b: 0.018_614_776_388_940_425 },
@@ -91,8 +95,10 @@ impl Polynomial {
                 Factor { a: -2.0 * re / square, b: 1.0 / square }
             })
             .collect();
-        // Each factor alone lets some modes grow: those that damp the fastest modes go between the others. What grew on
-        // the way would be so hot that radiation runs away with it, so the one that lets modes grow most comes last.
+        // Each factor alone lets some modes grow: those that damp the fastest modes go between the
+        // others.
+        // What grew on the way would be so hot that radiation runs away with it, so the one that
+        // lets modes grow most comes last.
         let last = factors.remove(0);
         let fast = factors.split_off(factors.len().div_ceil(2));
         let mut mixed = Vec::with_capacity(stages / 2);

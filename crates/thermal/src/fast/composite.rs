@@ -11,12 +11,13 @@ use super::far::{FarField, Flows, Region, Rim};
 use super::nested::{Nested, Outer};
 use super::window::Window;
 
-/// How many of the longest steps of the voxels the blocks take in one: what crosses the border is the mean over that time.
+/// How many of the longest steps of the voxels the blocks take in one: what crosses the border is
+/// the mean over that time.
 const STEPS_IN_ONE: f64 = 2.0;
 
 impl Fast {
-    /// Takes the whole part through pieces that fit into one step of a level on blocks; through those around the window, if
-    /// there is one, in steps of the voxels.
+    /// Takes the whole part through pieces that fit into one step of a level on blocks; through
+    /// those around the window, if there is one, in steps of the voxels.
     pub(super) fn composite(
         &mut self,
         whole: &mut Nested<'_>,
@@ -62,8 +63,8 @@ impl Fast {
     }
 }
 
-/// Takes the blocks through some pieces of so many seconds together, in equal parts, and gives what crosses a region's border
-/// in each.
+/// Takes the blocks through some pieces of so many seconds together, in equal parts, and gives what
+/// crosses a region's border in each.
 #[expect(clippy::too_many_arguments, reason = "a step's own, and what all steps on blocks need")]
 fn flows(
     far: &mut FarField,
@@ -101,7 +102,8 @@ fn flows(
 
 /// What a birth is to the blocks: which of them it heats, and by how much in a time, K/s in voxels.
 ///
-/// That is its own block, or the one below if its own is empty yet; one on the empty plate heats none.
+/// That is its own block, or the one below if its own is empty yet; one on the empty plate heats
+/// none.
 fn source(
     far: &FarField,
     birth: &Piece,
@@ -115,7 +117,8 @@ fn source(
         .filter(|&z| z > 0)
         .map(|z| tally.block([x, y, z]))
         .find_map(|block| Some((block, far.theta(block)?)))?;
-    // While it is held, it gives heat without getting colder: to the voxel below, and to one or two beside it.
+    // While it is held, it gives heat without getting colder: to the voxel below, and to one or two
+    // beside it.
     let held = 1.0 + (law.vertical + 1.5 * law.lateral) * birth.seconds as f32;
     Some((block, held * (law.birth - theta) / seconds as f32))
 }

@@ -6,8 +6,9 @@ use super::chebyshev::Polynomial;
 
 /// How exact the fast stepper is.
 ///
-/// Both are checked against a second-order stepper with four steps a birth, on the paper's three kinds of parts and a
-/// block; `docs/results/thermal.md` has the errors. They were tuned on the rectangular part and the block.
+/// Both are checked against a second-order stepper with four steps a birth, on the paper's three
+/// kinds of parts and a block; `docs/results/thermal.md` has the errors.
+/// They were tuned on the rectangular part and the block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Accuracy {
     /// More exact than the plain scheme, in a fraction of its time.
@@ -23,18 +24,20 @@ pub(super) struct Level {
     pub(super) step: Step,
     /// The longest step, s.
     pub(super) seconds: f64,
-    /// Shorter steps are taken wherever a voxel was born within this time before the step, s, or will be in it, ...
+    /// Shorter steps are taken wherever a voxel was born within this time before the step, s, or
+    /// will be in it, ...
     pub(super) age_s: f64,
-    /// ... and so many voxels around, in x and y, and in z: at least two around steps on blocks, so that births change no
-    /// voxel at the border.
+    /// ... and so many voxels around, in x and y, and in z: at least two around steps on blocks, so
+    /// that births change no voxel at the border.
     pub(super) margins: [usize; 2],
 }
 
 impl Level {
     /// The age up to which births count in a pause: at least two of the longest steps.
     ///
-    /// In a print, new births keep a window around those before them. In a pause nothing does, and a long step would leave
-    /// up to the whole of the sharpest differences standing.
+    /// In a print, new births keep a window around those before them.
+    /// In a pause nothing does, and a long step would leave up to the whole of the sharpest
+    /// differences standing.
     pub(super) fn pause_age_s(&self) -> f64 {
         self.age_s.max(2.0 * self.seconds)
     }
@@ -95,7 +98,8 @@ const fn level(kind: Kind, length: f64, age: f64, spreads: f64) -> Spec {
     Spec { length, kind, age, spreads }
 }
 
-/// The shortest steps first. A birth of the paper's ABS lasts 0.38 in these units: so these are steps of one, 5, 22, 188 and
+/// The shortest steps first.
+/// A birth of the paper's ABS lasts 0.38 in these units: so these are steps of one, 5, 22, 188 and
 /// 564 births.
 const STANDARD: [Spec; 5] = [
     level(Kind::Voxels, 0.4, 0.0, 0.0),

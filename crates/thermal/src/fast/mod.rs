@@ -1,14 +1,20 @@
 //! The fast stepper: long steps far from the nozzle, short ones near it.
 //!
-//! Behind the nozzle, temperatures change within milliseconds; a few millimetres away, within seconds; farther still,
-//! within minutes. So a long step is taken everywhere first, as if nothing was born in it. It is wrong near the nozzle: in a
-//! **window** around all recent births, and around those of the step itself, the step is then taken anew in shorter
-//! steps, from a copy of the old temperatures, and the copy's **rim** follows the long step. What comes out replaces the
-//! long step's result there. The shorter steps do the same with a smaller window and steps that are shorter again, down
-//! to single births. This is local time stepping as in adaptive mesh refinement (Berger and Oliger 1984), on one mesh.
+//! Behind the nozzle, temperatures change within milliseconds; a few millimetres away, within
+//! seconds; farther still, within minutes.
+//! So a long step is taken everywhere first, as if nothing was born in it.
+//! It is wrong near the nozzle: in a **window** around all recent births, and around those of the
+//! step itself, the step is then taken anew in shorter steps, from a copy of the old temperatures,
+//! and the copy's **rim** follows the long step.
+//! What comes out replaces the long step's result there.
+//! The shorter steps do the same with a smaller window and steps that are shorter again, down to
+//! single births.
+//! This is local time stepping as in adaptive mesh refinement (Berger and Oliger 1984), on one
+//! mesh.
 //!
-//! Steps of each level are explicit, but of as many stages as makes their length stable (`chebyshev.rs`), so that the cost
-//! of a step grows with the root of its length only. A window that would save nothing is not used.
+//! Steps of each level are explicit, but of as many stages as makes their length stable
+//! (`chebyshev.rs`), so that the cost of a step grows with the root of its length only.
+//! A window that would save nothing is not used.
 
 mod chebyshev;
 mod composite;
@@ -43,7 +49,8 @@ const LOOK_STAGES: f64 = 20.0;
 /// For fewer voxels steps on blocks save no time that anyone would notice, and cost some accuracy.
 const MANY_VOXELS: usize = 1 << 18;
 
-/// A window has to bring the time below this part of what it takes without one: each costs some accuracy.
+/// A window has to bring the time below this part of what it takes without one: each costs some
+/// accuracy.
 const WORTHWHILE: f64 = 0.8;
 
 #[derive(Debug)]
@@ -223,7 +230,8 @@ impl Fast {
         seconds: f64,
         held: Option<usize>,
     ) {
-        // A window may lie above all that is printed so far, where the first birth needs nothing to lie on.
+        // A window may lie above all that is printed so far, where the first birth needs nothing to
+        // lie on.
         let top = voxels.top().saturating_sub(patch.origin[2]).clamp(1, patch.shape.rows - 1);
         let Step::Voxels(polynomial) = &self.levels[level].step else {
             unreachable!("steps on blocks are taken elsewhere")
@@ -237,7 +245,8 @@ impl Fast {
         }
     }
 
-    /// Where a step over the given pieces, of so many seconds, has to be taken in shorter ones, if anywhere.
+    /// Where a step over the given pieces, of so many seconds, has to be taken in shorter ones, if
+    /// anywhere.
     fn window(
         &self,
         patch: &Patch,
@@ -254,7 +263,8 @@ impl Fast {
         Window::around(recent.map(|&(at, _)| at).chain(coming), level.margins, patch, top)
     }
 
-    /// Whether a long step of a patch and short ones of a window take less time than short ones of the patch.
+    /// Whether a long step of a patch and short ones of a window take less time than short ones of
+    /// the patch.
     fn saves(&self, window: Window, patch: &Patch, level: usize, seconds: f64) -> bool {
         let (long, short) =
             (&self.levels[level], self.levels[level - 1].stages_per_second() * seconds);

@@ -41,8 +41,8 @@ impl<'a> Nested<'a> {
         Self::new(patch, 0, Outer::None, 0.0)
     }
 
-    /// Brings the rim to where it is in the middle of the next so many seconds, of which then is the end; rows of the part
-    /// from `top` on are empty.
+    /// Brings the rim to where it is in the middle of the next so many seconds, of which then is
+    /// the end; rows of the part from `top` on are empty.
     pub(super) fn move_rim(&mut self, seconds: f64, top: usize) {
         let to = (self.done_s + seconds / 2.0) / self.step_s;
         self.done_s += seconds;

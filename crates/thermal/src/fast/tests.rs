@@ -33,8 +33,8 @@ fn zigzag(size: [usize; 3], filled: impl Fn([usize; 3]) -> bool) -> Vec<Vec<Piec
     (1..=size[2]).map(layer).collect()
 }
 
-/// Prints with steps on blocks from the first layer on, and with Heun's method; gives the differences of both at the layers'
-/// ends: root of the mean square and largest.
+/// Prints with steps on blocks from the first layer on, and with Heun's method; gives the
+/// differences of both at the layers' ends: root of the mean square and largest.
 fn errors(
     size: [usize; 3],
     process: &Process,

@@ -20,8 +20,8 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// Around voxels of the part's patch, with a margin in x and y and one in z, as far as it lies inside a patch whose
-    /// rows from `top` on are empty; `None` if there are no voxels.
+    /// Around voxels of the part's patch, with a margin in x and y and one in z, as far as it lies
+    /// inside a patch whose rows from `top` on are empty; `None` if there are no voxels.
     pub(super) fn around(
         voxels: impl Iterator<Item = [usize; 3]>,
         margins: [usize; 2],
@@ -58,8 +58,8 @@ impl Window {
     }
 }
 
-/// Calls `each` for rows of a window, so many of each plane: where the row lies in the box around it, where in the
-/// window's own, and whether it belongs to the rim.
+/// Calls `each` for rows of a window, so many of each plane: where the row lies in the box around
+/// it, where in the window's own, and whether it belongs to the rim.
 #[inline(always)]
 fn rows(window: Window, outer: Window, count: usize, mut each: impl FnMut(usize, usize, bool)) {
     let [x, y, z] = [0, 1, 2].map(|axis: usize| window.origin[axis] - outer.origin[axis]);
@@ -125,8 +125,8 @@ impl Patch {
         });
     }
 
-    /// Moves the temperatures of the rim towards those of the patch around it, by a part of the difference; rows of the part
-    /// from `top` on are empty.
+    /// Moves the temperatures of the rim towards those of the patch around it, by a part of the
+    /// difference; rows of the part from `top` on are empty.
     pub(super) fn move_rim(&mut self, outer: &Self, part: f32, top: usize) {
         let window = self.window();
         let filled = self.shape.rows.min(top.saturating_sub(self.origin[2]));

@@ -13,8 +13,9 @@ use crate::patch::Shape;
 /// Numbers that are swept like this: with what is kept of them they fit into the fastest memory.
 pub(super) const MOST: usize = 1 << 12;
 
-/// What [`super::Pair`] does, for patches so small that to begin with a plane or a run of lines takes as long as to go
-/// through with it: the numbers of all planes are kept, and all lines are taken as mixed.
+/// What [`super::Pair`] does, for patches so small that to begin with a plane or a run of lines
+/// takes as long as to go through with it: the numbers of all planes are kept, and all lines are
+/// taken as mixed.
 pub(super) struct Flat<'a, T> {
     pub(super) all: Sweep<'a, T>,
     pub(super) theta: &'a mut [f32],
@@ -30,8 +31,8 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    /// A number for each voxel of a patch: wherever no sweep of it has written, that of the ground in the first row of each
-    /// plane, and else 0.
+    /// A number for each voxel of a patch: wherever no sweep of it has written, that of the ground
+    /// in the first row of each plane, and else 0.
     pub(super) fn of(&mut self, shape: Shape, top: usize, ground: f32) -> &mut [f32] {
         if self.last != (shape, top, ground) {
             self.kept.reset(shape.len());

@@ -1,7 +1,8 @@
 //! The sweeps over a patch: where all the time goes.
 //!
-//! Written on lanes of whatever width the processor has, chosen when the program runs. Products are fused into sums
-//! wherever the source says so and nowhere else, so that every processor computes the same bits.
+//! Written on lanes of whatever width the processor has, chosen when the program runs.
+//! Products are fused into sums wherever the source says so and nowhere else, so that every
+//! processor computes the same bits.
 
 #![expect(
     clippy::inline_always,
@@ -23,7 +24,8 @@ pub(crate) use self::euler::Euler;
 pub(crate) use self::pair::{Kept, Pair};
 pub(crate) use self::stages::{Quadratic, TwoSteps};
 
-/// A range of a plane of temperatures, or of their rates, with the same of the planes behind and before it.
+/// A range of a plane of temperatures, or of their rates, with the same of the planes behind and
+/// before it.
 #[derive(Clone, Copy)]
 struct Planes<'a> {
     back: &'a [f32],
@@ -109,7 +111,8 @@ impl<'a, S: Simd> Stencil<'a, S> {
     }
 }
 
-/// What a surface loses, in lanes; with a resistance of its own or, as the compiler is to know, without.
+/// What a surface loses, in lanes; with a resistance of its own or, as the compiler is to know,
+/// without.
 struct Surface<'a, S: Simd, const RESISTANCE: bool> {
     simd: S,
     radiation: [S::f32s; 4],
@@ -181,7 +184,8 @@ impl<'a, S: Simd, const RESISTANCE: bool> Surface<'a, S, RESISTANCE> {
     }
 }
 
-/// The heat equation on a range of a plane of temperatures, or its derivative there on a range of rates, in lanes.
+/// The heat equation on a range of a plane of temperatures, or its derivative there on a range of
+/// rates, in lanes.
 struct Equation<'a, S: Simd, const RESISTANCE: bool> {
     law: &'a Law,
     stencil: Stencil<'a, S>,
@@ -215,7 +219,8 @@ impl<'a, S: Simd, const RESISTANCE: bool> Equation<'a, S, RESISTANCE> {
         self.stencil.here[i]
     }
 
-    /// 0, but not so that the compiler could see it: to fill a few lines, it would call a function that takes longer.
+    /// 0, but not so that the compiler could see it: to fill a few lines, it would call a function
+    /// that takes longer.
     #[inline(always)]
     fn nothing(&self) -> S::f32s {
         self.stencil.simd.sub_f32s(self.stencil.lateral, self.stencil.lateral)
@@ -247,9 +252,11 @@ impl<'a, S: Simd, const RESISTANCE: bool> Equation<'a, S, RESISTANCE> {
     }
 }
 
-/// The runs of equal lines in a range of a patch: what they are, and where each begins and ends, in lanes of a width.
+/// The runs of equal lines in a range of a patch: what they are, and where each begins and ends, in
+/// lanes of a width.
 ///
-/// An iterator and not a function that takes a closure: closures that are not inlined lose the lanes.
+/// An iterator and not a function that takes a closure: closures that are not inlined lose the
+/// lanes.
 struct Runs<'a> {
     lines: &'a [Line],
     begin: usize,

@@ -15,7 +15,9 @@ use crate::patch::{Activity, Kind, Patch, Shape};
 /// Numbers that are worth a thread of their own.
 const SHARE: usize = 1 << 15;
 
-/// Two stages in place. Numbers are kept of three planes only, so that each temperature is read and written once for both.
+/// Two stages in place.
+/// Numbers are kept of three planes only, so that each temperature is read and written once for
+/// both.
 pub(crate) struct Pair<'a, T> {
     pub(crate) law: &'a Law,
     pub(crate) patch: &'a mut Patch,
@@ -50,7 +52,8 @@ impl Default for Kept {
 }
 
 impl<T: Stages> Pair<'_, T> {
-    /// Takes both stages. The result does not depend on the number of threads.
+    /// Takes both stages.
+    /// The result does not depend on the number of threads.
     pub(crate) fn sweep(self, memory: &mut Kept) {
         let Self { law, patch, stages, held, top } = self;
         let Patch { shape, activity, theta, .. } = patch;
@@ -228,7 +231,8 @@ impl<T: Stages> Slab<'_, T> {
     }
 }
 
-/// The numbers kept of one plane; where it has no voxels, they are cleared if another plane's may stand there.
+/// The numbers kept of one plane; where it has no voxels, they are cleared if another plane's may
+/// stand there.
 #[inline(always)]
 pub(super) fn first_stage<S: Simd, const RESISTANCE: bool>(
     s: S,
@@ -324,7 +328,8 @@ mod tests {
     use crate::process::Process;
     use crate::state::{State, StateMut};
 
-    /// A patch of which a part of the voxels is active, at any temperatures, and perhaps one of them.
+    /// A patch of which a part of the voxels is active, at any temperatures, and perhaps one of
+    /// them.
     fn patch(
         size: [usize; 3],
         law: &Law,

@@ -6,10 +6,11 @@ use pulp::Simd;
 
 use crate::law::Law;
 
-/// Two stages that a sweep takes together: what each makes of the rates of change that it finds. Between them, each voxel
-/// keeps a number.
+/// Two stages that a sweep takes together: what each makes of the rates of change that it finds.
+/// Between them, each voxel keeps a number.
 pub(crate) trait Stages: Copy + Send + Sync {
-    /// Whether the second stage takes the derivative of the heat equation, of the numbers kept, or the equation itself.
+    /// Whether the second stage takes the derivative of the heat equation, of the numbers kept, or
+    /// the equation itself.
     const DERIVED: bool;
 
     /// The number kept where a voxel is held at the temperature of its birth.
@@ -24,13 +25,15 @@ pub(crate) trait Stages: Copy + Send + Sync {
     /// The temperatures at which surfaces lose heat in the second stage.
     fn surface<S: Simd>(theta: S::f32s, kept: S::f32s) -> S::f32s;
 
-    /// The temperatures after both stages, given those before them, the numbers kept and the rates that follow from these.
+    /// The temperatures after both stages, given those before them, the numbers kept and the rates
+    /// that follow from these.
     fn second<S: Simd>(self, s: S, theta: S::f32s, kept: S::f32s, rate: S::f32s) -> S::f32s;
 }
 
 /// θ + a f(θ) + b J f(θ), where f is the rate of change and J its derivative; f(θ) is kept.
 ///
-/// With a = dt and b = dt² / 2 that is Heun's method; steps of more stages are products of such pairs.
+/// With a = dt and b = dt² / 2 that is Heun's method; steps of more stages are products of such
+/// pairs.
 #[derive(Clone, Copy)]
 pub(crate) struct Quadratic {
     pub(crate) a: f32,

@@ -35,9 +35,11 @@ impl Default for ProgramSettings {
 pub struct ProgramSlots {
     /// Births and pauses from the beginning of the program to its end.
     pub slots: Vec<Slot>,
-    /// For each layer, how many slots it takes until the last of its voxels that are born is complete; 0 if none is.
+    /// For each layer, how many slots it takes until the last of its voxels that are born is
+    /// complete; 0 if none is.
     pub layer_ends: Vec<usize>,
-    /// Voxels that are never born, by z, y and x; [`ProgramSlots::printed`] is the part without them.
+    /// Voxels that are never born, by z, y and x; [`ProgramSlots::printed`] is the part without
+    /// them.
     pub missed: Vec<[u32; 3]>,
 }
 
@@ -66,12 +68,15 @@ pub enum ProgramError {
 
 /// The births of a part's voxels by a program, and the time between them.
 ///
-/// A voxel is born when the nozzle, laying a bead, enters its cell on a way that comes as near to the cell's centre as half a cell, in the
-/// height of the cell's layer; its slot lasts until the nozzle leaves the cell, at the speed that acceleration and corners allow. All else is
-/// a pause: travel, retraction, beads beside the part (a purge tower, a skirt, supports) and beads on voxels that are born already. The slots
-/// add up to [`Program::print_seconds`], which knows nothing of how long heating takes.
+/// A voxel is born when the nozzle, laying a bead, enters its cell on a way that comes as near to
+/// the cell's centre as half a cell, in the height of the cell's layer; its slot lasts until the
+/// nozzle leaves the cell, at the speed that acceleration and corners allow.
+/// All else is a pause: travel, retraction, beads beside the part (a purge tower, a skirt,
+/// supports) and beads on voxels that are born already.
+/// The slots add up to [`Program::print_seconds`], which knows nothing of how long heating takes.
 ///
-/// Whether a voxel has something to lie on is for [`crate::Simulation`] to say. Linear in the program's way and the part's box.
+/// Whether a voxel has something to lie on is for [`crate::Simulation`] to say.
+/// Linear in the program's way and the part's box.
 pub fn program_slots(
     program: &Program,
     part: &Voxels,

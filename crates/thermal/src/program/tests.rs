@@ -223,7 +223,8 @@ fn beads_beside_the_part_and_on_it_are_pauses() {
         let found = slots(&format!("{begin}{bead}\n"));
         assert!(found.len() == 1 && found[0].voxel.is_none(), "{bead}: {found:?}");
     }
-    // The same place, but the head is elsewhere in between: what belongs to one bead only is one slot.
+    // The same place, but the head is elsewhere in between: what belongs to one bead only is one
+    // slot.
     let back = slots(&format!("{begin}G1 X10.25 E1 F1800\nG4 P100\nG1 X10.5 E1\n"));
     assert_eq!(births(&back), [[0, 5, 0]]);
     assert_eq!(back.len(), 3);

@@ -3,11 +3,13 @@
 use beadwork_part::Frame;
 use beadwork_part::gcode::Motion;
 
-/// A shorter way in a cell, in mm, is the rounding of a place in a file, and no visit: and with it so much of a cell's side.
+/// A shorter way in a cell, in mm, is the rounding of a place in a file, and no visit: and with it
+/// so much of a cell's side.
 const ROUNDING_MM: f64 = 0.002;
 const ROUNDING: f64 = 0.02;
 
-/// How far from a cell's centre a bead may pass that fills it, in sides of a cell: half a bead, and what rounding takes.
+/// How far from a cell's centre a bead may pass that fills it, in sides of a cell: half a bead, and
+/// what rounding takes.
 const REACH: f64 = 0.5 + 0.005;
 
 /// The time a bead spends in one cell.
@@ -29,10 +31,11 @@ impl Visit {
     }
 }
 
-/// Cuts beads into visits. A bead may be many motions; what they spend in a cell, one after the other, is one visit.
+/// Cuts beads into visits.
+/// A bead may be many motions; what they spend in a cell, one after the other, is one visit.
 ///
-/// Where a bead only clips the corner of a cell, or begins or ends a rounding error beyond a side, that is no visit: its time goes to a
-/// neighbour of the same bead.
+/// Where a bead only clips the corner of a cell, or begins or ends a rounding error beyond a side,
+/// that is no visit: its time goes to a neighbour of the same bead.
 #[derive(Debug)]
 pub(super) struct Visits {
     frame: Frame,
@@ -48,7 +51,8 @@ impl Visits {
         Self { frame, open: None, last: None, early_s: 0.0 }
     }
 
-    /// Goes along a motion that extrudes; `seconds_to` tells how long it takes to get so many mm from its beginning.
+    /// Goes along a motion that extrudes; `seconds_to` tells how long it takes to get so many mm
+    /// from its beginning.
     pub(super) fn bead(
         &mut self,
         motion: &Motion,

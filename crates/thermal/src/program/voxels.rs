@@ -54,12 +54,16 @@ pub enum VoxelsError {
     },
 }
 
-/// The voxels that a program prints, of beads so wide in layers so high, both in mm: for programs whose part is not at hand.
+/// The voxels that a program prints, of beads so wide in layers so high, both in mm: for programs
+/// whose part is not at hand.
 ///
-/// The plane is the smallest around all beads but those of skirts, supports, towers and what was written by hand. For programs made of cells,
-/// as [`beadwork_part::gcode::Print`] makes them, these are the part's voxels; of others, those that
-/// [`program_slots`](super::program_slots) would call born. The material is the number of the tool that comes first. Layers are counted from the
-/// bed. Linear in the program's way and the part's box.
+/// The plane is the smallest around all beads but those of skirts, supports, towers and what was
+/// written by hand.
+/// For programs made of cells, as [`beadwork_part::gcode::Print`] makes them, these are the part's
+/// voxels; of others, those that [`program_slots`](super::program_slots) would call born.
+/// The material is the number of the tool that comes first.
+/// Layers are counted from the bed.
+/// Linear in the program's way and the part's box.
 pub fn program_voxels(
     program: &Program,
     cell_mm: f64,
@@ -142,7 +146,8 @@ fn bounds(program: &Program, cell_mm: f64, layer_mm: f64) -> Result<(Frame, usiz
     Ok((frame, depth as usize))
 }
 
-/// How far a bead reaches beyond the line of its motion along x and y: half its width across, nothing at its ends.
+/// How far a bead reaches beyond the line of its motion along x and y: half its width across,
+/// nothing at its ends.
 fn half_across(motion: &Motion, cell_mm: f64) -> [f64; 2] {
     let [dx, dy] = [0, 1].map(|axis| motion.to_mm[axis] - motion.from_mm[axis]);
     let length = libm::hypot(dx, dy);

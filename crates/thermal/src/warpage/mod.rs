@@ -26,31 +26,43 @@ const BLOCKS: usize = 96;
 /// ```
 ///
 /// # Model
-/// The part is a stack of elastic layers of one modulus. While it is printed, the plate keeps it flat, but not from
-/// shrinking. A voxel carries no stress above the glass transition Tg. When it cools below, it **locks**: it is as long
-/// as the column below it is at that moment, without stress. From then on it shrinks by α (Tg - T). The column below,
-/// of which some has cooled before, has less left to shrink, so that the upper layers pull the edges up once the plate lets
-/// go. Each column of voxels is taken alone. With θ = min(T, Tg), and c the strain of a voxel, free of stress, less αθ:
+/// The part is a stack of elastic layers of one modulus.
+/// While it is printed, the plate keeps it flat, but not from shrinking.
+/// A voxel carries no stress above the glass transition Tg.
+/// When it cools below, it **locks**: it is as long as the column below it is at that moment,
+/// without stress.
+/// From then on it shrinks by α (Tg - T).
+/// The column below, of which some has cooled before, has less left to shrink, so that the upper
+/// layers pull the edges up once the plate lets go.
+/// Each column of voxels is taken alone.
+/// With θ = min(T, Tg), and c the strain of a voxel, free of stress, less αθ:
 ///
-/// - the length of a column at time t is what balances its forces: e(t) = mean of c + α θ(t) over its locked voxels,
+/// - the length of a column at time t is what balances its forces: e(t) = mean of c + α θ(t) over
+///   its locked voxels,
 /// - a voxel that locks at time t gets c = e(t) - α Tg (the lowest of a column: c = -α Tg),
-/// - let go and cooled to one temperature, the column alone would take the curvature κ = -Σ c (z - z̄) h / I, with
-///   I = Σ ((z - z̄)² h + h³ / 12); for a full column of height H, that is -12 / H³ Σ c (z - z̄) h,
-/// - all columns together take the shape of least bending energy of a plate free at its edges (Kirchhoff's theory).
+/// - let go and cooled to one temperature, the column alone would take the curvature κ = -Σ c (z -
+///   z̄) h / I, with I = Σ ((z - z̄)² h + h³ / 12); for a full column of height H, that is -12 / H³
+///   Σ c (z - z̄) h,
+/// - all columns together take the shape of least bending energy of a plate free at its edges
+///   (Kirchhoff's theory).
 ///
-/// For two layers of height h, of which the lower was at T when the upper locked, κ = 3 α (Tg - T) / (4 h): Timoshenko's
-/// bimetal (1925, *J. Opt. Soc. Am.* 11). For a thin layer on a thick stack, it is Stoney's formula (1909, *Proc. R. Soc.
-/// A* 82). The mismatch is that of Wang, Xi and Jin (2007, *Int. J. Adv. Manuf. Technol.* 33), who take one T for the
-/// whole stack and let it bend after each layer, not once at the end. A rectangle of one κ lifts its corners by κ L² / 8
-/// over its middle, with L the diagonal.
+/// For two layers of height h, of which the lower was at T when the upper locked, κ = 3 α (Tg - T)
+/// / (4 h): Timoshenko's bimetal (1925, *J. Opt. Soc. Am.* 11).
+/// For a thin layer on a thick stack, it is Stoney's formula (1909, *Proc. R. Soc. A* 82).
+/// The mismatch is that of Wang, Xi and Jin (2007, *Int. J. Adv. Manuf. Technol.* 33), who take one
+/// T for the whole stack and let it bend after each layer, not once at the end.
+/// A rectangle of one κ lifts its corners by κ L² / 8 over its middle, with L the diagonal.
 ///
 /// # Limits
-/// No stress relaxes below Tg; voxels that are heated above it again keep their lock. Nothing is said of the plate's
-/// adhesion, of gravity, of stiffness in its dependence on temperature and on the direction of beads, or of columns that hold
-/// each other in the plane. Curvature falls with height here; measured blocks of ABS warp most at middling heights (Armillotta,
-/// Bellotti and Cavallaro 2018, *Robot. Comput.-Integr. Manuf.* 50). Plates are thin: of parts higher than a third of their
-/// length, only the order of numbers means something, if at all. The number is not the paper's reward in other words: even
-/// temperatures and warm ground at each lock are two things, and patterns can be good at one of them.
+/// No stress relaxes below Tg; voxels that are heated above it again keep their lock.
+/// Nothing is said of the plate's adhesion, of gravity, of stiffness in its dependence on
+/// temperature and on the direction of beads, or of columns that hold each other in the plane.
+/// Curvature falls with height here; measured blocks of ABS warp most at middling heights
+/// (Armillotta, Bellotti and Cavallaro 2018, *Robot. Comput.-Integr. Manuf.* 50).
+/// Plates are thin: of parts higher than a third of their length, only the order of numbers means
+/// something, if at all.
+/// The number is not the paper's reward in other words: even temperatures and warm ground at each
+/// lock are two things, and patterns can be good at one of them.
 #[derive(Clone, Debug)]
 pub struct Warpage {
     width: usize,
@@ -60,7 +72,8 @@ pub struct Warpage {
     /// Thermal expansion, 1/K.
     expansion: f64,
     transition_c: f64,
-    /// c of each voxel, `[y, x, z]`: columns lie in one piece. NaN where none is locked.
+    /// c of each voxel, `[y, x, z]`: columns lie in one piece.
+    /// NaN where none is locked.
     locked: Vec<f64>,
     /// Voxels of each layer that are not locked.
     open: Vec<usize>,
@@ -69,10 +82,11 @@ pub struct Warpage {
 /// How much a part is likely to warp.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WarpageEstimate {
-    /// Mean of the curvatures that the columns would take alone, weighted by their stiffness, 1/m; more than 0 if edges
-    /// go up.
+    /// Mean of the curvatures that the columns would take alone, weighted by their stiffness, 1/m;
+    /// more than 0 if edges go up.
     pub curvature_1_m: f64,
-    /// How far the outline rises above the lowest place of the part, at most, mm. At least 0.
+    /// How far the outline rises above the lowest place of the part, at most, mm.
+    /// At least 0.
     pub corner_lift_mm: f64,
     /// How far the highest place lies above the lowest, mm: more than the lift if the middle rises.
     pub flatness_mm: f64,
@@ -85,7 +99,8 @@ pub struct WarpageEstimate {
 }
 
 impl Warpage {
-    /// Before anything of a part is printed. Memory is 8 bytes for each voxel of the box around it.
+    /// Before anything of a part is printed.
+    /// Memory is 8 bytes for each voxel of the box around it.
     pub fn new(part: &Voxels, material: &Material) -> Self {
         Self {
             width: part.frame.width as usize,
@@ -101,13 +116,16 @@ impl Warpage {
 
     /// Locks the voxels that are below the glass transition now and were not at the last look.
     ///
-    /// To be called every so often ([`Simulation::run_watched`]), as columns are taken to be as warm at the lock as they
-    /// are at the look. On a block of ABS of 30 x 20 mm, lifts with looks every 0.5 s were 10 to 15 % above those with
-    /// looks every 0.02 s, and with 0.1 s 2 to 4 %; seven patterns ranked the same with all of them. Looks at layers'
-    /// ends alone make lifts half as high again, and another rank. Compare plans with the same looks only.
+    /// To be called every so often ([`Simulation::run_watched`]), as columns are taken to be as
+    /// warm at the lock as they are at the look.
+    /// On a block of ABS of 30 x 20 mm, lifts with looks every 0.5 s were 10 to 15 % above those
+    /// with looks every 0.02 s, and with 0.1 s 2 to 4 %; seven patterns ranked the same with all of
+    /// them.
+    /// Looks at layers' ends alone make lifts half as high again, and another rank.
+    /// Compare plans with the same looks only.
     ///
-    /// All locks of a layer together cost the part's voxels up to it; each look costs the layers with voxels that
-    /// aren't locked.
+    /// All locks of a layer together cost the part's voxels up to it; each look costs the layers
+    /// with voxels that aren't locked.
     ///
     /// # Panics
     /// If the simulation is of another part, or lacks voxels that an earlier look has seen.
@@ -115,11 +133,11 @@ impl Warpage {
         self.lock(simulation, self.transition_c);
     }
 
-    /// Locks what is deposited and left, as after a last look, and tells how the part bends. Panics like
-    /// [`Warpage::look`].
+    /// Locks what is deposited and left, as after a last look, and tells how the part bends.
+    /// Panics like [`Warpage::look`].
     ///
-    /// Costs the part's voxels, and its columns times the square of its shorter side; parts wider than 96 columns are
-    /// first coarsened to that.
+    /// Costs the part's voxels, and its columns times the square of its shorter side; parts wider
+    /// than 96 columns are first coarsened to that.
     pub fn finish(mut self, simulation: &Simulation) -> WarpageEstimate {
         self.lock(simulation, f64::INFINITY);
         self.estimate()
@@ -155,7 +173,8 @@ impl Warpage {
         self.open[z as usize] -= 1;
     }
 
-    /// The bending stiffness of a column by modulus and width, m³, and the moment that bends it, m².
+    /// The bending stiffness of a column by modulus and width, m³, and the moment that bends it,
+    /// m².
     fn bending(&self, column: &[f64]) -> [f64; 2] {
         let h = self.layer_m;
         let voxels = || {

@@ -1,12 +1,15 @@
 //! A plate that some cause bends, free at its edges.
 //!
-//! Of all deflections w, the plate takes the one of least energy (Kirchhoff's theory, Poisson's ratio 0):
+//! Of all deflections w, the plate takes the one of least energy (Kirchhoff's theory, Poisson's
+//! ratio 0):
 //!
 //! `Σ D ((w_xx - κ)² + (w_yy - κ)² + 2 w_xy²)`,
 //!
-//! with κ the curvature each place would take alone and D its stiffness. Second differences stand for derivatives: those
-//! along an axis wherever three cells lie in a row, the mixed one on each square of four. No condition at the edges is
-//! needed, so that plates may have any outline and holes. One κ everywhere makes a paraboloid, exactly.
+//! with κ the curvature each place would take alone and D its stiffness.
+//! Second differences stand for derivatives: those along an axis wherever three cells lie in a row,
+//! the mixed one on each square of four.
+//! No condition at the edges is needed, so that plates may have any outline and holes.
+//! One κ everywhere makes a paraboloid, exactly.
 
 /// The cells of a plate, `[y, x]`.
 #[derive(Clone, Debug)]
@@ -21,12 +24,13 @@ pub(super) struct Plate {
     pub(super) curvature: Vec<f64>,
 }
 
-/// Ties each cell to the ground, by so much of its own stiffness: no more than what fixes how parts of a plate that
-/// nothing else holds lie in space.
+/// Ties each cell to the ground, by so much of its own stiffness: no more than what fixes how parts
+/// of a plate that nothing else holds lie in space.
 const TIE: f64 = 1e-10;
 
 impl Plate {
-    /// The deflection of each cell above the plane that fits all best, in the unit of `spacing`; 0 outside the plate.
+    /// The deflection of each cell above the plane that fits all best, in the unit of `spacing`; 0
+    /// outside the plate.
     ///
     /// Costs the number of cells times the square of the shorter side.
     pub(super) fn deflection(&self) -> Vec<f64> {
@@ -163,7 +167,8 @@ impl Banded {
         &mut self.rows[i * (self.band + 1) + self.band + j - i]
     }
 
-    /// Solves for a right side, in its place, by Cholesky's factors. The matrix is lost.
+    /// Solves for a right side, in its place, by Cholesky's factors.
+    /// The matrix is lost.
     fn solve(mut self, right: &mut [f64]) {
         let (band, stride) = (self.band, self.band + 1);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
@@ -173,7 +178,8 @@ impl Banded {
             let first = i.saturating_sub(band);
             for j in first..i {
                 let other = &done[j * stride..(j + 1) * stride];
-                // Columns from `first` to j: at the end of the other row, and so far before this one's end.
+                // Columns from `first` to j: at the end of the other row, and so far before this
+                // one's end.
                 let (start, len) = (band + first - i, j - first);
                 let known = dot(&row[start..start + len], &other[band - len..band]);
                 row[start + len] = (row[start + len] - known) / other[band];

@@ -16,7 +16,8 @@ fn block(width: u32, height: u32, depth: usize) -> Voxels {
     Voxels::new(frame, depth, vec![0; width as usize * height as usize * depth])
 }
 
-/// Locks all of a block, layer by layer, while what lies below is as warm as `celsius` says for its place and the layer.
+/// Locks all of a block, layer by layer, while what lies below is as warm as `celsius` says for its
+/// place and the layer.
 fn locked(
     part: &Voxels,
     material: &Material,
@@ -44,8 +45,8 @@ fn two_layers_are_timoshenkos_bimetal() {
     let mismatch = material.expansion_per_k * (material.glass_transition_c - below_c);
     let kappa = 3.0 * mismatch / (4.0 * LAYER_MM / 1e3);
     assert_near(estimate.curvature_1_m, kappa);
-    // From the middle, between four columns, to the centre of a corner's column; the lowest columns lie half a diagonal
-    // of a column off the middle.
+    // From the middle, between four columns, to the centre of a corner's column; the lowest columns
+    // lie half a diagonal of a column off the middle.
     let square_mm = (39.0 * 39.0 + 29.0 * 29.0 - 2.0) * CELL_MM * CELL_MM;
     assert_near(estimate.corner_lift_mm, kappa / 1e3 * square_mm / 8.0);
     assert_near(estimate.flatness_mm, estimate.corner_lift_mm);
@@ -54,7 +55,8 @@ fn two_layers_are_timoshenkos_bimetal() {
 #[test]
 fn a_thin_layer_on_a_thick_stack_is_stoneys() {
     let material = Material::abs();
-    // The stack locks while all of it is at the glass transition, only the last layer on a cold one.
+    // The stack locks while all of it is at the glass transition, only the last layer on a cold
+    // one.
     let depth = 200;
     let estimate =
         locked(

@@ -1,4 +1,5 @@
-//! What the tests of the solver share: random parts, materials, processes and orders, and comparisons.
+//! What the tests of the solver share: random parts, materials, processes and orders, and
+//! comparisons.
 
 #![allow(dead_code, reason = "no test uses all of it")]
 #![allow(unreachable_pub, reason = "every test is a crate of its own")]
@@ -152,7 +153,8 @@ pub fn random_slots(random: &mut Random, part: &Voxels, process: &Process) -> Ve
     slots
 }
 
-/// The same with pauses of up to `pause_s` here and there, and slots of other lengths: up to `stretch` times.
+/// The same with pauses of up to `pause_s` here and there, and slots of other lengths: up to
+/// `stretch` times.
 pub fn uneven(random: &mut Random, slots: Vec<Slot>, pause_s: f64, stretch: f64) -> Vec<Slot> {
     let mut uneven = Vec::with_capacity(slots.len());
     for mut slot in slots {

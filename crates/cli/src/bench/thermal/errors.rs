@@ -4,7 +4,8 @@ use beadwork_grid::Cell;
 use beadwork_thermal::{Simulation, Spread};
 use serde::Serialize;
 
-/// Births before a layer's end in which a difference of temperatures is told apart: those near the nozzle are the largest.
+/// Births before a layer's end in which a difference of temperatures is told apart: those near the
+/// nozzle are the largest.
 const RECENT: usize = 120;
 
 /// Temperatures of all deposited voxels at each layer's end, °C, in the order of their births.

@@ -14,7 +14,8 @@ use super::process;
 use crate::bench::middle;
 use crate::heat_parts::{HeatPart, orders};
 
-/// Numbers in each of the triad's three arrays: together they fill about as much memory as the block's two.
+/// Numbers in each of the triad's three arrays: together they fill about as much memory as the
+/// block's two.
 const TRIAD: usize = 50_000;
 
 /// Numbers in a cache line.
@@ -23,7 +24,8 @@ const LINE: usize = 16;
 /// Rates in 10⁹ a second.
 #[derive(Serialize)]
 pub(super) struct Kernel {
-    /// The sum of one array and a multiple of another into a third, within the second-level cache: 12 bytes each, as many as an update moves.
+    /// The sum of one array and a multiple of another into a third, within the second-level cache:
+    /// 12 bytes each, as many as an update moves.
     triad_g_per_s: f64,
     /// Voxels of the rectangular part, all of them deposited, in explicit steps.
     updates_g_per_s: f64,
@@ -68,7 +70,8 @@ fn aligned(numbers: &mut [f32]) -> &mut [f32] {
     &mut numbers[start..start + TRIAD]
 }
 
-/// Once through the arrays. A type of its own, as closures are not compiled for the widest lanes.
+/// Once through the arrays.
+/// A type of its own, as closures are not compiled for the widest lanes.
 struct Triad<'a> {
     a: &'a mut [f32],
     b: &'a [f32],

@@ -25,14 +25,13 @@ use crate::{machine, output};
 
 /// Time, errors and growth of the thermal solver.
 ///
-/// Parts are printed in ABS by the pattern `zigzag-x-0` without travel, so that births follow each other. Errors are those
-/// against a second-order stepper with four steps a birth.
+/// Parts are printed in ABS by the pattern `zigzag-x-0` without travel, so that births follow each
+/// other.
+/// Errors are those against a second-order stepper with four steps a birth.
 ///
-/// Examples:
-///   beadwork bench thermal                            everything: about ten minutes
-///   beadwork bench thermal --what parts --part u      time and errors of one part
-///   beadwork bench thermal --what growth --cube 32 --cube 64 --tower 32
-///   beadwork bench thermal --what growth --svg growth.svg
+/// Examples: beadwork bench thermal everything: about ten minutes beadwork bench thermal --what
+/// parts --part u time and errors of one part beadwork bench thermal --what growth --cube 32 --cube
+/// 64 --tower 32 beadwork bench thermal --what growth --svg growth.svg
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct ThermalArgs {
@@ -127,7 +126,8 @@ fn process() -> Process {
     Process { travel_mm_s: None, ..Process::default() }
 }
 
-/// Prints a whole part, tells the seconds that took, and lets the state at each layer's end be looked at meanwhile.
+/// Prints a whole part, tells the seconds that took, and lets the state at each layer's end be
+/// looked at meanwhile.
 fn print(
     part: &Arc<Voxels>,
     orders: &[Vec<Cell>],

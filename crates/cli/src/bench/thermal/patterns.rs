@@ -19,7 +19,8 @@ pub(super) struct Patterns {
     /// Seconds for the 38 patterns of a layer on two threads, mean and most over the layers.
     mean_s: f64,
     most_s: f64,
-    /// Time of two forks one after the other over that on two threads: the median over the layers and their ends.
+    /// Time of two forks one after the other over that on two threads: the median over the layers
+    /// and their ends.
     forks_ratio: f64,
 }
 

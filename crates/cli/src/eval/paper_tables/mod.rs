@@ -207,7 +207,8 @@ fn every_method(
         rows.push(row);
     }
     rows.push(search(Choice::Exact(exact::Settings::default()))?);
-    // The exact search may prove more than the bounds alone. What is proven holds for all.
+    // The exact search may prove more than the bounds alone.
+    // What is proven holds for all.
     let bound = rows.iter().filter_map(|row| row.bound).max();
     rows.iter_mut().for_each(|row| row.bound = bound);
     Ok(rows)

@@ -1,4 +1,5 @@
-//! Whole parts: tool changes and lifts against their bounds, layers on layers, and cells against surfaces.
+//! Whole parts: tool changes and lifts against their bounds, layers on layers, and cells against
+//! surfaces.
 
 mod plans;
 mod stacks;
@@ -43,7 +44,8 @@ pub(super) struct PartsArgs {
 struct Case {
     name: &'static str,
     part: Part,
-    /// Whether its cells are compared with its surface: the same part with other materials is not, once more.
+    /// Whether its cells are compared with its surface: the same part with other materials is not,
+    /// once more.
     is_new_shape: bool,
 }
 

@@ -22,7 +22,8 @@ pub(super) struct Row {
     tools: usize,
     layers: usize,
     cells: u64,
-    /// Cells that the G-code prints, counted from its text: each once, with the tool of its zone, and nothing else.
+    /// Cells that the G-code prints, counted from its text: each once, with the tool of its zone,
+    /// and nothing else.
     cells_checked: u64,
     tool_changes: u64,
     least_tool_changes: Option<u32>,

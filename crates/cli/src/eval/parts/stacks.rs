@@ -36,7 +36,8 @@ struct Solved {
     is_optimal: bool,
 }
 
-/// On one thread. Only layers that differ from the one below count: an equal one is solved once.
+/// On one thread.
+/// Only layers that differ from the one below count: an equal one is solved once.
 pub(super) fn measure(cases: &[Case], seed: u64, bar: &ProgressBar) -> anyhow::Result<Vec<Row>> {
     let mut rows = Vec::new();
     for Case { name, part, .. } in cases {

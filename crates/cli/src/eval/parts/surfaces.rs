@@ -22,10 +22,12 @@ pub(super) struct Row {
     cells_off: f64,
     /// Share of the outlines' length that has a side of a cell within half a bead.
     outline_met: f64,
-    /// Of the rest, the share where the part, or the gap before it, is thinner than the diagonal of a cell: it can lie
-    /// between the middles of cells. `None` if there is no rest.
+    /// Of the rest, the share where the part, or the gap before it, is thinner than the diagonal of
+    /// a cell: it can lie between the middles of cells.
+    /// `None` if there is no rest.
     rest_thin: Option<f64>,
-    /// From points of the outlines to the sides of the cells, in beads: the greatest distance, `None` beyond 16.
+    /// From points of the outlines to the sides of the cells, in beads: the greatest distance,
+    /// `None` beyond 16.
     outline_off: Option<f64>,
 }
 
@@ -155,7 +157,8 @@ fn distances(layer: &Layer, borders: &[&[[f64; 2]]], frame: &Frame) -> Distances
     Distances { of_cells: sides.iter().flat_map(of_side).collect(), of_outline, thin }
 }
 
-/// Where a line crosses the middle of a row or a column: tells the side nearest to it there and how far that is.
+/// Where a line crosses the middle of a row or a column: tells the side nearest to it there and how
+/// far that is.
 fn crossings(from: [f64; 2], to: [f64; 2], mut tell: impl FnMut(i64, i64, bool, f64)) {
     for axis in 0..2 {
         let (low, high) = if from[axis] <= to[axis] { (from, to) } else { (to, from) };
@@ -180,7 +183,8 @@ fn crossings(from: [f64; 2], to: [f64; 2], mut tell: impl FnMut(i64, i64, bool, 
     }
 }
 
-/// Whether another line of the outlines lies within the diagonal of a cell of a point, along the normal to either side.
+/// Whether another line of the outlines lies within the diagonal of a cell of a point, along the
+/// normal to either side.
 fn is_thin<'a>(
     mut borders: impl Iterator<Item = &'a [[f64; 2]]>,
     place: impl Fn([f64; 2]) -> [f64; 2],

@@ -21,15 +21,15 @@ use crate::{cancel, machine, output, progress};
 
 /// Rewards of the 38 patterns on parts like the paper's three, beside its figures.
 ///
-/// The reward of a layer is the standard deviation of the temperatures of all voxels deposited so far, at the layer's end,
-/// with its sign turned; that of a part is the sum (Kim et al. 2026). Each part is printed in ABS at the paper's settings:
-/// with one pattern in all its layers, with each of the 38 in turn; and greedily, each layer with the pattern that leaves
-/// it at its most even. The paper does not give its parts' sizes: ours are rectangular 120 x 40 x 12, a U of 90 x 50 x 12
-/// and a pyramid of 77 layers, 60 x 60 at its foot, so gains can be compared, rewards can't.
+/// The reward of a layer is the standard deviation of the temperatures of all voxels deposited so
+/// far, at the layer's end, with its sign turned; that of a part is the sum (Kim et al. 2026).
+/// Each part is printed in ABS at the paper's settings: with one pattern in all its layers, with
+/// each of the 38 in turn; and greedily, each layer with the pattern that leaves it at its most
+/// even.
+/// The paper does not give its parts' sizes: ours are rectangular 120 x 40 x 12, a U of 90 x 50 x
+/// 12 and a pyramid of 77 layers, 60 x 60 at its foot, so gains can be compared, rewards can't.
 ///
-/// Examples:
-///   beadwork eval thermal
-///   beadwork eval thermal --part u --json > u.json
+/// Examples: beadwork eval thermal beadwork eval thermal --part u --json > u.json
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct ThermalArgs {
@@ -55,8 +55,8 @@ struct Printed {
     /// Minus the sum of the layers' standard deviations, K.
     reward: f64,
     print_seconds: f64,
-    /// Largest difference between the mean and a voxel on the upright section through the middle, K, once the nozzle has
-    /// left the finished part for [`REST_S`].
+    /// Largest difference between the mean and a voxel on the upright section through the middle,
+    /// K, once the nozzle has left the finished part for [`REST_S`].
     deviation_k: f64,
 }
 
@@ -120,8 +120,9 @@ struct Bench {
     process: Process,
 }
 
-/// Seconds from the end of a print to its thermal deviation. With the nozzle still on the part, the deviation would tell
-/// only how near the last voxel is to the section.
+/// Seconds from the end of a print to its thermal deviation.
+/// With the nozzle still on the part, the deviation would tell only how near the last voxel is to
+/// the section.
 const REST_S: f64 = 1.0;
 
 /// Seconds between the looks of the warpage estimate.

@@ -7,8 +7,8 @@ use beadwork_part::Pattern;
 use super::{PartRow, Printed};
 use crate::machine;
 
-/// What Kim et al. 2026 give for a part: rewards of the conventional pattern and of the best of three runs of PPO, and the
-/// largest thermal deviations on a section of both, K.
+/// What Kim et al. 2026 give for a part: rewards of the conventional pattern and of the best of
+/// three runs of PPO, and the largest thermal deviations on a section of both, K.
 struct Paper {
     part: &'static str,
     rewards: [f64; 2],

@@ -102,8 +102,8 @@ pub enum CheckError {
         /// What is extruded, in mm³.
         got_mm3: f64,
     },
-    /// A bead begins while the filament is drawn back, more is pushed out in place than was drawn back, or a tool is put aside with its
-    /// filament not drawn back as the settings say.
+    /// A bead begins while the filament is drawn back, more is pushed out in place than was drawn
+    /// back, or a tool is put aside with its filament not drawn back as the settings say.
     #[error("line {line}: the filament of tool {tool} is drawn back by {drawn_mm} mm")]
     Drawn {
         /// Number of the line.

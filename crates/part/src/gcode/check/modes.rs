@@ -5,8 +5,8 @@ use crate::gcode::{Command, Move, Program};
 
 /// Refuses filament that Marlin and Klipper would count differently.
 ///
-/// In Marlin `G90` and `G91` count filament as they count places, until `M82` or `M83` says otherwise; in Klipper `G91` does, until `G90`, and
-/// `M83` holds until `M82`.
+/// In Marlin `G90` and `G91` count filament as they count places, until `M82` or `M83` says
+/// otherwise; in Klipper `G91` does, until `G90`, and `M83` holds until `M82`.
 pub(super) fn check(program: &Program) -> Result<(), CheckError> {
     let (mut places, mut klipper, mut marlin) = (false, false, false);
     for (line, command) in (1..).zip(program.lines.iter().map(|line| line.command())) {

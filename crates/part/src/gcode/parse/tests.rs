@@ -1,4 +1,5 @@
-//! Reading what was written gives the same, and whatever else comes is read or refused, never a panic.
+//! Reading what was written gives the same, and whatever else comes is read or refused, never a
+//! panic.
 
 use proptest::prelude::*;
 

@@ -32,7 +32,8 @@ impl Part {
     }
 }
 
-/// Two tools; a zigzag that crosses twice, and a layer above it of two pieces, one of them a single cell.
+/// Two tools; a zigzag that crosses twice, and a layer above it of two pieces, one of them a single
+/// cell.
 fn parts() -> [Part; 2] {
     let out = Zones::OUTSIDE;
     [

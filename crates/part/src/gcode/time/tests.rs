@@ -89,7 +89,8 @@ fn slow_speeds2(chain: &[Leg]) -> Vec<f64> {
     }
 }
 
-/// Time of a leg by small steps of way: as fast as the limits at both ends and the asked speed allow.
+/// Time of a leg by small steps of way: as fast as the limits at both ends and the asked speed
+/// allow.
 fn slow_seconds(leg: &Leg, begin2: f64, end2: f64) -> f64 {
     const STEPS: u32 = 20_000;
     let step = leg.length / f64::from(STEPS);
@@ -109,7 +110,8 @@ proptest! {
         moves in prop::collection::vec((-20_i32..20, -20_i32..20, 600_u32..6000), 1..80),
         most_legs in 6_usize..12,
     ) {
-        // A few mm brake from any of these speeds: what was let go could not have been slowed down by what came later.
+        // A few mm brake from any of these speeds: what was let go could not have been slowed down
+        // by what came later.
         let line = |(x, y, feed): (i32, i32, u32)| format!("G1 X{} Y{y} F{feed}", if x == 0 { 1 } else { x });
         let moves: Vec<String> = moves.into_iter().map(line).collect();
         let program = Program::parse(&format!("M204 S3000\nG91\n{}", moves.join("\n"))).unwrap();

@@ -4,12 +4,14 @@ use crate::mesh::surface::{Bounds, Mesh};
 
 /// A tree of boxes around triangles, halved by their middles along x and y in turn.
 ///
-/// At most 14 bytes a triangle. A search looks at the triangles whose boxes a ray upwards from the point meets, and a
-/// few beside them.
+/// At most 14 bytes a triangle.
+/// A search looks at the triangles whose boxes a ray upwards from the point meets, and a few beside
+/// them.
 pub(super) struct Above {
     order: Vec<u32>,
-    /// Around the triangles of each node, as far as a ray upwards can tell: least and greatest x and y, greatest z. The
-    /// children of node `n` are `2 n + 1` and `2 n + 2`.
+    /// Around the triangles of each node, as far as a ray upwards can tell: least and greatest x
+    /// and y, greatest z.
+    /// The children of node `n` are `2 n + 1` and `2 n + 2`.
     boxes: Vec<[f64; 5]>,
 }
 
@@ -24,7 +26,8 @@ impl Above {
         Self { order, boxes }
     }
 
-    /// Shows `visit` every triangle that may lie above a point, in no order; tells how many it has shown.
+    /// Shows `visit` every triangle that may lie above a point, in no order; tells how many it has
+    /// shown.
     pub(super) fn each(&self, [x, y, z]: [f64; 3], mut visit: impl FnMut(u32)) -> usize {
         let mut shown = 0;
         // Nodes and the triangles below them.

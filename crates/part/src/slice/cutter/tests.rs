@@ -1,4 +1,5 @@
-//! The sweep against a look at every triangle in every layer, and outlines against solids that are known.
+//! The sweep against a look at every triangle in every layer, and outlines against solids that are
+//! known.
 
 use proptest::prelude::*;
 
@@ -53,7 +54,8 @@ fn vertices_on_planes_are_no_trouble() {
     }
 }
 
-/// Closed surfaces with every kind of nuisance: few heights, so that many vertices lie on planes, and parts that overlap.
+/// Closed surfaces with every kind of nuisance: few heights, so that many vertices lie on planes,
+/// and parts that overlap.
 fn nuisances() -> impl Strategy<Value = (Mesh, Vec<u8>)> {
     let part = (2_u32..7, -3..3_i8, -3..3_i8, 0..6_i8, any::<bool>());
     (prop::collection::vec(part, 1..5), any::<bool>()).prop_map(|(parts, is_painted)| {

@@ -110,7 +110,8 @@ fn a_body_is_painted_alike_on_any_plane() {
 
 #[test]
 fn paint_reaches_the_nearest_cells() {
-    // Triangles of a box in the order of Shape: the sides come after the ends, two triangles each, front first.
+    // Triangles of a box in the order of Shape: the sides come after the ends, two triangles each,
+    // front first.
     let mut painted = body(moved(&Shape::Cuboid { size_mm: [10.0, 10.0, 1.0] }, [0.0; 3]), 0);
     painted.paint = vec![0; 12];
     painted.paint[4..6].fill(1);

@@ -76,7 +76,8 @@ impl Layers {
 
 /// A pair that is part of a circle of pairs, if there is one.
 fn circle(before: &[(u8, u8)]) -> Option<(u8, u8)> {
-    // What nothing has to come before is in no circle; without it, neither are those that only it came before.
+    // What nothing has to come before is in no circle; without it, neither are those that only it
+    // came before.
     let mut left = before.to_vec();
     loop {
         let count = left.len();

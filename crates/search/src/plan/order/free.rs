@@ -10,14 +10,15 @@ pub(super) struct Free {
     pub(super) cost: u64,
 }
 
-/// From the last layer back to the first: what is to come depends on the layers so far by their last tool only.
+/// From the last layer back to the first: what is to come depends on the layers so far by their
+/// last tool only.
 pub(super) fn free(layers: &Layers, costs: &ToolCosts, constraints: &Constraints) -> Free {
     let tables: Vec<Within> =
         layers.kinds.iter().map(|set| Within::new(set, costs, &constraints.before)).collect();
     let step = |from: u8, to: u8| u64::from(costs.cost(from, to));
     let count = layers.kind_of.len();
-    // For each layer and each of its tools: the cost from there on if it begins with that tool; and of all that comes after the
-    // layer if it ends with it.
+    // For each layer and each of its tools: the cost from there on if it begins with that tool; and
+    // of all that comes after the layer if it ends with it.
     let mut begun: Vec<Vec<u64>> = vec![Vec::new(); count];
     let mut ended: Vec<Vec<u64>> = vec![Vec::new(); count];
     for (layer, &kind) in layers.kind_of.iter().enumerate().rev() {

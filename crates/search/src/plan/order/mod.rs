@@ -1,9 +1,9 @@
 //! The cheapest order of the tools over the layers of a part.
 //!
-//! Within a layer that is a shortest Hamiltonian path over its tools, found for each pair of ends by the dynamic
-//! programme of Held and Karp, "A dynamic programming approach to sequencing problems" (J. SIAM 10, 1962); over the
-//! layers, a shortest way through their ends. See `within.rs` and `free.rs`; `shared.rs` finds one order for all
-//! layers.
+//! Within a layer that is a shortest Hamiltonian path over its tools, found for each pair of ends
+//! by the dynamic programme of Held and Karp, "A dynamic programming approach to sequencing
+//! problems" (J. SIAM 10, 1962); over the layers, a shortest way through their ends.
+//! See `within.rs` and `free.rs`; `shared.rs` finds one order for all layers.
 
 mod check;
 mod free;
@@ -29,7 +29,8 @@ pub struct Constraints {
     pub before: Vec<(u8, u8)>,
     /// The tool that the first layer begins with.
     pub first: Option<u8>,
-    /// Whether there is to be one permutation of all tools, of which each layer leaves out those it does not use.
+    /// Whether there is to be one permutation of all tools, of which each layer leaves out those it
+    /// does not use.
     pub same_order: bool,
 }
 
@@ -39,32 +40,36 @@ pub struct Constraints {
 pub struct ToolOrder {
     /// For each layer, its tools in the order of printing, each once.
     pub orders: Vec<Vec<u8>>,
-    /// The permutation that all layers follow, if one was asked for: of all tools that any layer uses.
+    /// The permutation that all layers follow, if one was asked for: of all tools that any layer
+    /// uses.
     pub permutation: Option<Vec<u8>>,
     /// Cost of all changes.
     pub cost: u64,
     /// Number of changes.
     pub changes: u32,
-    /// No plan costs less that uses in each layer each of its tools, **as often as it likes** and with detours over any
-    /// other tools, provided it begins with [`Constraints::first`] and the first visits to the tools of a layer obey
-    /// [`Constraints::before`]. It need not keep one permutation.
+    /// No plan costs less that uses in each layer each of its tools, **as often as it likes** and
+    /// with detours over any other tools, provided it begins with [`Constraints::first`] and the
+    /// first visits to the tools of a layer obey [`Constraints::before`].
+    /// It need not keep one permutation.
     pub bound: u64,
-    /// No plan costs less that uses in each layer each of its tools **once** and obeys all constraints. At least
-    /// [`bound`](Self::bound).
+    /// No plan costs less that uses in each layer each of its tools **once** and obeys all
+    /// constraints.
+    /// At least [`bound`](Self::bound).
     pub once_bound: u64,
     /// No plan of those that [`bound`](Self::bound) speaks of has fewer changes.
     pub least_changes: u32,
 }
 
 impl ToolOrder {
-    /// Whether no plan that uses each tool of a layer once and obeys the constraints costs less. False only where one
-    /// permutation was asked for and the search for it ended early: see [`order`].
+    /// Whether no plan that uses each tool of a layer once and obeys the constraints costs less.
+    /// False only where one permutation was asked for and the search for it ended early: see
+    /// [`order`].
     pub fn is_optimal(&self) -> bool {
         self.cost == self.once_bound
     }
 
-    /// What a plan that uses tools more than once could save at most. 0 where no detour is cheaper than a direct
-    /// change, unless one permutation was asked for.
+    /// What a plan that uses tools more than once could save at most.
+    /// 0 where no detour is cheaper than a direct change, unless one permutation was asked for.
     pub fn gap(&self) -> u64 {
         self.cost - self.bound
     }
@@ -105,7 +110,8 @@ pub enum OrderError {
         /// Number of tools with costs.
         tools: usize,
     },
-    /// The pairs of [`Constraints::before`] go round in a circle, even if no layer uses all of its tools.
+    /// The pairs of [`Constraints::before`] go round in a circle, even if no layer uses all of its
+    /// tools.
     #[error("tool {a} has to come before tool {b}, and tool {b} before tool {a}")]
     Circle {
         /// A tool of the circle.
@@ -131,19 +137,22 @@ pub enum OrderError {
 
 /// Finds the cheapest order of the tools, where each layer uses each of its tools once.
 ///
-/// `layers` holds the tools of each layer, at least 1 and at most 12, in any order; doubles count once. A change costs
-/// the same within a layer and between two; where a layer begins with the tool that ended the one before, there is
-/// none.
+/// `layers` holds the tools of each layer, at least 1 and at most 12, in any order; doubles count
+/// once.
+/// A change costs the same within a layer and between two; where a layer begins with the tool that
+/// ended the one before, there is none.
 ///
-/// Of equally cheap plans, the answer is the one whose orders come first in the alphabet, layer by layer from the
-/// first; with [`Constraints::same_order`], one that is the same every time. It takes O(d 2^k k³ + l k²) steps for l
-/// layers of at most k tools with d different sets among them, and as many again for each of the two bounds.
+/// Of equally cheap plans, the answer is the one whose orders come first in the alphabet, layer by
+/// layer from the first; with [`Constraints::same_order`], one that is the same every time.
+/// It takes O(d 2^k k³ + l k²) steps for l layers of at most k tools with d different sets among
+/// them, and as many again for each of the two bounds.
 ///
 /// # One permutation
-/// With [`Constraints::same_order`], the number of ways that have to be told apart can grow exponentially with the
-/// tools of the part, though not where all layers use the same tools. Beyond a million of them, fewer where layers are
-/// of many kinds (so that it stays within some seconds and a few hundred MB), the answer is a good permutation,
-/// improved by moving one tool at a time; it obeys all constraints, but [`ToolOrder::is_optimal`] may be false.
+/// With [`Constraints::same_order`], the number of ways that have to be told apart can grow
+/// exponentially with the tools of the part, though not where all layers use the same tools.
+/// Beyond a million of them, fewer where layers are of many kinds (so that it stays within some
+/// seconds and a few hundred MB), the answer is a good permutation, improved by moving one tool at
+/// a time; it obeys all constraints, but [`ToolOrder::is_optimal`] may be false.
 /// [`ToolOrder::once_bound`] then is the cost of the best plan without the one permutation.
 pub fn order(
     layers: &[Vec<u8>],
@@ -188,8 +197,9 @@ pub fn order(
     })
 }
 
-/// What it costs to print the tools of each layer by rising number, the same in every layer: for comparison. The layers
-/// are as for [`order`]; linear in their tools.
+/// What it costs to print the tools of each layer by rising number, the same in every layer: for
+/// comparison.
+/// The layers are as for [`order`]; linear in their tools.
 pub fn fixed_order_cost(layers: &[Vec<u8>], costs: &ToolCosts) -> Result<FixedOrder, OrderError> {
     let layers = Layers::new(layers, costs, &Constraints::default())?;
     let orders: Vec<Vec<u8>> = layers.iter().map(<[u8]>::to_vec).collect();

@@ -1,8 +1,10 @@
 //! One permutation of all tools that every layer follows.
 //!
-//! Built from the front, tool by tool. What the tools placed so far mean for the rest is little: which they are, the
-//! last one of each kind of layer that is not yet complete, and of those that follow each other the ends that still
-//! wait for the other. Of all beginnings that agree in that (a **label**) only the cheapest matters.
+//! Built from the front, tool by tool.
+//! What the tools placed so far mean for the rest is little: which they are, the last one of each
+//! kind of layer that is not yet complete, and of those that follow each other the ends that still
+//! wait for the other.
+//! Of all beginnings that agree in that (a **label**) only the cheapest matters.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -33,7 +35,8 @@ struct Pair {
     times: u64,
 }
 
-/// The part as permutations see it. Tools are numbered anew, by rising number, without those that no layer uses.
+/// The part as permutations see it.
+/// Tools are numbered anew, by rising number, without those that no layer uses.
 pub(super) struct Shared<'a> {
     costs: &'a ToolCosts,
     pub(super) tools: Vec<u8>,
@@ -48,7 +51,8 @@ pub(super) struct Shared<'a> {
     earlier: Vec<Vec<usize>>,
 }
 
-/// The cheapest permutation found, and whether it is proven to be the cheapest. `free` is the best plan without one.
+/// The cheapest permutation found, and whether it is proven to be the cheapest.
+/// `free` is the best plan without one.
 pub(super) fn shared(
     layers: &Layers,
     costs: &ToolCosts,
@@ -137,8 +141,8 @@ impl<'a> Shared<'a> {
         u64::from(self.costs.cost(self.tools[from], self.tools[to]))
     }
 
-    /// All tools, each after those that must come earlier, otherwise by rising `key`; `None` if they go round in a
-    /// circle.
+    /// All tools, each after those that must come earlier, otherwise by rising `key`; `None` if
+    /// they go round in a circle.
     fn sorted<K: Ord>(
         &self,
         earlier: &[Vec<usize>],
@@ -156,8 +160,8 @@ impl<'a> Shared<'a> {
         Some(order)
     }
 
-    /// Why no permutation obeys all pairs, which alone make no circle: one of the first layer's tools must come before
-    /// its first.
+    /// Why no permutation obeys all pairs, which alone make no circle: one of the first layer's
+    /// tools must come before its first.
     fn contradiction(&self, layers: &Layers, constraints: &Constraints) -> OrderError {
         let first = constraints.first.expect("without a first tool there is no circle");
         let start = self.number(first);
@@ -255,7 +259,8 @@ impl<'a> Shared<'a> {
         limit: u64,
         most_labels: usize,
     ) -> Result<Option<Vec<usize>>, TooManyLabels> {
-        // The map's own order never matters: of two beginnings with one label the lesser (cost, beginning) stays.
+        // The map's own order never matters: of two beginnings with one label the lesser (cost,
+        // beginning) stays.
         let mut labels: HashMap<Label, (u64, Vec<u8>)> = HashMap::new();
         labels.insert(Label::new(self), (0, Vec::new()));
         let mut count = 0;
@@ -297,8 +302,8 @@ impl<'a> Shared<'a> {
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct Label {
     placed: Vec<bool>,
-    /// For each kind of layer: how many of its tools are placed, the first and the last of them. Ends that nothing
-    /// waits for are forgotten, so that more beginnings agree.
+    /// For each kind of layer: how many of its tools are placed, the first and the last of them.
+    /// Ends that nothing waits for are forgotten, so that more beginnings agree.
     kinds: Vec<(u8, u8, u8)>,
 }
 

@@ -83,8 +83,9 @@ fn followed(layers: &[Vec<u8>], permutation: &[u8]) -> Vec<Vec<u8>> {
     layers.iter().map(follow).collect()
 }
 
-/// The least cost of any plan, tools used as often as it likes: the nearest of all states by Dijkstra's method. A state
-/// is a layer, the tools used in it, and the tool in use; `before` holds for first visits.
+/// The least cost of any plan, tools used as often as it likes: the nearest of all states by
+/// Dijkstra's method.
+/// A state is a layer, the tools used in it, and the tool in use; `before` holds for first visits.
 fn slow_bound(layers: &[Vec<u8>], costs: &ToolCosts, constraints: &Constraints) -> Option<u64> {
     let tools = costs.tools() as u8;
     let visit = |layer: usize, used: u16, tool: u8| -> Option<u16> {
@@ -356,7 +357,8 @@ fn what_has_no_order_is_refused() {
     let contradicted = OrderError::FirstContradicted { first: 2, other: 3 };
     assert_eq!(error(&[vec![2, 3]], later.clone()), contradicted);
     assert!(order(&[vec![2], vec![2, 3]], &costs, &later).is_ok());
-    // Through a third tool that only other layers use: no matter, unless all layers share one order.
+    // Through a third tool that only other layers use: no matter, unless all layers share one
+    // order.
     let layers = [vec![2, 3], vec![3, 4], vec![4, 2]];
     let round = Constraints { before: vec![(3, 4), (4, 2)], ..first(2) };
     assert!(order(&layers, &costs, &round).is_ok());

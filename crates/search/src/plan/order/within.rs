@@ -11,12 +11,14 @@ pub(in crate::plan) struct Within {
     count: usize,
     /// At `first * count + last`, by places in the set; [`NEVER`] where there is none.
     costs: Vec<u64>,
-    /// The orders themselves, of equally cheap ones the first in the alphabet; empty where there is none.
+    /// The orders themselves, of equally cheap ones the first in the alphabet; empty where there is
+    /// none.
     orders: Vec<Vec<u8>>,
 }
 
 impl Within {
-    /// Of a sorted set, under the pairs of `before` that lie in it. O(2^k k³) steps for k tools.
+    /// Of a sorted set, under the pairs of `before` that lie in it.
+    /// O(2^k k³) steps for k tools.
     pub(in crate::plan) fn new(set: &[u8], costs: &ToolCosts, before: &[(u8, u8)]) -> Self {
         let count = set.len();
         let place = |tool: u8| set.iter().position(|&one| one == tool);
@@ -34,7 +36,8 @@ impl Within {
             costs: vec![NEVER; count * count],
             orders: vec![Vec::new(); count * count],
         };
-        // At `left * count + now`: the cheapest way to use the tools of `left`, from `now` in it to the last tool.
+        // At `left * count + now`: the cheapest way to use the tools of `left`, from `now` in it to
+        // the last tool.
         // Backwards, so that orders can be read off from the front.
         let mut to_go = vec![NEVER; (all + 1) * count];
         for last in 0..count {
@@ -75,7 +78,8 @@ impl Within {
         within
     }
 
-    /// The least cost from the `first` tool to the `last`, by their places in the set; [`NEVER`] where there is no order.
+    /// The least cost from the `first` tool to the `last`, by their places in the set; [`NEVER`]
+    /// where there is no order.
     pub(in crate::plan) fn cost(&self, first: usize, last: usize) -> u64 {
         self.costs[first * self.count + last]
     }

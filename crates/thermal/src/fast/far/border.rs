@@ -14,8 +14,8 @@ pub(crate) struct Rim {
     voxels: Vec<(usize, usize)>,
 }
 
-/// What flows between the pairs of blocks at a region's border, as the numbers that the window's rim has to have: what flows
-/// by the conductance to it.
+/// What flows between the pairs of blocks at a region's border, as the numbers that the window's
+/// rim has to have: what flows by the conductance to it.
 #[derive(Debug)]
 pub(crate) struct Flows(Vec<f32>);
 
@@ -40,7 +40,8 @@ impl Flows {
 }
 
 impl Rim {
-    /// Closes the rim of a window into a part: its voxels conduct nothing to those beyond, but are given what the rim says.
+    /// Closes the rim of a window into a part: its voxels conduct nothing to those beyond, but are
+    /// given what the rim says.
     pub(crate) fn close(
         window: &mut Patch,
         part: &Patch,

@@ -1,7 +1,7 @@
 //! How differences between blocks even out.
 //!
-//! Blocks at the part's border may be filled in part: each has the heat capacity of its voxels, and is linked to the next
-//! by as many faces as their voxels share (`tally.rs` counts them).
+//! Blocks at the part's border may be filled in part: each has the heat capacity of its voxels, and
+//! is linked to the next by as many faces as their voxels share (`tally.rs` counts them).
 
 use crate::aligned::Aligned;
 use crate::law::Law;
@@ -47,7 +47,8 @@ impl Conduction {
         *fastest = 0.0;
     }
 
-    /// Takes the conductances of a region from what its blocks hold, and from their mean temperatures above the air.
+    /// Takes the conductances of a region from what its blocks hold, and from their mean
+    /// temperatures above the air.
     pub(super) fn weigh(&mut self, region: Region, tally: &Tally, law: &Law, theta: &[f32]) {
         let strides = tally.strides();
         let link_at = |i: usize, axis: usize| {

@@ -1,8 +1,10 @@
 //! Blocks through a time.
 //!
-//! Stages of many blocks one after the other would each read them from beyond the second-level cache. So all stages go
-//! through the planes together, each as far behind the one before as it needs: the second of a pair by a plane, the next
-//! pair by another one. This is wavefront blocking in time (Wellein et al. 2009).
+//! Stages of many blocks one after the other would each read them from beyond the second-level
+//! cache.
+//! So all stages go through the planes together, each as far behind the one before as it needs: the
+//! second of a pair by a plane, the next pair by another one.
+//! This is wavefront blocking in time (Wellein et al. 2009).
 
 #![expect(
     clippy::inline_always,
@@ -36,14 +38,15 @@ pub(super) struct Crossing {
 pub(super) struct Evolution {
     /// Rates of change, K/s: of the last three planes that each pair of stages has come to.
     slopes: Aligned,
-    /// The crossings in the order of the first plane that they touch, and where those of each plane begin.
+    /// The crossings in the order of the first plane that they touch, and where those of each plane
+    /// begin.
     crossings: Vec<usize>,
     starts: Vec<usize>,
 }
 
 impl Evolution {
-    /// Takes the temperatures of all blocks below some layers through a time, in which they also change by rates of their
-    /// own, K/s, and adds what crosses between some of them.
+    /// Takes the temperatures of all blocks below some layers through a time, in which they also
+    /// change by rates of their own, K/s, and adds what crosses between some of them.
     #[expect(clippy::too_many_arguments, reason = "what is stepped, how, and what is asked of it")]
     pub(super) fn advance(
         &mut self,
@@ -106,7 +109,8 @@ impl Evolution {
     fn sort(&mut self, crossings: &[Crossing], tally: &Tally) {
         let Self { crossings: order, starts, .. } = self;
         let plane = |crossing: &Crossing| crossing.from.min(crossing.to) / tally.shape.plane();
-        // First how many there are, then where they end; and once all are in their places, where they start.
+        // First how many there are, then where they end; and once all are in their places, where
+        // they start.
         starts.clear();
         starts.resize(tally.shape.planes + 1, 0);
         crossings.iter().for_each(|crossing| starts[plane(crossing)] += 1);

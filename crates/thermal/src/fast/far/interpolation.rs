@@ -1,4 +1,5 @@
-//! From blocks to their voxels: linear between the blocks' middles, and in the mean of each block the block's own.
+//! From blocks to their voxels: linear between the blocks' middles, and in the mean of each block
+//! the block's own.
 
 #![expect(
     clippy::inline_always,
@@ -39,15 +40,16 @@ pub(super) struct Spread<'a> {
     pub(super) times: f32,
 }
 
-/// The part of a number that comes from the next block, for one voxel of so many in a block, and whether that is the block
-/// after it.
+/// The part of a number that comes from the next block, for one voxel of so many in a block, and
+/// whether that is the block after it.
 fn weight(within: usize, fold: usize) -> (f32, bool) {
     let off = (within as f32 + 0.5) / fold as f32 - 0.5;
     (off.abs(), off > 0.0)
 }
 
 impl Spread<'_> {
-    /// Adds the numbers of a region to the temperatures of its voxels, which are the whole inside of a patch.
+    /// Adds the numbers of a region to the temperatures of its voxels, which are the whole inside
+    /// of a patch.
     pub(super) fn add(self, patch: &mut Patch, region: Region, tally: &Tally, lines: &mut Lines) {
         dispatch(Add { spread: self, patch, region, tally, lines });
     }
@@ -133,8 +135,9 @@ fn repeat(spread: &mut [f32], blocks: &[f32]) {
     }
 }
 
-/// Interpolates along a line, in which each block's number stands twice: the voxel at `i` stands at `i + 1` there. Gives 0
-/// where none is active, and adds all to the sums.
+/// Interpolates along a line, in which each block's number stands twice: the voxel at `i` stands at
+/// `i + 1` there.
+/// Gives 0 where none is active, and adds all to the sums.
 #[inline(always)]
 fn smooth(line: &mut [f32], spread: &[f32], damping: &[f32], sums: &mut [f32]) {
     let n = line.len();
@@ -157,8 +160,9 @@ fn add(theta: &mut [f32], line: &[f32], damping: &[f32], lacking: &[f32], times:
     }
 }
 
-/// Gives blocks without voxels, in a region and around it, the mean number of their neighbours, so that there is something
-/// to interpolate towards beside every block; across the plate, which keeps its temperature, that is the opposite.
+/// Gives blocks without voxels, in a region and around it, the mean number of their neighbours, so
+/// that there is something to interpolate towards beside every block; across the plate, which keeps
+/// its temperature, that is the opposite.
 pub(super) fn extend(
     blocks: &mut [f32],
     known: &mut [bool],
@@ -207,7 +211,8 @@ pub(super) fn extend(
     }
 }
 
-/// Which blocks of a line are not known, but may have a known one beside them: all lines are asked, and few blocks are.
+/// Which blocks of a line are not known, but may have a known one beside them: all lines are asked,
+/// and few blocks are.
 fn beside_known(edge: &mut Vec<bool>, known: &[bool], line: Range<usize>, strides: [usize; 3]) {
     edge.clear();
     let here = &known[line.clone()];

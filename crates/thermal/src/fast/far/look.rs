@@ -1,4 +1,5 @@
-//! What blocks are told by their voxels: their means, and what surfaces exchange with plate and air.
+//! What blocks are told by their voxels: their means, and what surfaces exchange with plate and
+//! air.
 
 #![expect(
     clippy::inline_always,
@@ -35,7 +36,8 @@ impl Sums {
         }
     }
 
-    /// Takes the sums of a region, whose voxels are the inside of a patch; rows of the part from `top` on are empty.
+    /// Takes the sums of a region, whose voxels are the inside of a patch; rows of the part from
+    /// `top` on are empty.
     pub(super) fn take(
         &mut self,
         patch: &Patch,

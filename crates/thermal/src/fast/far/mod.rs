@@ -1,15 +1,18 @@
 //! The far field: what changes slowly, followed on blocks of voxels.
 //!
-//! Far from the nozzle temperatures are smooth, and so is their change. There, voxels keep the temperatures they had when
-//! they were last looked at, and the means of **blocks** of about a cube's shape go on: dU/dt = J U + s, where J is the
-//! conduction between blocks and their losses, and s what their surfaces lost at the last look otherwise. Where voxels are
-//! wanted, they are what they were and the change of the blocks since then, in linear interpolation. So a step costs a few
-//! sweeps over the blocks, however long it is, and looks at no voxel. Multigrid methods call this a correction on the
-//! coarse grid (Brandt 1977).
+//! Far from the nozzle temperatures are smooth, and so is their change.
+//! There, voxels keep the temperatures they had when they were last looked at, and the means of
+//! **blocks** of about a cube's shape go on: dU/dt = J U + s, where J is the conduction between
+//! blocks and their losses, and s what their surfaces lost at the last look otherwise.
+//! Where voxels are wanted, they are what they were and the change of the blocks since then, in
+//! linear interpolation.
+//! So a step costs a few sweeps over the blocks, however long it is, and looks at no voxel.
+//! Multigrid methods call this a correction on the coarse grid (Brandt 1977).
 //!
-//! In a **region** around recent births, steps are taken on voxels. Births are sources of heat to the blocks. What crosses
-//! the region's border by the blocks' means is what its voxels are given and what the blocks outside take up: all heat is
-//! kept, wherever the border lies.
+//! In a **region** around recent births, steps are taken on voxels.
+//! Births are sources of heat to the blocks.
+//! What crosses the region's border by the blocks' means is what its voxels are given and what the
+//! blocks outside take up: all heat is kept, wherever the border lies.
 
 mod border;
 mod conduction;
@@ -77,7 +80,8 @@ impl FarField {
         }
     }
 
-    /// Looks at the voxels of a region, which are the inside of a patch with nothing beyond its border.
+    /// Looks at the voxels of a region, which are the inside of a patch with nothing beyond its
+    /// border.
     pub(super) fn look(
         &mut self,
         patch: &Patch,
@@ -100,17 +104,20 @@ impl FarField {
         }
     }
 
-    /// Heats a block in the steps to come, or as much less: so many K/s in voxels above its own temperature.
+    /// Heats a block in the steps to come, or as much less: so many K/s in voxels above its own
+    /// temperature.
     pub(super) fn heat(&mut self, block: usize, rate: f32) {
         self.rates[block] += rate * self.conduction.share[block];
     }
 
-    /// The mean temperature of a block above the air, K; `None` if it had no voxels when it was looked at.
+    /// The mean temperature of a block above the air, K; `None` if it had no voxels when it was
+    /// looked at.
     pub(super) fn theta(&self, block: usize) -> Option<f32> {
         self.known[block].then(|| self.theta[block])
     }
 
-    /// Takes the blocks through a time, and gives what crosses the border of a region, if it is of interest.
+    /// Takes the blocks through a time, and gives what crosses the border of a region, if it is of
+    /// interest.
     pub(super) fn step(
         &mut self,
         seconds: f64,

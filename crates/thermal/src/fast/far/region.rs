@@ -86,8 +86,8 @@ impl Region {
         self.lines(tally).flatten()
     }
 
-    /// The sides beyond which there are more blocks, 0 the lower, 1 the upper one of an axis; each with the layer of the
-    /// region's blocks on it.
+    /// The sides beyond which there are more blocks, 0 the lower, 1 the upper one of an axis; each
+    /// with the layer of the region's blocks on it.
     pub(super) fn sides(self, tally: &Tally) -> impl Iterator<Item = (usize, usize, Self)> {
         let ends = ends(tally);
         (0..6).map(|i| (i / 2, i % 2)).filter_map(move |(axis, side)| {

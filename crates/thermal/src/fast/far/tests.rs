@@ -1,4 +1,5 @@
-//! Sums, conductances and interpolation against slow ones, and smooth differences against short steps.
+//! Sums, conductances and interpolation against slow ones, and smooth differences against short
+//! steps.
 
 use std::f64::consts::PI;
 
@@ -292,7 +293,8 @@ fn a_smooth_difference_evens_out_as_it_does_in_short_steps() {
         }
         let error = long.patch.theta[..].iter().zip(&short.patch.theta[..]);
         let error = error.map(|(long, short)| (long - short).abs()).fold(0.0, f32::max);
-        // Second order in the blocks' size: of the mode along z, whose bar is seven blocks long, this is the most.
+        // Second order in the blocks' size: of the mode along z, whose bar is seven blocks long,
+        // this is the most.
         assert!(error < [0.05, 0.05, 0.5][axis], "axis {axis}: {error}");
         let lost = heat(&long) / before - 1.0;
         assert!(lost.abs() < 3e-6, "axis {axis}: {lost} of the heat is lost");
