@@ -6,7 +6,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use beadwork_part::gcode::{Event, Feature, Program};
+use beadwork_gcode::{Event, Feature, Program};
 use beadwork_tests::{beadwork, fail, misused, run, text};
 use serde_json::Value;
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::{Context, bail};
-use beadwork_part::mesh::{
+use beadwork_mesh::{
     Bounds, Example, Format, Limits, Materials, Model, Placement, Repaired, Transform,
 };
 use beadwork_part::slice::{FillRule, Layers, Settings, slice};

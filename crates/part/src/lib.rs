@@ -1,18 +1,17 @@
-//! What comes in and what goes out: zone pictures to regions and zones, layers and their paths to
-//! drawings.
+//! Parts as layers: meshes sliced into cells, deposition patterns, planned layers as checked
+//! programs, and pictures.
 //!
+//! - [`mod@slice`]: meshes cut into layers of cells, and voxels.
+//! - [`Pattern`]: the 38 named deposition orders, each on any region; [`pattern_sheet`] draws them
+//!   all.
+//! - [`print`]: planned layers as the program of a printer, and the check of such a program.
 //! - [`Picture`]: a PNG picture as a layer; each pixel is a cell, each colour a zone, transparent
 //!   pixels lie outside.
 //! - [`svg()`]: layers drawn side by side, with zones in colours, paths on top and crossings in
 //!   red.
-//! - [`mesh`]: STL, 3MF and OBJ files, repaired and put on the bed.
-//! - [`mod@slice`]: meshes cut into layers of cells, and voxels.
-//! - [`Pattern`]: the 38 named orders of deposition, each on any region; [`pattern_sheet`] draws
-//!   them all.
-//! - [`gcode`]: planned layers as the program of a printer, and such programs read, followed, timed
-//!   and checked.
 //!
-//! Bytes come in, bytes or text go out: files are the caller's business.
+//! Meshes come from `beadwork-mesh`; programs are `beadwork-gcode`'s.
+//! Input and output are bytes or text: reading and writing files is up to the caller.
 //!
 //! # Example
 //! ```
@@ -36,10 +35,9 @@
 )]
 
 mod frame;
-pub mod gcode;
-pub mod mesh;
 mod pattern;
 mod picture;
+pub mod print;
 pub mod slice;
 mod svg;
 

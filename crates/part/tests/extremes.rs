@@ -9,8 +9,8 @@
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
 
-use beadwork_part::gcode::{Limits as Speeds, Program};
-use beadwork_part::mesh::{
+use beadwork_gcode::{Limits as Speeds, Program};
+use beadwork_mesh::{
     Body, Format, Limits, Materials, Mesh, Model, Placement, ReadError, RepairError, Shape,
     Transform,
 };
@@ -225,7 +225,7 @@ fn many_bodies_in_many_layers() {
         }
     });
     let materials =
-        ["a", "b"].map(|name| beadwork_part::mesh::Material { name: name.into(), colour: None });
+        ["a", "b"].map(|name| beadwork_mesh::Material { name: name.into(), colour: None });
     let mut model = Model { bodies: bodies.collect(), materials: materials.into() };
     model.bodies.iter_mut().for_each(|body| _ = body.repair().unwrap());
     model.assign(Materials::Stated);

@@ -35,11 +35,10 @@ use std::path::Path as FilePath;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use beadwork_gcode::{Event, Program};
 use beadwork_grid::{Layout, LayoutSpec, Path, Region, Zones, cover};
-use beadwork_part::gcode::{
-    self, Event, Flavour, Print, Printer, Program, Purge, Title, Tool, Tower,
-};
-use beadwork_part::mesh::{Format, Limits, Materials, Mesh, Model, Placement, Shape, Transform};
+use beadwork_mesh::{Format, Limits, Materials, Mesh, Model, Placement, Shape, Transform};
+use beadwork_part::print::{self, Flavour, Print, Printer, Purge, Title, Tool, Tower};
 use beadwork_part::{Frame, slice};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -156,7 +155,7 @@ fn gcode_way(bytes: &[u8]) -> bool {
     }
     let plan = Plan::new();
     let settings = Plan::settings(Flavour::Marlin);
-    _ = program.check(&plan.layers(), &plan.frame, &settings);
+    _ = print::check(&program, &plan.layers(), &plan.frame, &settings);
     let Ok(seconds) = program.print_seconds(settings.printer.limits()) else { return false };
     assert!(seconds >= 0.0 && seconds.is_finite(), "{seconds} s");
     true
@@ -329,20 +328,20 @@ impl Plan {
         Self { frame, region, zones, path }
     }
 
-    fn layers(&self) -> [gcode::Layer<'_>; 2] {
+    fn layers(&self) -> [print::Layer<'_>; 2] {
         let Self { region, zones, path, .. } = self;
-        [0, 1].map(|number| gcode::Layer { number, region, zones, path })
+        [0, 1].map(|number| print::Layer { number, region, zones, path })
     }
 
-    fn settings(flavour: Flavour) -> gcode::Settings {
+    fn settings(flavour: Flavour) -> print::Settings {
         let tower = Tower { left_mm: 120.0, front_mm: 50.0, width_mm: 10.0, depth_mm: 30.0 };
         let purge = Some(Purge::uniform(2, 2.0, Some(tower)));
         let printer = Printer { flavour, ..Printer::default() };
-        gcode::Settings {
+        print::Settings {
             tools: vec![Tool::default(); 2],
             purge,
             printer,
-            ..gcode::Settings::default()
+            ..print::Settings::default()
         }
     }
 

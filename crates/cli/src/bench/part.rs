@@ -6,9 +6,10 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::Context;
+use beadwork_gcode::Program;
 use beadwork_grid::cover;
-use beadwork_part::gcode::{self, Print, Program, Title};
-use beadwork_part::mesh::{Body, Format, Limits, Materials, Mesh, Model, Placement, Shape};
+use beadwork_mesh::{Body, Format, Limits, Materials, Mesh, Model, Placement, Shape};
+use beadwork_part::print::{self, Print, Title};
 use beadwork_part::slice::{Layers, Settings, cut, slice};
 use serde_json::{Value, json};
 
@@ -265,7 +266,7 @@ fn gcode(repeats: u64) -> anyhow::Result<Value> {
     let covers: Vec<_> = sliced.layers.iter().flatten().map(|layer| cover(&layer.region)).collect();
     let layers = printed_layers(&sliced, covers.iter());
     let settings =
-        gcode::Settings { tools: vec![gcode::Tool::default()], ..gcode::Settings::default() };
+        print::Settings { tools: vec![print::Tool::default()], ..print::Settings::default() };
     let title = Title { part: "sphere", version: env!("CARGO_PKG_VERSION") };
     let print = Print::new(title, &layers, &sliced.frame, &settings)?;
     let text = print.program.emit();
@@ -277,8 +278,9 @@ fn gcode(repeats: u64) -> anyhow::Result<Value> {
         super::median(repeats, |_| drop(Print::new(title, &layers, &sliced.frame, &settings)));
     let written = super::median(repeats, |_| drop(print.program.emit()));
     let read = super::median(repeats, |_| drop(Program::parse(&text)));
-    let checked =
-        super::median(repeats, |_| drop(print.program.check(&layers, &sliced.frame, &settings)));
+    let checked = super::median(repeats, |_| {
+        drop(print::check(&print.program, &layers, &sliced.frame, &settings))
+    });
     let timed = super::median(repeats, |_| {
         black_box(print.program.print_seconds(limits)).ok();
     });

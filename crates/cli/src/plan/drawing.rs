@@ -1,6 +1,6 @@
 //! Some layers of a plan as a picture.
 
-use beadwork_part::gcode;
+use beadwork_part::print;
 use beadwork_part::{Panel, svg};
 use beadwork_search::plan::ToolPlan;
 
@@ -11,7 +11,7 @@ use crate::part::Part;
 const PANELS: usize = 6;
 
 /// Layers from bottom to top, of which neighbours differ where there are enough such.
-pub(super) fn draw(part: &Part, plan: &ToolPlan, settings: &gcode::Settings) -> String {
+pub(super) fn draw(part: &Part, plan: &ToolPlan, settings: &print::Settings) -> String {
     let layers: Vec<_> = part
         .layers
         .layers

@@ -11,7 +11,8 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use anyhow::{Context, bail};
-use beadwork_part::gcode::{self, Layer, Print, Program};
+use beadwork_gcode::Program;
+use beadwork_part::print::{self, Layer, Print};
 use beadwork_part::slice::{self, Layers};
 use beadwork_search::plan::{
     Constraints, LayerRef, Mode, Progress, Settings, Stacking, ToolPlan, tools_plan,
@@ -254,10 +255,10 @@ pub(crate) fn printed_layers<'a>(
 /// A plan as G-code that has been checked.
 pub(crate) struct Printed {
     pub(crate) text: String,
-    pub(crate) totals: gcode::Totals,
+    pub(crate) totals: beadwork_gcode::Totals,
     /// What the check found in the text.
-    pub(crate) checked: gcode::Report,
-    pub(crate) settings: gcode::Settings,
+    pub(crate) checked: print::Report,
+    pub(crate) settings: print::Settings,
 }
 
 /// Writes a plan as G-code, and checks the text: what is wrong there must not reach a printer.
@@ -265,7 +266,7 @@ pub(crate) fn print(
     part: &Part,
     plan: &ToolPlan,
     profile: &Profile,
-    settings: gcode::Settings,
+    settings: print::Settings,
 ) -> anyhow::Result<Printed> {
     let layers = printed_layers(&part.layers, plan.layers.iter().map(|planned| &planned.path));
     let frame = &part.layers.frame;
@@ -273,7 +274,7 @@ pub(crate) fn print(
         profile.print(&part.name, &layers, frame, settings)?;
     let text = program.emit();
     drop(program);
-    let checked = Program::parse(&text)?.check(&layers, frame, &settings);
+    let checked = print::check(&Program::parse(&text)?, &layers, frame, &settings);
     let checked =
         checked.context("the G-code does not print the plan; this is a fault of beadwork")?;
     Ok(Printed { text, totals, checked, settings })

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::PathBuf;
 
 use anyhow::{Context, bail};
+use beadwork_mesh::Material;
 use beadwork_part::Frame;
-use beadwork_part::gcode::{self, Flavour, Layer, Print, Purge, SettingsError, Title, Tool, Tower};
-use beadwork_part::mesh::Material;
+use beadwork_part::print::{self, Flavour, Layer, Print, Purge, SettingsError, Title, Tool, Tower};
 use beadwork_search::plan::ToolCosts;
 use clap::ValueEnum;
 
@@ -81,14 +81,14 @@ const TOWER_GAP_MM: f64 = 5.0;
 
 /// The printer that was asked for.
 pub(crate) struct Profile {
-    settings: gcode::Settings,
+    settings: print::Settings,
     purge: Option<f64>,
     tower: TowerPlace,
 }
 
 impl PrinterArgs {
-    pub(crate) fn load(&self) -> anyhow::Result<gcode::Settings> {
-        let mut settings = gcode::Settings::default();
+    pub(crate) fn load(&self) -> anyhow::Result<print::Settings> {
+        let mut settings = print::Settings::default();
         if let Some(path) = &self.profile {
             let in_file = || format!("cannot read '{}'", path.display());
             let text = fs::read_to_string(path).with_context(in_file)?;
@@ -119,7 +119,7 @@ impl ProfileArgs {
 impl Profile {
     /// Usual values but for a bed of 400 x 400 mm, for tables of parts of all sizes.
     pub(crate) fn for_tables() -> Self {
-        let mut settings = gcode::Settings::default();
+        let mut settings = print::Settings::default();
         settings.printer.bed_mm = [400.0, 400.0, 210.0];
         Self { settings, purge: None, tower: TowerPlace::Auto }
     }
@@ -129,7 +129,7 @@ impl Profile {
     }
 
     /// Settings for so many materials, the tower still without a place.
-    pub(crate) fn complete(&self, materials: &[Material]) -> anyhow::Result<gcode::Settings> {
+    pub(crate) fn complete(&self, materials: &[Material]) -> anyhow::Result<print::Settings> {
         let mut settings = self.settings.clone();
         let given = settings.tools.clone();
         let tool = |(number, material): (usize, &Material)| {
@@ -175,8 +175,8 @@ impl Profile {
         name: &str,
         layers: &[Layer<'_>],
         frame: &Frame,
-        mut settings: gcode::Settings,
-    ) -> anyhow::Result<(Print, gcode::Settings)> {
+        mut settings: print::Settings,
+    ) -> anyhow::Result<(Print, print::Settings)> {
         let title = Title { part: name, version: env!("CARGO_PKG_VERSION") };
         let has_place = settings.purge.as_ref().is_none_or(|purge| purge.tower.is_some());
         if has_place || settings.tools.len() < 2 || !matches!(self.tower, TowerPlace::Auto) {

@@ -5,7 +5,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow, bail};
-use beadwork_part::gcode::{self, Event, Heater, Program};
+use beadwork_gcode::{Event, Heater, Program};
+use beadwork_part::print;
 use beadwork_part::slice::{Layers, Voxels};
 use beadwork_part::{Frame, Pattern};
 use beadwork_thermal::{ProgramSettings, ProgramSlots, Simulation, program_slots, program_voxels};
@@ -125,7 +126,7 @@ fn stem(path: &Path) -> String {
         .map_or_else(|| path.display().to_string(), |stem| stem.to_string_lossy().into_owned())
 }
 
-fn load_part(args: &Args, settings: &gcode::Settings) -> anyhow::Result<(String, Voxels)> {
+fn load_part(args: &Args, settings: &print::Settings) -> anyhow::Result<(String, Voxels)> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(machine::threads(0)).build()?;
     let part = args.part.load(settings.printer.bed_mm, &pool)?;
     for (body, repaired) in &part.repaired {

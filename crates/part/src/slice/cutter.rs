@@ -16,7 +16,7 @@ use rayon::ThreadPool;
 
 use super::each::each;
 use super::outline::Outline;
-use crate::mesh::Mesh;
+use beadwork_mesh::Mesh;
 
 /// Height of the plane through the middle of a layer, in mm.
 pub(super) fn plane_mm(layer: usize, layer_mm: f64) -> f64 {
@@ -27,7 +27,7 @@ pub(super) fn plane_mm(layer: usize, layer_mm: f64) -> f64 {
 /// each layer.
 ///
 /// `paint` holds one number for each triangle, which its part of an outline takes over, or nothing.
-/// Outlines of a surface that is not closed ([`crate::mesh::Body::repair`] sees to that) may miss
+/// Outlines of a surface that is not closed ([`beadwork_mesh::Body::repair`] sees to that) may miss
 /// lines.
 ///
 /// Works in `pool`, or in the calling thread alone; the result does not depend on it.

@@ -13,7 +13,7 @@ use super::paint::spread;
 use super::raster::each_run;
 use super::voxels::Voxels;
 use crate::frame::Frame;
-use crate::mesh::{Body, Model};
+use beadwork_mesh::{Body, Model};
 
 /// How to slice.
 #[derive(Clone, Copy)]
@@ -135,7 +135,7 @@ pub enum SliceError {
 
 /// Cuts a model into layers of cells.
 ///
-/// The bodies stand on z = 0 ([`crate::mesh::Placement`]), are closed ([`Body::repair`]) and have
+/// The bodies stand on z = 0 ([`beadwork_mesh::Placement`]), are closed ([`Body::repair`]) and have
 /// materials ([`Model::assign`]); where they overlap, the later one fills the place.
 /// A layer lies where its middle is within the part; a cell where its centre is: the surface of the
 /// part is met to half a bead and half a layer.

@@ -3,8 +3,9 @@
 mod visit;
 mod voxels;
 
+use beadwork_gcode::{Event, Feature, Limits, Motion, Program, TraceError};
 use beadwork_part::Frame;
-use beadwork_part::gcode::{Event, Feature, Limits, Motion, Printer, Program, TraceError};
+use beadwork_part::print::Printer;
 use beadwork_part::slice::Voxels;
 use thiserror::Error;
 

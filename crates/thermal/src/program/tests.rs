@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use beadwork_grid::{Path, Region, Zones, cover};
-use beadwork_part::gcode::{self, Print, Purge, Settings, Title, Tool, Tower};
+use beadwork_part::print::{self, Print, Purge, Settings, Title, Tool, Tower};
 use proptest::prelude::*;
 
 use super::*;
@@ -65,7 +65,7 @@ impl Planned {
             .layers
             .iter()
             .enumerate()
-            .map(|(number, (region, zones, path))| gcode::Layer { number, region, zones, path })
+            .map(|(number, (region, zones, path))| print::Layer { number, region, zones, path })
             .collect();
         let title = Title { part: "part", version: "0" };
         let print = Print::new(title, &layers, &self.frame, &settings).unwrap();

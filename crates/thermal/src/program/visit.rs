@@ -1,7 +1,7 @@
 //! A bead's way through the cells of a plane.
 
+use beadwork_gcode::Motion;
 use beadwork_part::Frame;
-use beadwork_part::gcode::Motion;
 
 /// A shorter way in a cell, in mm, is the rounding of a place in a file, and no visit: and with it
 /// so much of a cell's side.

@@ -1,7 +1,7 @@
 //! The part that a program prints.
 
+use beadwork_gcode::{Event, Motion, Program, TraceError};
 use beadwork_part::Frame;
-use beadwork_part::gcode::{Event, Motion, Program, TraceError};
 use beadwork_part::slice::Voxels;
 use thiserror::Error;
 
@@ -59,7 +59,7 @@ pub enum VoxelsError {
 ///
 /// The plane is the smallest around all beads but those of skirts, supports, towers and what was
 /// written by hand.
-/// For programs made of cells, as [`beadwork_part::gcode::Print`] makes them, these are the part's
+/// For programs made of cells, as [`print::Print`] makes them, these are the part's
 /// voxels; of others, those that [`program_slots`](super::program_slots) would call born.
 /// The material is the number of the tool that comes first.
 /// Layers are counted from the bed.

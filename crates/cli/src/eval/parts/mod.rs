@@ -8,7 +8,7 @@ mod surfaces;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use beadwork_part::mesh::Example;
+use beadwork_mesh::Example;
 use serde_json::json;
 
 use crate::part::{Numbers, Part, PartArgs, Rule};

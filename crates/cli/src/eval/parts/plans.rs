@@ -69,7 +69,7 @@ pub(super) fn measure(
             let printed = print(part, &plan, &profile, settings)?;
             let write_seconds = begin.elapsed().as_secs_f64();
             let tools = &printed.totals.tools;
-            let purged = |tool: &beadwork_part::gcode::ToolUse| {
+            let purged = |tool: &beadwork_gcode::ToolUse| {
                 tool.grams * tool.purge_mm / tool.filament_mm.max(1e-9)
             };
             rows.push(Row {

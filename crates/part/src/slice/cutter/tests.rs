@@ -4,8 +4,8 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::mesh::{Mesh, Shape};
 use crate::slice::FillRule;
+use beadwork_mesh::{Mesh, Shape};
 
 /// Every triangle looked at for one plane.
 fn slow_cut(mesh: &Mesh, paint: &[u8], plane: f64) -> Outline {

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::mesh::{Material, Materials, Mesh, Shape, Transform};
+use beadwork_mesh::{Material, Materials, Mesh, Shape, Transform};
 
 fn body(mesh: Mesh, material: usize) -> Body {
     Body { name: String::new(), mesh, material: Some(material), paint: Vec::new() }

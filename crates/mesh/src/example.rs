@@ -1,0 +1,146 @@
+//! Parts that need no file: for trials, tests and tables.
+
+use std::f64::consts::TAU;
+use std::fmt;
+use std::str::FromStr;
+
+use thiserror::Error;
+
+use super::model::{Body, Material, Model};
+use super::shapes::Shape;
+use super::surface::Mesh;
+
+/// A part made by a few lines of code.
+/// All stand on z = 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Example {
+    /// A plate of 60 x 20 x 3 mm: with beads of 0.5 mm and layers of 0.25 mm, 120 x 40 x 12 cells.
+    Rectangular,
+    /// A plate of 45 x 25 x 3 mm without 20 x 15 mm in the middle of its front: 39,600 such cells.
+    UShape,
+    /// A pyramid on a square of 30 mm, 19.25 mm high, with a top of 2 mm: 77 layers.
+    Pyramid,
+    /// A plate of 60 x 40 x 2 mm with a letter, 1 mm deep, of a second material.
+    LogoPlate,
+    /// A plate of 60 x 45 x 2 mm made of twelve squares of as many materials.
+    Palette,
+}
+
+/// There is no such example.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("unknown example '{0}': one of rectangular, u-shape, pyramid, logo-plate, palette")]
+pub struct UnknownExample(pub String);
+
+impl Example {
+    /// All of them.
+    pub const ALL: [Self; 5] =
+        [Self::Rectangular, Self::UShape, Self::Pyramid, Self::LogoPlate, Self::Palette];
+
+    /// Its name, as the command line has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rectangular => "rectangular",
+            Self::UShape => "u-shape",
+            Self::Pyramid => "pyramid",
+            Self::LogoPlate => "logo-plate",
+            Self::Palette => "palette",
+        }
+    }
+
+    /// The part.
+    pub fn model(self) -> Model {
+        match self {
+            Self::Rectangular => single(&Shape::Cuboid { size_mm: [60.0, 20.0, 3.0] }),
+            Self::UShape => {
+                let corners =
+                    [[0, 0], [25, 0], [25, 30], [65, 30], [65, 0], [90, 0], [90, 50], [0, 50]];
+                let outline_mm =
+                    corners.map(|corner| corner.map(|halves| f64::from(halves) / 2.0)).to_vec();
+                single(&Shape::Prism { outline_mm, z_mm: [0.0, 3.0] })
+            }
+            Self::Pyramid => single(&Shape::Frustum { sides_mm: [30.0, 2.0], height_mm: 19.25 }),
+            Self::LogoPlate => logo_plate(),
+            Self::Palette => palette(),
+        }
+    }
+}
+
+impl fmt::Display for Example {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Example {
+    type Err = UnknownExample;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        let found = Self::ALL.into_iter().find(|example| example.name() == name);
+        found.ok_or_else(|| UnknownExample(name.to_owned()))
+    }
+}
+
+fn body(name: &str, mesh: Mesh, material: usize) -> Body {
+    Body { name: name.to_owned(), mesh, material: Some(material), paint: Vec::new() }
+}
+
+fn material(name: &str, colour: [u8; 3]) -> Material {
+    Material { name: name.to_owned(), colour: Some(colour) }
+}
+
+fn single(shape: &Shape) -> Model {
+    Model {
+        bodies: vec![body("part", shape.mesh(), 0)],
+        materials: vec![material("grey", [170, 174, 178])],
+    }
+}
+
+/// The letter b: a bar, and a ring made of a disc and of the plate's material in its middle.
+fn logo_plate() -> Model {
+    let inlay = [1.0, 2.0];
+    let bar = [[20.0, 6.0], [25.0, 6.0], [25.0, 34.0], [20.0, 34.0]].to_vec();
+    let disc = |radius: f64| -> Vec<[f64; 2]> {
+        let corner = |step: i32| {
+            let (y, x) = (TAU * f64::from(step) / 96.0).sin_cos();
+            [31.0 + radius * x, 15.0 + radius * y]
+        };
+        (0..96).map(corner).collect()
+    };
+    let prism = |outline_mm| Shape::Prism { outline_mm, z_mm: inlay }.mesh();
+    Model {
+        bodies: vec![
+            body("plate", Shape::Cuboid { size_mm: [60.0, 40.0, 2.0] }.mesh(), 0),
+            body("disc", prism(disc(9.0)), 1),
+            body("eye", prism(disc(4.5)), 0),
+            body("bar", prism(bar), 1),
+        ],
+        materials: vec![material("white", [244, 244, 240]), material("blue", [40, 96, 176])],
+    }
+}
+
+/// Squares of 15 mm, four in a row.
+fn palette() -> Model {
+    let colours: [(&str, [u8; 3]); 12] = [
+        ("white", [245, 245, 242]),
+        ("yellow", [244, 208, 63]),
+        ("orange", [230, 136, 52]),
+        ("red", [203, 67, 53]),
+        ("pink", [226, 132, 172]),
+        ("violet", [125, 82, 160]),
+        ("blue", [52, 100, 182]),
+        ("cyan", [84, 176, 204]),
+        ("green", [72, 158, 92]),
+        ("olive", [142, 142, 72]),
+        ("brown", [124, 86, 60]),
+        ("black", [54, 54, 58]),
+    ];
+    let square = |(number, (name, _)): (usize, &(&str, [u8; 3]))| {
+        let [x, y] = [number % 4, number / 4].map(|place| 15.0 * place as f64);
+        let outline_mm = vec![[x, y], [x + 15.0, y], [x + 15.0, y + 15.0], [x, y + 15.0]];
+        body(name, Shape::Prism { outline_mm, z_mm: [0.0, 2.0] }.mesh(), number)
+    };
+    Model {
+        bodies: colours.iter().enumerate().map(square).collect(),
+        materials: colours.iter().map(|&(name, colour)| material(name, colour)).collect(),
+    }
+}

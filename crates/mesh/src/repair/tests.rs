@@ -1,0 +1,187 @@
+//! Damaged surfaces, and what is made of them.
+
+use std::collections::HashMap;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::Shape;
+
+fn body(mesh: Mesh) -> Body {
+    Body { name: String::new(), mesh, material: None, paint: Vec::new() }
+}
+
+/// Whether every edge is used as often in one direction as in the other.
+fn is_closed(mesh: &Mesh) -> bool {
+    let mut balance: HashMap<[u32; 2], i32> = HashMap::new();
+    for corners in mesh.triangles() {
+        for corner in 0..3 {
+            let (a, b) = (corners[corner], corners[(corner + 1) % 3]);
+            *balance.entry([a.min(b), a.max(b)]).or_default() += if a < b { 1 } else { -1 };
+        }
+    }
+    balance.values().all(|&balance| balance == 0)
+}
+
+fn parts(shapes: &[(Shape, [f64; 3], bool)]) -> Mesh {
+    let mut vertices = Vec::new();
+    let mut triangles = Vec::new();
+    for (shape, shift, inverted) in shapes {
+        let mesh = shape.mesh();
+        let base = vertices.len() as u32;
+        vertices.extend(
+            mesh.vertices().iter().map(|point| [0, 1, 2].map(|axis| point[axis] + shift[axis])),
+        );
+        triangles.extend(mesh.triangles().iter().map(|&[a, b, c]| {
+            let turned = if *inverted { [a, c, b] } else { [a, b, c] };
+            turned.map(|vertex| vertex + base)
+        }));
+    }
+    Mesh::new(vertices, triangles).unwrap()
+}
+
+#[test]
+fn a_sound_body_stays_as_it_is() {
+    let mut sound = body(Shape::Sphere { radius_mm: 5.0, steps: 8 }.mesh());
+    let before = sound.clone();
+    assert_eq!(sound.repair().unwrap(), Repaired::default());
+    assert_eq!(sound, before);
+}
+
+#[test]
+fn a_body_inside_out_is_turned_over() {
+    let mut inverted =
+        body(parts(&[(Shape::Cuboid { size_mm: [1.0, 2.0, 3.0] }, [5.0, 5.0, 5.0], true)]));
+    assert_eq!(inverted.repair().unwrap().flipped_triangles, 12);
+    assert!((inverted.mesh.volume_mm3() - 6.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_cavity_stays_and_a_body_in_a_cavity_is_turned() {
+    let cube = |side: f64| Shape::Cuboid { size_mm: [side; 3] };
+    let hollow =
+        [(cube(10.0), [0.0; 3], false), (cube(6.0), [2.0; 3], true), (cube(2.0), [4.0; 3], true)];
+    let mut hollow = body(parts(&hollow));
+    assert_eq!(hollow.repair().unwrap().flipped_triangles, 12);
+    assert!((hollow.mesh.volume_mm3() - (1000.0 - 216.0 + 8.0)).abs() < 1e-9);
+}
+
+#[test]
+fn a_hollow_body_that_is_inside_out_stays_hollow() {
+    let cube = |side: f64| Shape::Cuboid { size_mm: [side; 3] };
+    let inverted =
+        [(cube(10.0), [0.0; 3], true), (cube(6.0), [2.0; 3], false), (cube(2.0), [4.0; 3], true)];
+    let mut inverted = body(parts(&inverted));
+    assert_eq!(inverted.repair().unwrap().flipped_triangles, 36);
+    assert!((inverted.mesh.volume_mm3() - (1000.0 - 216.0 + 8.0)).abs() < 1e-9);
+}
+
+#[test]
+fn a_missing_triangle_is_filled() {
+    let mut open = body(Shape::Cuboid { size_mm: [10.0; 3] }.mesh());
+    open.mesh.parts_mut().1.pop();
+    open.paint = vec![0; 11];
+    open.paint[10] = 7;
+    assert_eq!(open.repair().unwrap(), Repaired { closed_holes: 1, ..Repaired::default() });
+    assert!((open.mesh.volume_mm3() - 1000.0).abs() < 1e-9);
+    assert_eq!(open.paint.len(), 12);
+}
+
+#[test]
+fn what_encloses_nothing_is_refused() {
+    let point = Mesh::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]; 12]).unwrap();
+    assert_eq!(body(point).repair(), Err(RepairError::NoArea(12)));
+    let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let sheet = Mesh::new(corners, vec![[0, 1, 2]]).unwrap();
+    assert_eq!(body(sheet).repair(), Err(RepairError::NoVolume(1)));
+}
+
+#[test]
+fn a_large_crooked_hole_is_refused() {
+    let mut half = body(Shape::Sphere { radius_mm: 10.0, steps: 12 }.mesh());
+    // A wedge: what is left has a rim that is far from flat.
+    let vertices = half.mesh.vertices().to_vec();
+    half.mesh.parts_mut().1.retain(|corners| {
+        let [x, y] = [0, 1]
+            .map(|axis| corners.iter().map(|&vertex| vertices[vertex as usize][axis]).sum::<f64>());
+        x < 0.0 || y < 0.0
+    });
+    assert!(matches!(half.repair(), Err(RepairError::Hole { .. })));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Unshared vertices, triangles turned over, missing and double: the sphere is found again.
+    #[test]
+    fn a_damaged_sphere_is_found_again(
+        steps in 6_u32..14,
+        flipped in prop::collection::vec(any::<prop::sample::Index>(), 0..20),
+        missing in prop::collection::vec(any::<prop::sample::Index>(), 0..3),
+        apart: bool,
+        offset in 0..1000_i32,
+    ) {
+        let sphere = Shape::Sphere { radius_mm: 10.0, steps }.mesh();
+        let shift = f64::from(offset);
+        let points: Vec<[f64; 3]> = sphere.vertices().iter().map(|&[x, y, z]| [x + shift, y, z - shift]).collect();
+        let mut triangles = sphere.triangles().to_vec();
+        flipped.iter().for_each(|at| { let at = at.index(triangles.len()); triangles[at].swap(0, 1); });
+        missing.iter().for_each(|at| { let at = at.index(triangles.len()); triangles.swap_remove(at); });
+        let (points, triangles) = if apart {
+            let points: Vec<[f64; 3]> = triangles.iter().flatten().map(|&vertex| points[vertex as usize]).collect();
+            (points, (0..triangles.len() as u32).map(|at| [3 * at, 3 * at + 1, 3 * at + 2]).collect())
+        } else {
+            (points, triangles)
+        };
+        let mut damaged = body(Mesh::new(points, triangles).unwrap());
+        let done = damaged.repair().unwrap();
+        prop_assert!(is_closed(&damaged.mesh));
+        prop_assert!(done.closed_holes <= missing.len());
+        // A pole's triangle filled or a corner cut: not more than the missing triangles' share.
+        let error = (damaged.mesh.volume_mm3() / sphere.volume_mm3() - 1.0).abs();
+        prop_assert!(error < 1e-9 || error < 0.05 * missing.len() as f64, "{}", error);
+    }
+
+    #[test]
+    fn any_triangles_end_closed_or_in_an_error(
+        points in prop::collection::vec([-3..3_i8, -3..3_i8, -3..3_i8], 3..12),
+        corners in prop::collection::vec([any::<prop::sample::Index>(), any::<prop::sample::Index>(), any::<prop::sample::Index>()], 1..40),
+        painted: bool,
+    ) {
+        let vertices: Vec<[f64; 3]> = points.iter().map(|point| point.map(f64::from)).collect();
+        let triangles: Vec<[u32; 3]> =
+            corners.iter().map(|corners| corners.map(|at| at.index(vertices.len()) as u32)).collect();
+        let mut any = body(Mesh::new(vertices, triangles).unwrap());
+        if painted {
+            any.paint = vec![3; any.mesh.triangles().len()];
+        }
+        if any.repair().is_ok() {
+            prop_assert!(is_closed(&any.mesh));
+            prop_assert!(!painted || any.paint.len() == any.mesh.triangles().len());
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_triangle_above_a_point_is_missed(
+        corners in prop::collection::vec(prop::array::uniform3(-8_i32..8), 60),
+        points in prop::collection::vec(prop::array::uniform3(-8_i32..8), 8),
+        triangles in prop::collection::vec(prop::array::uniform3(0_u32..60), 1..200),
+    ) {
+        let vertices: Vec<[f64; 3]> = corners.iter().map(|corner| corner.map(f64::from)).collect();
+        let mesh = Mesh::new(vertices, triangles).unwrap();
+        let above = Above::new(&mesh);
+        for point in points.iter().map(|point| point.map(|value| f64::from(value) + 0.25)) {
+            let turn = |triangle: u32| turn_above(mesh.corners(mesh.triangles()[triangle as usize]), point);
+            let all = 0..mesh.triangles().len() as u32;
+            let mut found = Vec::new();
+            prop_assert!(above.each(point, |triangle| found.push(triangle)) <= mesh.triangles().len());
+            found.retain(|&triangle| turn(triangle) != 0);
+            found.sort_unstable();
+            prop_assert_eq!(found, all.filter(|&triangle| turn(triangle) != 0).collect::<Vec<_>>());
+        }
+    }
+}

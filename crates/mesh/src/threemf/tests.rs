@@ -1,0 +1,197 @@
+//! Small archives, made here.
+
+use std::fmt::Write as _;
+use std::io::{Cursor, Write as _};
+
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
+
+use super::*;
+use crate::{Format, Materials};
+
+const TETRA: &str = r#"<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/><vertex x="0" y="1" z="0"/>
+<vertex x="0" y="0" z="1"/></vertices><triangles><triangle v1="0" v2="2" v3="1"/><triangle v1="0" v2="1" v3="3"/>
+<triangle v1="0" v2="3" v3="2"/><triangle v1="1" v2="2" v3="3" p1="1"/></triangles></mesh>"#;
+
+pub(crate) fn archive(parts: &[(&str, &str)]) -> Vec<u8> {
+    let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, text) in parts {
+        writer.start_file(*name, SimpleFileOptions::default()).unwrap();
+        writer.write_all(text.as_bytes()).unwrap();
+    }
+    writer.finish().unwrap().into_inner()
+}
+
+fn model(resources: &str, build: &str) -> String {
+    format!(
+        r#"<?xml version="1.0"?><model unit="inch" xmlns:p="prod" xmlns:m="mat"><resources>{resources}</resources><build>{build}</build></model>"#
+    )
+}
+
+fn read_parts(parts: &[(&str, &str)]) -> Result<Model, ReadError> {
+    Model::read(Format::ThreeMf, &archive(parts), &Limits::default())
+}
+
+fn read_model(resources: &str, build: &str) -> Result<Model, ReadError> {
+    read_parts(&[("3D/3dmodel.model", &model(resources, build))])
+}
+
+fn refused(resources: &str, build: &str) -> String {
+    read_model(resources, build).unwrap_err().to_string()
+}
+
+#[test]
+fn units_transforms_and_components_are_applied() {
+    let resources = format!(
+        r#"<object id="1" type="model" name="tetra">{TETRA}</object><object id="2"><components>
+        <component objectid="1" transform="2 0 0 0 2 0 0 0 2 0 0 0"/><component objectid="1"/></components></object>
+        <object id="3" type="support">{TETRA}</object>"#
+    );
+    let build = r#"<item objectid="2" transform="1 0 0 0 1 0 0 0 1 10 0 0"/><item objectid="1"/><item objectid="3"/>"#;
+    let mut model = read_model(&resources, build).unwrap();
+    assert_eq!(model.bodies.len(), 3);
+    let sixth = 25.4_f64.powi(3) / 6.0;
+    for (body, volume) in model.bodies.iter().zip([8.0 * sixth, sixth, sixth]) {
+        assert!((body.mesh.volume_mm3() - volume).abs() < 1e-6, "{}", body.mesh.volume_mm3());
+    }
+    assert_eq!(model.bodies[0].mesh.bounds().least, [254.0, 0.0, 0.0]);
+    model.assign(Materials::Stated);
+    assert_eq!(
+        model.bodies.iter().map(|body| body.material).collect::<Vec<_>>(),
+        [Some(0), Some(1), Some(2)]
+    );
+    model.assign(Materials::One);
+    assert_eq!(model.materials.len(), 1);
+}
+
+#[test]
+fn materials_come_from_groups_of_object_and_triangle() {
+    let resources = format!(
+        r##"<basematerials id="5"><base name="PLA &amp; co" displaycolor="#FF0000FF"/><base name="ABS" displaycolor="#00FF00"/></basematerials>
+        <m:colorgroup id="6"><m:color color="#0000FF"/></m:colorgroup>
+        <object id="1" pid="5" pindex="0">{TETRA}</object><object id="2" pid="6">{}</object>
+        <object id="3" pid="5" pindex="1"><components><component objectid="4"/></components></object><object id="4">{}</object>"##,
+        TETRA.replace(" p1=\"1\"", ""),
+        TETRA.replace(" p1=\"1\"", "")
+    );
+    let build = r#"<item objectid="1"/><item objectid="2"/><item objectid="3"/>"#;
+    let mut model = read_model(&resources, build).unwrap();
+    model.assign(Materials::Stated);
+    let names: Vec<_> = model.materials.iter().map(|material| material.name.as_str()).collect();
+    assert_eq!(names, ["PLA & co", "ABS", "#0000FF"]);
+    assert_eq!(model.materials[1].colour, Some([0, 255, 0]));
+    assert_eq!(model.bodies[0].paint, [0, 0, 0, 1]);
+    assert_eq!((model.bodies[1].material, model.bodies[2].material), (Some(2), Some(1)));
+}
+
+#[test]
+fn objects_may_stand_in_other_parts() {
+    let root = model(
+        r#"<object id="1"><components><component p:path="/3D/other.model" objectid="7"/></components></object>"#,
+        r#"<item objectid="1"/>"#,
+    );
+    let other = model(&format!(r#"<object id="7">{TETRA}</object>"#), "");
+    let list = r#"<Relationships><Relationship Target="/odd/place.model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
+    let read = read_parts(&[
+        ("_rels/.rels", list),
+        ("odd/place.model", &root),
+        ("3D/other.model", &other),
+    ])
+    .unwrap();
+    assert_eq!(read.triangles(), 4);
+    let error = read_parts(&[("_rels/.rels", list), ("odd/place.model", &root)]).unwrap_err();
+    assert_eq!(error.to_string(), "the part /3D/other.model is missing");
+    let error = read_parts(&[("_rels/.rels", list)]).unwrap_err();
+    assert_eq!(error.to_string(), "the part /odd/place.model is missing");
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let object = format!(r#"<object id="1">{TETRA}</object>"#);
+    let item = r#"<item objectid="1"/>"#;
+    assert_eq!(
+        refused(&object, r#"<item objectid="9"/>"#),
+        "3D/3dmodel.model, byte 0: there is no object 9"
+    );
+    assert_eq!(refused(&object, ""), "it holds no triangles");
+    assert!(
+        refused(&object.replace("x=\"1\"", "x=\"one\""), item).ends_with("\"one\" is no number")
+    );
+    assert!(refused(&object.replace("x=\"1\"", "x=\"nan\""), item).ends_with("the coordinate NaN"));
+    assert!(
+        refused(&object.replace("x=\"1\"", ""), item)
+            .ends_with("a vertex of less than 3 coordinates")
+    );
+    assert!(
+        refused(&object.replace("v1=\"1\"", "v1=\"4\""), item)
+            .contains("triangle 3 has the vertex 4, of 4")
+    );
+    assert!(
+        refused(&object, r#"<item objectid="1" transform="1 0 0"/>"#)
+            .ends_with("a transform of 3 numbers, not 12")
+    );
+    // 1e310 - 1e310: no vertex may become what is no number.
+    let beyond =
+        format!(r#"<item objectid="1" transform="{0} 0 0 -{0} 1 0 0 0 1 0 0 0"/>"#, "1e308");
+    let large = object.replace("x=\"1\" y=\"0\"", "x=\"100\" y=\"100\"");
+    assert!(refused(&large, &beyond).ends_with("leads to coordinates beyond all numbers"));
+    let round = r#"<object id="1"><components><component objectid="1"/><component objectid="1"/></components></object>"#;
+    assert!(refused(round, item).ends_with("object 1 is made of itself, or of objects 32 deep"));
+    let cut = model(&object, item);
+    let error = read_parts(&[("3D/3dmodel.model", &cut[..cut.len() - 30])]).unwrap_err();
+    assert!(matches!(error, ReadError::Part { .. }), "{error}");
+    let error = read_parts(&[("3D/3dmodel.model", "<svg></svg>")]).unwrap_err();
+    assert!(error.to_string().ends_with("it is no 3MF model"));
+    assert_eq!(
+        read_parts(&[("a.txt", "")]).unwrap_err().to_string(),
+        "the part 3D/3dmodel.model is missing"
+    );
+    let error = Model::read(Format::ThreeMf, b"no archive at all", &Limits::default()).unwrap_err();
+    assert_eq!(error.to_string(), "it is not a 3MF file, which is a ZIP archive");
+}
+
+#[test]
+fn what_belongs_to_no_triangle_is_left_out() {
+    let spare = TETRA
+        .replace("</vertices>", &(r#"<vertex x="9" y="9" z="9"/>"#.repeat(20) + "</vertices>"));
+    let spare =
+        spare.replace("<vertices>", &("<vertices>".to_owned() + r#"<vertex x="9" y="9" z="9"/>"#));
+    let shifted = [("4", "5"), ("3", "4"), ("2", "3"), ("1", "2"), ("0", "1")].iter().fold(
+        spare,
+        |text, (from, to)| {
+            (1..4).fold(text, |text, corner| {
+                text.replace(&format!("v{corner}=\"{from}\""), &format!("v{corner}=\"{to}\""))
+            })
+        },
+    );
+    let resources = format!(
+        r#"<object id="1">{TETRA}</object><object id="2">{shifted}</object><object id="3"><mesh></mesh></object>"#
+    );
+    let build = r#"<item objectid="1"/><item objectid="2"/><item objectid="3"/>"#;
+    let model = read_model(&resources, build).unwrap();
+    let [plain, spare] = &model.bodies[..] else { panic!("two bodies") };
+    assert_eq!(plain.mesh, spare.mesh);
+}
+
+#[test]
+fn what_unpacks_beyond_the_limit_is_stopped() {
+    let spaces = " ".repeat(8 << 20);
+    let bomb = archive(&[("3D/3dmodel.model", &model(&spaces, ""))]);
+    assert!(bomb.len() < 20_000);
+    let limits = Limits { unpacked_bytes: 1 << 20, ..Limits::default() };
+    let error = Model::read(Format::ThreeMf, &bomb, &limits).unwrap_err();
+    assert_eq!(error.to_string(), "it holds more than 1048576 bytes unpacked");
+    // Objects made of two of the one before: 2^30 bodies of 4 triangles.
+    let mut resources = format!(r#"<object id="1">{TETRA}</object>"#);
+    for id in 2..31 {
+        let part = format!(r#"<component objectid="{}"/>"#, id - 1);
+        write!(resources, r#"<object id="{id}"><components>{part}{part}</components></object>"#)
+            .unwrap();
+    }
+    let limits = Limits { triangles: 10_000, ..Limits::default() };
+    let bomb = archive(&[("3D/3dmodel.model", &model(&resources, r#"<item objectid="30"/>"#))]);
+    assert!(matches!(
+        Model::read(Format::ThreeMf, &bomb, &limits),
+        Err(ReadError::TooLarge { .. })
+    ));
+}

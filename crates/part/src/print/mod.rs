@@ -1,0 +1,65 @@
+//! Planned layers as the program of a printer, and the check of such a program from its text.
+//!
+//! - [`Print::new`]: the program of planned [`Layer`]s, and its totals.
+//! - [`check()`]: whether a program, from its text alone, prints the layers it should.
+//! - [`Settings`]: the printer, its tools, the process, and what tool changes purge.
+//!
+//! Filament is **retracted** before travel and **unretracted** before the next bead.
+//! **Purging** flushes the previous material into a **prime tower** beside the part.
+//!
+//! # Units and axes
+//! As in G-code files: x right, y to the back, z up, all in mm; filament as a length in mm.
+//! [`Frame`](crate::Frame) maps cells to bed coordinates.
+//! Speeds are in mm/s.
+//!
+//! # Example
+//! ```
+//! use beadwork_gcode::Program;
+//! use beadwork_grid::{Layout, LayoutSpec, Region, cover};
+//! use beadwork_part::Frame;
+//! use beadwork_part::print::{self, Layer, Print, Purge, Settings, Title, Tool, Tower};
+//!
+//! let region = Region::rectangle(20, 10)?;
+//! let zones = LayoutSpec::new(Layout::LeftRight).zones(&region, 0)?;
+//! let path = cover(&region);
+//! let layer = |number| Layer { number, region: &region, zones: &zones, path: &path };
+//! let layers = [layer(0), layer(1)];
+//!
+//! let frame = Frame {
+//!     left_mm: 100.0,
+//!     back_mm: 100.0,
+//!     cell_mm: 0.45,
+//!     layer_mm: 0.2,
+//!     width: 20,
+//!     height: 10,
+//! };
+//! let tower = Tower { left_mm: 120.0, front_mm: 50.0, width_mm: 30.0, depth_mm: 60.0 };
+//! let purge = Some(Purge::uniform(2, 10.0, Some(tower)));
+//! let settings = Settings { tools: vec![Tool::default(); 2], purge, ..Settings::default() };
+//!
+//! let title = Title { part: "plate", version: "0.1.0" };
+//! let print = Print::new(title, &layers, &frame, &settings)?;
+//! assert_eq!(print.totals.tool_changes, 20);
+//!
+//! let program = Program::parse(&print.program.emit())?;
+//! assert_eq!(print::check(&program, &layers, &frame, &settings)?.cells, 400);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Limits
+//! Travel goes straight, over printed parts too.
+//! A tool change is one `T` command; how the printer performs it is up to the printer.
+
+mod check;
+mod header;
+mod layer;
+mod settings;
+mod tower;
+mod writer;
+
+pub use check::{CheckError, Place, Report, check};
+pub use layer::Layer;
+pub use settings::{
+    CrossSection, Flavour, Nozzles, Printer, Process, Purge, Settings, SettingsError, Tool, Tower,
+};
+pub use writer::{Print, Title};
