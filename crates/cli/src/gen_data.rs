@@ -4,10 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
+use beadwork_console::{cancel, machine, output, progress};
 use beadwork_dataset::{Config, Factory, GenerateProgress, GenerateSettings, Slice, generate};
 use serde_json::json;
-
-use crate::{cancel, machine, output, progress};
 
 /// Write training data: records of searches in checked, resumable shards.
 ///
@@ -94,7 +93,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let settings = GenerateSettings {
         slice: args.shard,
         threads: machine::threads(args.threads),
-        cancel: cancel::token()?,
+        cancel: cancel::token()?.as_flag(),
         observer: &observer,
     };
     let generated = generate(&factory, &folder, &settings);

@@ -1,7 +1,7 @@
 //! What a run of the genetic algorithm looks like.
 
-use crate::chart::{Axis, BLUE, Chart, GREEN, GREY, ORANGE, Series, Stroke, charts};
-use crate::search::{GeneticRow, Row};
+use beadwork_console::chart::{Axis, BLUE, Chart, GREEN, GREY, ORANGE, Series, Stroke, charts};
+use beadwork_console::search::{GeneticRow, Row};
 
 /// Crossings and diversity over the generations of one run.
 pub(crate) fn chart(row: &Row, genetic: &GeneticRow) -> anyhow::Result<String> {

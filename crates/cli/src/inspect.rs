@@ -8,12 +8,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use anyhow::{Context, bail};
+use beadwork_console::progress::ProgressBar;
+use beadwork_console::{cancel, machine, output, progress};
 use beadwork_dataset::{Dataset, ShardReader, Trajectory, search_times};
-use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde_json::json;
-
-use crate::{cancel, machine, output, progress};
 
 /// Show what a dataset or a shard holds, and check it.
 #[derive(clap::Args)]
@@ -164,7 +163,7 @@ fn first_records(shards: &[Shard], count: usize) -> anyhow::Result<Vec<Trajector
 /// first that is wrong.
 fn verify(shards: &[Shard], dataset: Option<&Dataset>, threads: usize) -> anyhow::Result<()> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(machine::threads(threads)).build()?;
-    let cancel = cancel::token()?;
+    let cancel = cancel::token()?.as_flag();
     let bar = progress::bar(shards.iter().map(|shard| shard.records).sum(), "verify");
     let blocks: Vec<(&Shard, u32)> = shards
         .iter()

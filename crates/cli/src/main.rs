@@ -10,28 +10,12 @@
     reason = "the comments on flags are their help, where backticks are noise"
 )]
 
-mod accuracy;
-mod bench;
-mod cancel;
-mod chart;
 mod ends;
-mod eval;
 mod gen_data;
 mod generations;
-mod heat_parts;
 mod inspect;
 mod instance;
-#[cfg_attr(not(feature = "learn"), path = "unlearned.rs")]
-mod learned;
-mod machine;
-#[cfg(feature = "learn")]
-mod memory;
-mod output;
-mod paper;
-mod part;
 mod plan;
-mod progress;
-mod search;
 mod simulate;
 #[cfg(feature = "learn")]
 mod train;
@@ -39,6 +23,8 @@ mod zones;
 
 use std::process::ExitCode;
 
+use beadwork_console::output;
+use beadwork_lab::{bench, eval};
 use clap::{Parser, Subcommand};
 
 /// Plans how a 3D printer's head moves: fewer tool changes, fewer lifts, more even heat.

@@ -7,6 +7,10 @@ use std::str::FromStr;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+use beadwork_console::learned::{self, Fusion};
+use beadwork_console::output::wrong_use;
+use beadwork_console::search::{Breeding, Choice, MethodName, Row, Search};
+use beadwork_console::{machine, output, progress};
 use beadwork_dataset::StartChoice;
 use beadwork_grid::{Cell, Path, cover};
 use beadwork_part::{Panel, svg};
@@ -16,11 +20,8 @@ use beadwork_search::{Preset, ZoneCosts, genetic};
 use serde_json::json;
 
 use crate::ends::{Place, read_costs};
+use crate::generations;
 use crate::instance::{Instance, InstanceArgs};
-use crate::learned::{self, Fusion};
-use crate::output::wrong_use;
-use crate::search::{Breeding, Choice, MethodName, Row, Search};
-use crate::{generations, machine, output, progress};
 
 /// Find a path of few zone crossings for one layer.
 #[derive(clap::Args)]

@@ -1,11 +1,10 @@
 //! Some layers of a plan as a picture.
 
+use beadwork_console::part::Part;
+use beadwork_console::text::count;
 use beadwork_part::print;
 use beadwork_part::{Panel, svg};
 use beadwork_search::plan::ToolPlan;
-
-use super::report;
-use crate::part::Part;
 
 /// Layers that are drawn, at most: two rows.
 const PANELS: usize = 6;
@@ -26,8 +25,8 @@ pub(super) fn draw(part: &Part, plan: &ToolPlan, settings: &print::Settings) -> 
     }
     let title = |&at: &usize| {
         let planned = &plan.layers[at];
-        let beads = report::count(planned.path.pieces().into(), "bead");
-        let crossings = report::count(planned.crossings.into(), "crossing");
+        let beads = count(planned.path.pieces().into(), "bead");
+        let crossings = count(planned.crossings.into(), "crossing");
         format!("layer {}: {beads}, {crossings}", layers[at].0 + 1)
     };
     let titles: Vec<String> = shown.iter().map(title).collect();

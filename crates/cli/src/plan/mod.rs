@@ -1,7 +1,6 @@
 //! `plan`: from meshes to G-code, with as few and as cheap tool changes and as few lifts as can be.
 
 mod drawing;
-mod profile;
 mod report;
 
 use std::fs;
@@ -10,21 +9,15 @@ use std::str::FromStr;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use anyhow::{Context, bail};
-use beadwork_gcode::Program;
-use beadwork_part::print::{self, Layer, Print};
-use beadwork_part::slice::{self, Layers};
-use beadwork_search::plan::{
-    Constraints, LayerRef, Mode, Progress, Settings, Stacking, ToolPlan, tools_plan,
-};
+use anyhow::bail;
+use beadwork_console::part::PartArgs;
+use beadwork_console::plan::{print, refs};
+use beadwork_console::printer::{ProfileArgs, tool_costs};
+use beadwork_console::text::count;
+use beadwork_console::{cancel, machine, output, progress};
+use beadwork_search::plan::{Constraints, Mode, Progress, Settings, Stacking, tools_plan};
 use clap::ValueEnum;
 
-pub(crate) use profile::{PrinterArgs, Profile, tool_costs};
-pub(crate) use report::{count, duration};
-
-use crate::part::{Part, PartArgs};
-use crate::{cancel, machine, output, progress};
-use profile::ProfileArgs;
 use report::{Report, Seconds};
 
 /// Plan how a part is printed, and write its G-code.
@@ -133,7 +126,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let begin = Instant::now();
     let part = args.part.load(profile.bed_mm(), &pool)?;
     for (body, repaired) in &part.repaired {
-        eprintln!("beadwork: repaired {body}: {}", crate::part::describe(repaired));
+        eprintln!("beadwork: repaired {body}: {}", beadwork_console::part::describe(repaired));
     }
     if let Some(layer) = part.layers.gap() {
         bail!("layer {} has no cells: what lies above it would be printed in the air", layer + 1);
@@ -171,7 +164,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         seed: args.seed,
         attempts: args.attempts,
         pool: Some(&pool),
-        cancel: Some(cancel::token()?),
+        cancel: Some(cancel::token()?.as_flag()),
         observer: Some(&observer),
         ..Settings::new(&costs, &constraints)
     };
@@ -183,7 +176,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let seconds = Seconds { slice: sliced, plan: planned - sliced, print: done - planned };
     let report =
         Report { part: &part, plan: &plan, printed: &printed, lift_cost: args.lift_cost, seconds };
-    if cancel::token()?.load(Ordering::Relaxed) {
+    if cancel::token()?.as_flag().load(Ordering::Relaxed) {
         bail!("stopped; nothing was written");
     }
     if let Some(path) = &args.svg {
@@ -226,56 +219,4 @@ impl Args {
         }
         Ok(Files { gcode, totals })
     }
-}
-
-/// Layers with cells, as the planner takes them.
-pub(crate) fn refs(layers: &Layers) -> Vec<LayerRef<'_>> {
-    let layers = layers.layers.iter().flatten();
-    layers.map(|slice::Layer { region, zones }| LayerRef { region, zones }).collect()
-}
-
-/// Layers with the paths of those that have cells, as they are printed: from the bed up, empty ones
-/// below left out.
-pub(crate) fn printed_layers<'a>(
-    layers: &'a Layers,
-    paths: impl Iterator<Item = &'a beadwork_grid::Path>,
-) -> Vec<Layer<'a>> {
-    let numbered = layers.layers.iter().skip(layers.empty_below()).enumerate();
-    let filled = numbered.filter_map(|(number, layer)| Some((number, layer.as_ref()?)));
-    let with_path =
-        |((number, layer), path): ((usize, &'a slice::Layer), &'a beadwork_grid::Path)| Layer {
-            number,
-            region: &layer.region,
-            zones: &layer.zones,
-            path,
-        };
-    filled.zip(paths).map(with_path).collect()
-}
-
-/// A plan as G-code that has been checked.
-pub(crate) struct Printed {
-    pub(crate) text: String,
-    pub(crate) totals: beadwork_gcode::Totals,
-    /// What the check found in the text.
-    pub(crate) checked: print::Report,
-    pub(crate) settings: print::Settings,
-}
-
-/// Writes a plan as G-code, and checks the text: what is wrong there must not reach a printer.
-pub(crate) fn print(
-    part: &Part,
-    plan: &ToolPlan,
-    profile: &Profile,
-    settings: print::Settings,
-) -> anyhow::Result<Printed> {
-    let layers = printed_layers(&part.layers, plan.layers.iter().map(|planned| &planned.path));
-    let frame = &part.layers.frame;
-    let (Print { program, totals }, settings) =
-        profile.print(&part.name, &layers, frame, settings)?;
-    let text = program.emit();
-    drop(program);
-    let checked = print::check(&Program::parse(&text)?, &layers, frame, &settings);
-    let checked =
-        checked.context("the G-code does not print the plan; this is a fault of beadwork")?;
-    Ok(Printed { text, totals, checked, settings })
 }

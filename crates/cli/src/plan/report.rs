@@ -2,11 +2,13 @@
 
 use std::fmt::Write;
 
+use beadwork_console::part::Part;
+use beadwork_console::plan::Printed;
+use beadwork_console::text::{count, duration};
 use beadwork_search::plan::ToolPlan;
 use serde_json::{Value, json};
 
-use super::{Files, Printed};
-use crate::part::Part;
+use super::Files;
 
 /// How long the steps took.
 pub(super) struct Seconds {
@@ -141,19 +143,5 @@ impl Report<'_> {
             text,
             "{slice:.2} s to slice, {plan:.2} s to plan, {print:.2} s to write and check"
         )
-    }
-}
-
-/// So many of something.
-pub(crate) fn count(count: u64, what: &str) -> String {
-    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
-}
-
-/// Hours and minutes.
-pub(crate) fn duration(seconds: f64) -> String {
-    let minutes = (seconds / 60.0).round() as u64;
-    match (minutes / 60, minutes % 60) {
-        (0, minutes) => format!("{minutes} min"),
-        (hours, minutes) => format!("{hours} h {minutes} min"),
     }
 }

@@ -1,10 +1,10 @@
 //! Temperatures by layer as charts, and some layers as maps.
 
+use beadwork_console::chart::{Axis, BLUE, Chart, GREEN, GREY, ORANGE, Series, Stroke, charts};
 use beadwork_thermal::{Plane, Simulation};
 
 use super::layers::Measure;
 use super::map::{self, Map, Scale};
-use crate::chart::{Axis, BLUE, Chart, GREEN, GREY, ORANGE, Series, Stroke, charts};
 
 /// Layers that are drawn, at most: two rows.
 const MAPS: usize = 6;

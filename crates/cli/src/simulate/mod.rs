@@ -19,15 +19,15 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use anyhow::bail;
+use beadwork_console::accuracy::AccuracyName;
+use beadwork_console::part::PartArgs;
+use beadwork_console::printer::PrinterArgs;
+use beadwork_console::{cancel, machine, output, progress};
 use beadwork_part::Pattern;
 use beadwork_thermal::{Accuracy, LayerReport, Material, Method, Process, Simulation, Slot};
 use clap::ValueEnum;
 use rayon::ThreadPoolBuilder;
 
-use crate::accuracy::AccuracyName;
-use crate::part::PartArgs;
-use crate::plan::PrinterArgs;
-use crate::{cancel, machine, output, progress};
 use layers::Measure;
 use place::size_mm;
 use probe::Probe;
@@ -295,7 +295,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let bonds = simulation.bonds(material.glass_transition_c);
     let layers: Vec<Measure> = reports.iter().map(|report| Measure::new(report, &bonds)).collect();
     bar.finish_and_clear();
-    if cancel::token()?.load(Ordering::Relaxed) {
+    if cancel::token()?.as_flag().load(Ordering::Relaxed) {
         bail!("stopped; nothing was written");
     }
     let report = Report {

@@ -2,13 +2,13 @@
 
 use std::fmt::Write;
 
+use beadwork_console::text::{count, duration};
 use beadwork_thermal::{Material, Process, Spread, WarpageEstimate};
 use serde_json::{Value, json};
 
 use super::layers::Measure;
 use super::source::{Course, Source};
 use super::watch::{Excess, Seen};
-use crate::plan::{count, duration};
 
 /// Rows of a table for people, at most.
 const ROWS: usize = 16;

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::bail;
+use beadwork_console::output;
 use beadwork_thermal::{Plane, Simulation};
 
 use super::map::{Map, Scale, png, svg};
 use super::place::voxel_at;
-use crate::output;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Axis {

@@ -5,17 +5,17 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow, bail};
+use beadwork_console::progress::ProgressBar;
+use beadwork_console::text::count;
+use beadwork_console::{cancel, machine};
 use beadwork_gcode::{Event, Heater, Program};
 use beadwork_part::print;
 use beadwork_part::slice::{Layers, Voxels};
 use beadwork_part::{Frame, Pattern};
 use beadwork_thermal::{ProgramSettings, ProgramSlots, Simulation, program_slots, program_voxels};
-use indicatif::ProgressBar;
 
 use super::Args;
 use super::watch::Watch;
-use crate::plan::count;
-use crate::{cancel, machine};
 
 /// A part and how it comes about.
 pub(super) struct Source {
@@ -78,7 +78,7 @@ impl Source {
         bar: &ProgressBar,
         mut complete: impl FnMut(usize, f64, &Simulation),
     ) -> anyhow::Result<()> {
-        let token = cancel::token()?;
+        let token = cancel::token()?.as_flag();
         let mut done = |layer: usize, seconds: f64, simulation: &Simulation| {
             bar.inc(self.part.cells(layer).count() as u64);
             complete(layer, seconds, simulation);
@@ -130,7 +130,7 @@ fn load_part(args: &Args, settings: &print::Settings) -> anyhow::Result<(String,
     let pool = rayon::ThreadPoolBuilder::new().num_threads(machine::threads(0)).build()?;
     let part = args.part.load(settings.printer.bed_mm, &pool)?;
     for (body, repaired) in &part.repaired {
-        eprintln!("beadwork: repaired {body}: {}", crate::part::describe(repaired));
+        eprintln!("beadwork: repaired {body}: {}", beadwork_console::part::describe(repaired));
     }
     if let Some(layer) = part.layers.gap() {
         bail!("layer {} has no cells: what lies above it would be printed in the air", layer + 1);

@@ -6,6 +6,7 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use anyhow::{Context, ensure};
+use beadwork_console::{cancel, machine, output, progress};
 use beadwork_dataset::Dataset;
 use beadwork_learn::fusion::model::Model;
 use beadwork_learn::fusion::train::{End, Event, Run, Training, last_checkpoint, train};
@@ -13,7 +14,6 @@ use beadwork_learn::{Cuda, Device};
 use serde_json::json;
 
 use super::log::Log;
-use crate::{cancel, machine, output, progress};
 
 /// Train FusionNet, which proposes moves that lead to fewer crossings.
 ///
@@ -108,23 +108,11 @@ fn check_folder(out: &Path, resume: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The device of this name.
-pub(crate) fn device(name: &str) -> anyhow::Result<Device> {
-    if name == "cpu" {
-        return Ok(Device::Cpu);
-    }
-    ensure!(
-        Cuda::is_available(),
-        "no graphics card, or a libtorch without CUDA: see 'cargo xtask setup --cuda'"
-    );
-    Ok(Device::Cuda(0))
-}
-
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let mut training = args.source.read()?;
     training.steps = args.steps.unwrap_or(training.steps);
     training.seed = args.seed.unwrap_or(training.seed);
-    let device = device(&args.device)?;
+    let device = beadwork_console::learned::device(&args.device)?;
     let dataset = Dataset::open(&args.data)?;
     check_folder(&args.out, args.resume)?;
     fs::create_dir_all(&args.out)
@@ -133,7 +121,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let begin = Instant::now();
     let mut log = Log::open(&args.out, args.resume)?;
     let bar = progress::bar(training.steps, "steps");
-    let cancel = cancel::token()?;
+    let cancel = cancel::token()?.as_flag();
     let mut failed = None;
     let (mut steps, mut examples) = (0, 0);
     let mut last_evaluation = None;

@@ -4,9 +4,8 @@ pub(crate) mod fusion;
 mod log;
 mod tensorboard;
 
+use beadwork_console::memory;
 use clap::Subcommand;
-
-use crate::memory;
 
 /// Train a network.
 /// A run that was stopped goes on with --resume, with the same losses.

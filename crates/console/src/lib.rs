@@ -1,0 +1,33 @@
+//! What the commands of the binary share, those of `beadwork-cli` and those of `beadwork-lab`.
+//!
+//! - The terminal: [`output`], [`progress`], [`cancel`] (Ctrl-C as a cancel token), [`text`].
+//! - [`machine`]: facts recorded beside measured figures; [`memory`]: an allocator that keeps
+//!   memory between training steps.
+//! - [`chart`]: line charts and heat maps as SVG.
+//! - [`part`] and [`printer`]: flags that name a part and a printer, and what they load;
+//!   [`plan`]: planned layers as checked G-code.
+//! - [`search`]: any search method on one layer, reported as a row of a table.
+//!
+//! This crate writes to the terminal and reads and writes files; the compute crates do neither.
+
+#![allow(missing_docs)]
+#![allow(clippy::print_stderr, reason = "a command line talks to its terminal")]
+#![allow(
+    clippy::doc_markdown,
+    reason = "the comments on flags are their help, where backticks are noise"
+)]
+
+pub mod accuracy;
+pub mod cancel;
+pub mod chart;
+#[cfg_attr(not(feature = "learn"), path = "unlearned.rs")]
+pub mod learned;
+pub mod machine;
+pub mod memory;
+pub mod output;
+pub mod part;
+pub mod plan;
+pub mod printer;
+pub mod progress;
+pub mod search;
+pub mod text;

@@ -1,0 +1,41 @@
+//! Writing results to stdout and to files.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::Path;
+
+use anyhow::Context;
+use beadwork_dataset::write_whole;
+
+/// Writes text to stdout; an error, unlike a panic of `print!`, can be told apart when the pipe is
+/// closed.
+pub fn text(text: &str) -> anyhow::Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    Ok(out.flush()?)
+}
+
+/// Writes one JSON document.
+pub fn json(value: &serde_json::Value) -> anyhow::Result<()> {
+    text(&format!("{value:#}\n"))
+}
+
+/// Writes a file, whole or not at all; a terminal or a pipe is written to, not replaced.
+pub fn file(path: &Path, content: impl AsRef<[u8]>) -> anyhow::Result<()> {
+    if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
+        return fs::write(path, content)
+            .with_context(|| format!("cannot write '{}'", path.display()));
+    }
+    Ok(write_whole(path, |out| out.write_all(content.as_ref()))?)
+}
+
+/// Whether this is only a reader that stopped reading.
+pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    let io = error.downcast_ref::<io::Error>();
+    io.is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+}
+
+/// Ends the process as clap does where the arguments can't be used.
+pub fn wrong_use(message: &str) -> ! {
+    clap::Error::raw(clap::error::ErrorKind::ArgumentConflict, format!("{message}\n")).exit()
+}

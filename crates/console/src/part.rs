@@ -1,0 +1,233 @@
+//! A part from files: read, repaired, put on the bed and cut into layers.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use anyhow::{Context, bail};
+use beadwork_mesh::{
+    Bounds, Example, Format, Limits, Materials, Model, Placement, Repaired, Transform,
+};
+use beadwork_part::slice::{FillRule, Layers, Settings, slice};
+use clap::ValueEnum;
+use rayon::ThreadPool;
+
+use crate::{cancel, progress};
+
+/// What precedes the name of a part that is no file.
+const EXAMPLE: &str = "example:";
+
+/// Flags that name a part and how it is cut.
+#[derive(clap::Args)]
+pub struct PartArgs {
+    /// Files of meshes (STL, 3MF or OBJ) in one frame, or examples: example:rectangular,
+    /// example:u-shape, example:pyramid, example:logo-plate, example:palette.
+    #[arg(value_name = "PART", required = true)]
+    parts: Vec<PathBuf>,
+    /// Unit of STL and OBJ files, which do not say.
+    #[arg(long, value_name = "UNIT", default_value = "mm")]
+    unit: Unit,
+    /// Makes the part so many times as large.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_hyphen_values = true)]
+    scale: f64,
+    /// Turns the part by so many degrees about x, then y, then z.
+    #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", allow_hyphen_values = true)]
+    pub rotate: Numbers<3>,
+    /// Where on the bed the part's middle lies, in mm; the middle of the bed if not given.
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
+    centre: Option<Numbers<2>>,
+    /// Width of a bead in mm: the side of a cell.
+    #[arg(long, value_name = "MM", default_value_t = 0.5, allow_hyphen_values = true)]
+    bead: f64,
+    /// Height of a layer in mm.
+    #[arg(long, value_name = "MM", default_value_t = 0.25, allow_hyphen_values = true)]
+    layer: f64,
+    /// What lies within a body whose surface runs into itself.
+    #[arg(long, value_name = "RULE", default_value = "nonzero")]
+    fill: Fill,
+    /// What is a material, and so a tool, of its own: as the files state it (a body they say
+    /// nothing of is one), every body, or all together.
+    #[arg(long, value_name = "RULE", default_value = "stated")]
+    pub materials: Rule,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Unit {
+    Um,
+    Mm,
+    Cm,
+    M,
+    In,
+    Ft,
+}
+
+impl Unit {
+    fn mm(self) -> f64 {
+        match self {
+            Self::Um => 1e-3,
+            Self::Mm => 1.0,
+            Self::Cm => 10.0,
+            Self::M => 1e3,
+            Self::In => 25.4,
+            Self::Ft => 304.8,
+        }
+    }
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Fill {
+    /// What its outlines go around, on balance: shells that overlap are joined.
+    Nonzero,
+    /// What lies within an odd number of outlines.
+    Evenodd,
+}
+
+/// What is a material of its own.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Rule {
+    Stated,
+    Bodies,
+    One,
+}
+
+/// So many numbers with commas between.
+#[derive(Clone, Copy)]
+pub struct Numbers<const N: usize>(pub [f64; N]);
+
+impl<const N: usize> FromStr for Numbers<N> {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Option<Vec<f64>> =
+            text.split(',').map(|number| number.trim().parse().ok()).collect();
+        let numbers = numbers.and_then(|numbers| numbers.try_into().ok());
+        numbers.map(Self).ok_or_else(|| format!("give {N} numbers with commas between"))
+    }
+}
+
+/// A part in layers.
+pub struct Part {
+    /// Of its first file.
+    pub name: String,
+    pub model: Model,
+    pub layers: Layers,
+    /// What was repaired, for each body that was not sound.
+    pub repaired: Vec<(String, Repaired)>,
+    pub bounds: Bounds,
+}
+
+impl PartArgs {
+    /// One part as the flags have it if none but its name is given.
+    pub fn usual(part: PathBuf) -> Self {
+        Self {
+            parts: vec![part],
+            unit: Unit::Mm,
+            scale: 1.0,
+            rotate: Numbers([0.0; 3]),
+            centre: None,
+            bead: 0.5,
+            layer: 0.25,
+            fill: Fill::Nonzero,
+            materials: Rule::Stated,
+        }
+    }
+
+    /// Whether any part is named: some commands do without.
+    pub fn is_given(&self) -> bool {
+        !self.parts.is_empty()
+    }
+
+    /// Reads, repairs, places and cuts the part.
+    pub fn load(&self, bed_mm: [f64; 3], pool: &ThreadPool) -> anyhow::Result<Part> {
+        let mut model = Model::default();
+        let mut repaired = Vec::new();
+        for path in &self.parts {
+            let mut read = self.read(path)?;
+            for (number, body) in read.bodies.iter_mut().enumerate() {
+                if body.name.is_empty() {
+                    body.name = match number {
+                        0 => name_of(path),
+                        _ => format!("{} {}", name_of(path), number + 1),
+                    };
+                }
+                let done = body
+                    .repair()
+                    .with_context(|| format!("'{}', body {}", path.display(), body.name))?;
+                if !done.was_sound() {
+                    repaired.push((body.name.clone(), done));
+                }
+            }
+            model.append(read).with_context(|| format!("cannot add '{}'", path.display()))?;
+        }
+        model.assign(match self.materials {
+            Rule::Stated => Materials::Stated,
+            Rule::Bodies => Materials::Bodies,
+            Rule::One => Materials::One,
+        });
+        let Numbers(turn_degrees) = self.rotate;
+        let centre_mm = self.centre.map(|Numbers(centre)| centre);
+        Placement { scale: self.scale, turn_degrees, centre_mm, bed_mm }.apply(&mut model)?;
+        let bar = progress::bar(0, "slice");
+        let observer = |progress: beadwork_part::slice::Progress| {
+            bar.set_length(progress.layers as u64);
+            bar.set_position(progress.done as u64);
+        };
+        let settings = Settings {
+            cell_mm: self.bead,
+            layer_mm: self.layer,
+            rule: match self.fill {
+                Fill::Nonzero => FillRule::NonZero,
+                Fill::Evenodd => FillRule::EvenOdd,
+            },
+            pool: Some(pool),
+            cancel: Some(cancel::token()?.as_flag()),
+            observer: Some(&observer),
+            ..Settings::default()
+        };
+        let layers = slice(&model, &settings)?;
+        bar.finish_and_clear();
+        let bounds = model.bounds();
+        Ok(Part { name: name_of(&self.parts[0]), layers, repaired, bounds, model })
+    }
+
+    fn read(&self, path: &Path) -> anyhow::Result<Model> {
+        if let Some(name) = path.to_str().and_then(|name| name.strip_prefix(EXAMPLE)) {
+            return Ok(name.parse::<Example>()?.model());
+        }
+        let Some(format) = Format::of_name(&path.to_string_lossy()) else {
+            bail!("'{}' is no .stl, .3mf or .obj file", path.display());
+        };
+        let in_file = || format!("cannot read '{}'", path.display());
+        let bytes = fs::read(path).with_context(in_file)?;
+        let mut model = Model::read(format, &bytes, &Limits::default()).with_context(in_file)?;
+        if format != Format::ThreeMf {
+            let unit = Transform::scale(self.unit.mm());
+            model.bodies.iter_mut().for_each(|body| unit.apply(&mut body.mesh));
+        }
+        Ok(model)
+    }
+}
+
+fn name_of(path: &Path) -> String {
+    let text = path.to_string_lossy();
+    if let Some(name) = text.strip_prefix(EXAMPLE) {
+        return name.to_owned();
+    }
+    path.file_stem().map_or_else(|| text.to_string(), |stem| stem.to_string_lossy().into_owned())
+}
+
+/// What was repaired, in words.
+pub fn describe(repaired: &Repaired) -> String {
+    let Repaired { dropped_triangles, flipped_triangles, closed_holes, .. } = *repaired;
+    let count = |count: usize, one: &str, many: &str| match count {
+        0 => None,
+        1 => Some(format!("1 {one}")),
+        count => Some(format!("{count} {many}")),
+    };
+    let done = [
+        count(closed_holes, "hole closed", "holes closed"),
+        count(flipped_triangles, "triangle turned outwards", "triangles turned outwards"),
+        count(dropped_triangles, "triangle without area dropped", "triangles without area dropped"),
+    ];
+    done.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,271 @@
+//! What a plan is printed with: the profile of a printer, completed for the materials of a part.
+
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::{Context, bail};
+use beadwork_mesh::Material;
+use beadwork_part::Frame;
+use beadwork_part::print::{self, Flavour, Layer, Print, Purge, SettingsError, Title, Tool, Tower};
+use beadwork_search::plan::ToolCosts;
+use clap::ValueEnum;
+
+use crate::output::wrong_use;
+use crate::part::Numbers;
+
+/// Flags of the printer.
+#[derive(clap::Args)]
+pub struct PrinterArgs {
+    /// A file with the printer, its tools and its speeds: see configs/plan/example.toml.
+    #[arg(long, value_name = "FILE")]
+    profile: Option<PathBuf>,
+    /// Width, depth and height that can be printed, in mm, in place of the profile's.
+    #[arg(long, value_name = "X,Y,Z")]
+    bed: Option<Numbers<3>>,
+}
+
+/// Flags of the printer and of what it writes.
+#[derive(clap::Args)]
+pub struct ProfileArgs {
+    #[command(flatten)]
+    printer: PrinterArgs,
+    /// Dialect of the G-code, in place of the profile's.
+    #[arg(long, value_name = "NAME")]
+    flavour: Option<FlavourName>,
+    /// What every change of tools purges, in mm³, in place of the profile's matrix; 140 if there is
+    /// none.
+    #[arg(long, value_name = "MM3")]
+    purge: Option<f64>,
+    /// The tower that takes up what is purged: auto, none, or its place and size
+    /// LEFT,FRONT,WIDTH,DEPTH in mm.
+    #[arg(long, value_name = "TOWER", default_value = "auto")]
+    tower: TowerPlace,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum FlavourName {
+    Marlin,
+    Klipper,
+}
+
+#[derive(Clone, Copy)]
+enum TowerPlace {
+    Auto,
+    None,
+    At(Tower),
+}
+
+impl std::str::FromStr for TowerPlace {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self::Auto),
+            "none" => Ok(Self::None),
+            _ => {
+                let Numbers([left_mm, front_mm, width_mm, depth_mm]) = text
+                    .parse()
+                    .map_err(|_| "give auto, none, or LEFT,FRONT,WIDTH,DEPTH".to_owned())?;
+                Ok(Self::At(Tower { left_mm, front_mm, width_mm, depth_mm }))
+            }
+        }
+    }
+}
+
+/// Purged by a change of tools if nobody says otherwise, in mm³: what a usual nozzle takes between
+/// two colours.
+const USUAL_PURGE_MM3: f64 = 140.0;
+
+/// Room between the part and the tower, in mm.
+const TOWER_GAP_MM: f64 = 5.0;
+
+/// The printer that was asked for.
+pub struct Profile {
+    settings: print::Settings,
+    purge: Option<f64>,
+    tower: TowerPlace,
+}
+
+impl PrinterArgs {
+    pub fn load(&self) -> anyhow::Result<print::Settings> {
+        let mut settings = print::Settings::default();
+        if let Some(path) = &self.profile {
+            let in_file = || format!("cannot read '{}'", path.display());
+            let text = fs::read_to_string(path).with_context(in_file)?;
+            settings = toml::from_str(&text).with_context(in_file)?;
+        }
+        if let Some(Numbers(bed_mm)) = self.bed {
+            settings.printer.bed_mm = bed_mm;
+        }
+        Ok(settings)
+    }
+}
+
+impl ProfileArgs {
+    pub fn load(&self) -> anyhow::Result<Profile> {
+        let mut settings = self.printer.load()?;
+        match self.flavour {
+            Some(FlavourName::Marlin) => settings.printer.flavour = Flavour::Marlin,
+            Some(FlavourName::Klipper) => settings.printer.flavour = Flavour::Klipper,
+            None => {}
+        }
+        if self.purge.is_some_and(|purge| !(0.0..=1e6).contains(&purge)) {
+            wrong_use("--purge is a volume from 0 to a million mm³");
+        }
+        Ok(Profile { settings, purge: self.purge, tower: self.tower })
+    }
+}
+
+impl Profile {
+    /// Usual values but for a bed of 400 x 400 mm, for tables of parts of all sizes.
+    pub fn for_tables() -> Self {
+        let mut settings = print::Settings::default();
+        settings.printer.bed_mm = [400.0, 400.0, 210.0];
+        Self { settings, purge: None, tower: TowerPlace::Auto }
+    }
+
+    pub fn bed_mm(&self) -> [f64; 3] {
+        self.settings.printer.bed_mm
+    }
+
+    /// Settings for so many materials, the tower still without a place.
+    pub fn complete(&self, materials: &[Material]) -> anyhow::Result<print::Settings> {
+        let mut settings = self.settings.clone();
+        let given = settings.tools.clone();
+        let tool = |(number, material): (usize, &Material)| {
+            let base = given.get(number).or(given.last()).cloned().unwrap_or_default();
+            let is_own = number < given.len();
+            let named = Tool { name: material.name.clone(), ..base.clone() };
+            let colour = material.colour.filter(|_| !is_own).unwrap_or(base.colour);
+            Tool { colour, ..if is_own && !base.name.is_empty() { base } else { named } }
+        };
+        settings.tools = materials.iter().enumerate().map(tool).collect();
+        let count = materials.len();
+        let tower = match self.tower {
+            TowerPlace::At(tower) => Some(tower),
+            TowerPlace::Auto | TowerPlace::None => None,
+        };
+        settings.purge = match (settings.purge.take(), self.purge) {
+            (Some(purge), None) => {
+                if purge.volume_mm3.len() < count {
+                    bail!(
+                        "the profile has a purge matrix of {} tools, the part {count} materials",
+                        purge.volume_mm3.len()
+                    );
+                }
+                // A printer may have more tools than the part has materials.
+                let cut = |row: Vec<f64>| row.into_iter().take(count).collect();
+                let volume_mm3 = purge.volume_mm3.into_iter().take(count).map(cut).collect();
+                Some(Purge { volume_mm3, tower: tower.or(purge.tower) })
+            }
+            (given, purge) => {
+                let tower = tower.or(given.and_then(|given| given.tower));
+                Some(Purge::uniform(count, purge.unwrap_or(USUAL_PURGE_MM3), tower))
+            }
+        };
+        if matches!(self.tower, TowerPlace::None) {
+            settings.purge.iter_mut().for_each(|purge| purge.tower = None);
+        }
+        Ok(settings)
+    }
+
+    /// The print of planned layers, and the settings with the place that was found for the tower.
+    pub fn print(
+        &self,
+        name: &str,
+        layers: &[Layer<'_>],
+        frame: &Frame,
+        mut settings: print::Settings,
+    ) -> anyhow::Result<(Print, print::Settings)> {
+        let title = Title { part: name, version: env!("CARGO_PKG_VERSION") };
+        let has_place = settings.purge.as_ref().is_none_or(|purge| purge.tower.is_some());
+        if has_place || settings.tools.len() < 2 || !matches!(self.tower, TowerPlace::Auto) {
+            return Ok((Print::new(title, layers, frame, &settings)?, settings));
+        }
+        let mut refusal = None;
+        for tower in places(frame, settings.printer.bed_mm) {
+            settings.purge.iter_mut().for_each(|purge| purge.tower = Some(tower));
+            match Print::new(title, layers, frame, &settings) {
+                Ok(print) => return Ok((print, settings)),
+                Err(
+                    error @ (SettingsError::TowerDepth { .. } | SettingsError::TowerWidth { .. }),
+                ) => {
+                    refusal = Some(error);
+                }
+                Err(error) => return Err(error.into()),
+            }
+        }
+        match refusal {
+            Some(error) => Err(error).context(
+                "no side of the part has room for a purge tower; --tower none does without",
+            ),
+            None => {
+                bail!("no side of the part has room for a purge tower; --tower none does without")
+            }
+        }
+    }
+}
+
+/// Places for a tower beside, behind and before the part, small ones first.
+fn places(frame: &Frame, [bed_x, bed_y, _]: [f64; 3]) -> Vec<Tower> {
+    let [left, front, right, back] = frame.sides_mm();
+    let (left, right) = (left - TOWER_GAP_MM, right + TOWER_GAP_MM);
+    let (front, back) = (front - TOWER_GAP_MM, back + TOWER_GAP_MM);
+    let mut towers = Vec::new();
+    for size in [20.0, 40.0, 60.0, 90.0, 130.0, 180.0, 250.0, 400.0] {
+        let beside =
+            |left_mm: f64| Tower { left_mm, front_mm: 0.0, width_mm: size, depth_mm: bed_y };
+        let before = |front_mm: f64, depth_mm: f64| Tower {
+            left_mm: (bed_x - size) / 2.0,
+            front_mm,
+            width_mm: size,
+            depth_mm,
+        };
+        // As near to the part as it can be, but not deeper than wide at first: such towers fall
+        // over.
+        let shallow = |tower: Tower| {
+            let depth_mm = tower.depth_mm.min(2.0 * size);
+            let free = tower.depth_mm - depth_mm;
+            let front_mm = if free > 0.0 && tower.front_mm == 0.0 {
+                (free / 2.0).max(0.0)
+            } else {
+                tower.front_mm
+            };
+            Tower { depth_mm, front_mm, ..tower }
+        };
+        if right + size <= bed_x {
+            towers.push(shallow(beside(right)));
+        }
+        if size <= left {
+            towers.push(shallow(beside(left - size)));
+        }
+        if size <= bed_x && back < bed_y {
+            towers.push(shallow(before(back, bed_y - back)));
+        }
+        if size <= bed_x && front > 0.0 {
+            towers.push(Tower {
+                front_mm: (front - 2.0 * size).max(0.0),
+                ..before(0.0, front.min(2.0 * size))
+            });
+        }
+        if right + size <= bed_x {
+            towers.push(beside(right));
+        }
+        if size <= left {
+            towers.push(beside(left - size));
+        }
+    }
+    towers
+}
+
+/// What changes of tools cost: the volume they purge in whole mm³, but at least 1 each, for every
+/// change takes time.
+pub fn tool_costs(purge: &Purge) -> anyhow::Result<ToolCosts> {
+    let cost = |from: usize, to: usize, volume: f64| {
+        if from == to { 0 } else { (volume.round() as u32).max(1) }
+    };
+    let row = |(from, row): (usize, &Vec<f64>)| {
+        row.iter().enumerate().map(|(to, &volume)| cost(from, to, volume)).collect::<Vec<u32>>()
+    };
+    Ok(ToolCosts::new(&purge.volume_mm3.iter().enumerate().map(row).collect::<Vec<_>>())?)
+}
