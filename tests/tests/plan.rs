@@ -139,7 +139,7 @@ fn profiles_are_read_and_their_faults_named() {
     assert!(error.contains("process.print_mm_s is -3"), "{error}");
     fs::write(&wrong, "[purge]\nvolume_mm3 = [[0]]\n").unwrap();
     let error = fail(&[&plan[..], &[text(&wrong)]].concat());
-    assert!(error.contains("a purge matrix of 1 tools, the part 2 materials"), "{error}");
+    assert!(error.contains("purge matrix covers 1 tools, the part has 2 materials"), "{error}");
 }
 
 /// A failure whose message may have several lines, as that of a TOML file has.
@@ -176,7 +176,7 @@ fn bad_input_is_named_and_leaves_nothing_behind() {
     let error = refused("nan.stl", nan.as_bytes(), &[]);
     assert!(error.ends_with("line 4: the coordinate NaN"), "{error}");
     let error = refused("part.step", b"x", &[]);
-    assert!(error.ends_with("is no .stl, .3mf or .obj file"), "{error}");
+    assert!(error.ends_with("unknown extension; expected .stl, .3mf or .obj"), "{error}");
 
     let plan = |more: &[&str]| {
         fail(
@@ -194,9 +194,7 @@ fn bad_input_is_named_and_leaves_nothing_behind() {
     assert!(
         plan(&["--scale", "10"]).contains("the part is 600.0 x 450.0 x 20.0 mm and does not fit")
     );
-    assert!(
-        plan(&["--bed", "70,60,50"]).contains("no side of the part has room for a purge tower")
-    );
+    assert!(plan(&["--bed", "70,60,50"]).contains("prime tower: no room beside the part"));
     assert!(plan(&["--tower", "100,80,30,30"]).ends_with("purge.tower overlaps the part"));
     assert!(
         plan(&["--first-tool", "12"])

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use beadwork_console::{cancel, machine, output, progress};
+use beadwork_console::{cancel, control, output, progress};
 use beadwork_dataset::{Config, Factory, GenerateProgress, GenerateSettings, Slice, generate};
 use serde_json::json;
 
@@ -64,7 +64,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let (name, mut config) = args.source.load()?;
     if let Some(pictures) = &args.pictures {
         if config.pictures.is_none() {
-            output::wrong_use(
+            output::usage_error(
                 "--pictures needs a configuration of pictures, such as --preset pictures",
             );
         }
@@ -92,7 +92,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     };
     let settings = GenerateSettings {
         slice: args.shard,
-        threads: machine::threads(args.threads),
+        threads: control::thread_count(args.threads),
         cancel: cancel::token()?.as_flag(),
         observer: &observer,
     };

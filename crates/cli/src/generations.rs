@@ -1,6 +1,6 @@
 //! What a run of the genetic algorithm looks like.
 
-use beadwork_console::chart::{Axis, BLUE, Chart, GREEN, GREY, ORANGE, Series, Stroke, charts};
+use beadwork_console::chart::{Axis, BLUE, Chart, GREEN, GREY, LineStyle, ORANGE, Series, charts};
 use beadwork_console::search::{GeneticRow, Row};
 
 /// Crossings and diversity over the generations of one run.
@@ -9,22 +9,22 @@ pub(crate) fn chart(row: &Row, genetic: &GeneticRow) -> anyhow::Result<String> {
         let history = genetic.history.iter().enumerate();
         history.map(|(place, generation)| (f64::from(generation.number), value(place))).collect()
     };
-    let line = |name: &str, colour, stroke, value: &dyn Fn(usize) -> f64| Series {
+    let line = |name: &str, colour, style, value: &dyn Fn(usize) -> f64| Series {
         name: name.to_owned(),
         colour,
-        stroke,
+        style,
         points: over(value),
     };
     let axis = |label| Axis { label, logarithmic: false, shown: &[0.0] };
     let mut series = vec![
-        line("best", BLUE, Stroke::Plain, &|place| genetic.history[place].best as f64),
-        line("mean", ORANGE, Stroke::Thin, &|place| genetic.history[place].mean),
+        line("best", BLUE, LineStyle::Plain, &|place| genetic.history[place].best as f64),
+        line("mean", ORANGE, LineStyle::Thin, &|place| genetic.history[place].mean),
     ];
     if let Some(bound) = row.bound {
-        series.push(line("bound", GREY, Stroke::Thin, &|_| bound as f64));
+        series.push(line("bound", GREY, LineStyle::Thin, &|_| bound as f64));
     }
     let diversity =
-        line("diversity", GREEN, Stroke::Plain, &|place| genetic.history[place].diversity);
+        line("diversity", GREEN, LineStyle::Plain, &|place| genetic.history[place].diversity);
     let preset = row.preset.as_deref().unwrap_or_default();
     let crossings = Chart {
         title: format!(

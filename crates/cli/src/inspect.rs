@@ -9,7 +9,7 @@ use std::sync::atomic::Ordering;
 
 use anyhow::{Context, bail};
 use beadwork_console::progress::ProgressBar;
-use beadwork_console::{cancel, machine, output, progress};
+use beadwork_console::{cancel, control, output, progress};
 use beadwork_dataset::{Dataset, ShardReader, Trajectory, search_times};
 use rayon::prelude::*;
 use serde_json::json;
@@ -162,7 +162,7 @@ fn first_records(shards: &[Shard], count: usize) -> anyhow::Result<Vec<Trajector
 /// Checks every byte against the manifest and replays all trajectories, in parallel; stops at the
 /// first that is wrong.
 fn verify(shards: &[Shard], dataset: Option<&Dataset>, threads: usize) -> anyhow::Result<()> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(machine::threads(threads)).build()?;
+    let pool = control::pool(threads)?;
     let cancel = cancel::token()?.as_flag();
     let bar = progress::bar(shards.iter().map(|shard| shard.records).sum(), "verify");
     let blocks: Vec<(&Shard, u32)> = shards

@@ -8,9 +8,9 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use beadwork_console::learned::{self, Fusion};
-use beadwork_console::output::wrong_use;
+use beadwork_console::output::usage_error;
 use beadwork_console::search::{Breeding, Choice, MethodName, Row, Search};
-use beadwork_console::{machine, output, progress};
+use beadwork_console::{control, output, progress};
 use beadwork_dataset::StartChoice;
 use beadwork_grid::{Cell, Path, cover};
 use beadwork_part::{Panel, svg};
@@ -122,16 +122,16 @@ impl Args {
             flags.iter().find(|(_, given)| *given).map(|(flag, _)| *flag)
         };
         if let Some(flag) = given(&exact).filter(|_| method != MethodName::Exact) {
-            wrong_use(&format!("{flag} is for --method exact"));
+            usage_error(&format!("{flag} is for --method exact"));
         }
         if let Some(flag) = given(&genetic).filter(|_| method != MethodName::Genetic) {
-            wrong_use(&format!("{flag} is for --method genetic"));
+            usage_error(&format!("{flag} is for --method genetic"));
         }
         if let Some(flag) = given(&fusion).filter(|_| method != MethodName::Fusion) {
-            wrong_use(&format!("{flag} is for --method fusion"));
+            usage_error(&format!("{flag} is for --method fusion"));
         }
         if self.preset.is_some() && !matches!(method, MethodName::Anneal | MethodName::Genetic) {
-            wrong_use("--preset is for --method anneal and --method genetic");
+            usage_error("--preset is for --method anneal and --method genetic");
         }
         // Before anything is read or made.
         match method {
@@ -147,7 +147,7 @@ impl Args {
         name.parse().unwrap_or_else(|error: P::Err| {
             let bred = self.method.is_none() && name.parse::<genetic::Preset>().is_ok();
             let hint = if bred { "; with --method genetic it is a preset" } else { "" };
-            wrong_use(&format!("{error}{hint}"))
+            usage_error(&format!("{error}{hint}"))
         })
     }
 }
@@ -180,8 +180,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
             let preset = args.preset(genetic::Preset::Paper);
             let (seeding, evolution) = preset.parameters();
             bar.set_length(u64::from(seeding.runs + evolution.generations));
-            let threads = machine::threads(args.threads.unwrap_or(0));
-            pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+            pool = control::pool(args.threads.unwrap_or(0))?;
             let observer: Option<&(dyn Fn(genetic::Progress) + Sync)> = Some(&bred);
             Choice::Genetic(Breeding { preset, pool: Some(&pool), observer, population: None })
         }

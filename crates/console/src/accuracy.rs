@@ -1,12 +1,14 @@
-//! How exact the thermal solver is, as typed.
+//! Accuracy of the thermal solver as a flag.
 
 use beadwork_thermal::Accuracy;
 use clap::ValueEnum;
 
-/// The accuracies by their names.
+/// Value of `--accuracy`.
 #[derive(Clone, Copy, ValueEnum)]
 pub enum AccuracyName {
+    /// More exact than the explicit scheme, in a fraction of its time.
     Standard,
+    /// Errors several times smaller.
     High,
 }
 

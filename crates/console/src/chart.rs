@@ -1,4 +1,4 @@
-//! Charts as SVG: lines over axes, several side by side, and maps of numbers in colours.
+//! Line charts and heat maps as SVG, several in one picture.
 
 use std::collections::HashSet;
 
@@ -9,59 +9,77 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// Colours that people with any colour vision tell apart, after Okabe and Ito.
+// Distinguishable with any colour vision, after Okabe and Ito.
+
+/// Blue of the palette.
 pub const BLUE: RGBColor = RGBColor(0, 114, 178);
+/// Orange of the palette.
 pub const ORANGE: RGBColor = RGBColor(213, 94, 0);
+/// Green of the palette.
 pub const GREEN: RGBColor = RGBColor(0, 158, 115);
+/// Purple of the palette.
 pub const PURPLE: RGBColor = RGBColor(170, 80, 140);
+/// Grey of the palette, for reference lines.
 pub const GREY: RGBColor = RGBColor(120, 120, 120);
 
-/// An axis.
+/// An axis of a chart.
 #[derive(Clone, Copy)]
 pub struct Axis<'a> {
+    /// Label, with the unit.
     pub label: &'a str,
-    /// Whether equal factors are equal distances; all values must then be positive.
+    /// Whether the scale is logarithmic; all values must then be positive.
     pub logarithmic: bool,
-    /// Values that it must show, beside those of the series.
+    /// Values that the axis must include in addition to those of the series.
     pub shown: &'a [f64],
 }
 
-/// A line.
+/// A line of a chart.
 pub struct Series {
+    /// Name in the legend.
     pub name: String,
+    /// Colour of the line.
     pub colour: RGBColor,
-    pub stroke: Stroke,
+    /// Style of the line.
+    pub style: LineStyle,
+    /// Points `(x, y)`, in the order they are connected.
     pub points: Vec<(f64, f64)>,
 }
 
 impl Series {
-    fn style(&self) -> ShapeStyle {
-        match self.stroke {
-            Stroke::Thin => self.colour.mix(0.6).stroke_width(1),
-            Stroke::Plain | Stroke::Dotted => self.colour.stroke_width(2),
+    fn shape_style(&self) -> ShapeStyle {
+        match self.style {
+            LineStyle::Thin => self.colour.mix(0.6).stroke_width(1),
+            LineStyle::Plain | LineStyle::Dotted => self.colour.stroke_width(2),
         }
     }
 }
 
 /// How a line is drawn.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Stroke {
+pub enum LineStyle {
+    /// A line of normal width.
     Plain,
-    /// For what is of second rank.
+    /// A thin, pale line, for secondary data.
     Thin,
-    /// With a dot at each point.
+    /// A line with a dot at each point.
     Dotted,
 }
 
-/// Lines over two axes.
+/// A line chart.
 pub struct Chart<'a> {
+    /// Title above the chart.
     pub title: String,
+    /// Horizontal axis.
     pub x: Axis<'a>,
+    /// Vertical axis.
     pub y: Axis<'a>,
+    /// The lines.
     pub series: Vec<Series>,
 }
 
-/// Draws charts row by row, each of so many pixels, and below them the names of all lines.
+/// Draws charts row by row, each `width` x `height` pixels, with one legend below all of them.
+///
+/// Returns the text of the SVG.
 pub fn charts(
     charts: &[Chart<'_>],
     columns: usize,
@@ -72,7 +90,7 @@ pub fn charts(
     let columns = columns.min(charts.len()).max(1);
     let rows = charts.len().div_ceil(columns);
     let size = (width * columns as u32, height * rows as u32 + LEGEND);
-    drawn(size, |area| {
+    draw_svg(size, |area| {
         let (above, below) = area.split_vertically(height * rows as u32);
         for (chart, area) in charts.iter().zip(above.split_evenly((rows, columns))) {
             chart.draw(&area)?;
@@ -85,13 +103,13 @@ impl Chart<'_> {
     fn draw(&self, area: &Area<'_>) -> anyhow::Result<()> {
         let values = |axis: Axis<'_>, value: fn(&(f64, f64)) -> f64| -> (f64, f64) {
             let points = self.series.iter().flat_map(|series| series.points.iter().map(value));
-            let all = points.chain(axis.shown.iter().copied()).map(|value| axis.place(value));
+            let all = points.chain(axis.shown.iter().copied()).map(|value| axis.coordinate(value));
             let (low, high) =
                 all.fold((f64::MAX, f64::MIN), |(low, high), at| (low.min(at), high.max(at)));
             match (low < high, axis.logarithmic) {
                 (true, true) => (low.floor(), high.ceil()),
                 (true, false) => (low, high),
-                // Nothing, or a single value.
+                // A single value, or none, spans no range.
                 (false, _) if low.is_finite() && low < f64::MAX => (low - 0.5, low + 0.5),
                 (false, _) => (0.0, 1.0),
             }
@@ -105,35 +123,38 @@ impl Chart<'_> {
             .x_label_area_size(38)
             .y_label_area_size(50)
             .build_cartesian_2d(left..right, bottom..top)
-            .map_err(told)?;
+            .map_err(drawing_error)?;
         chart
             .configure_mesh()
             .x_desc(self.x.label)
             .y_desc(self.y.label)
             .x_labels(self.x.ticks(left, right))
             .y_labels(self.y.ticks(bottom, top))
-            .x_label_formatter(&|at| self.x.told(*at))
-            .y_label_formatter(&|at| self.y.told(*at))
+            .x_label_formatter(&|at| self.x.tick_label(*at))
+            .y_label_formatter(&|at| self.y.tick_label(*at))
             .light_line_style(TRANSPARENT)
             .bold_line_style(RGBColor(222, 222, 232))
             .label_style(("sans-serif", 11))
             .axis_desc_style(("sans-serif", 12))
             .draw()
-            .map_err(told)?;
+            .map_err(drawing_error)?;
         for series in &self.series {
-            let points: Vec<(f64, f64)> =
-                series.points.iter().map(|&(x, y)| (self.x.place(x), self.y.place(y))).collect();
-            let dots = if series.stroke == Stroke::Dotted { 3 } else { 0 };
-            let line = LineSeries::new(points, series.style()).point_size(dots);
-            chart.draw_series(line).map_err(told)?;
+            let points: Vec<(f64, f64)> = series
+                .points
+                .iter()
+                .map(|&(x, y)| (self.x.coordinate(x), self.y.coordinate(y)))
+                .collect();
+            let dots = if series.style == LineStyle::Dotted { 3 } else { 0 };
+            let line = LineSeries::new(points, series.shape_style()).point_size(dots);
+            chart.draw_series(line).map_err(drawing_error)?;
         }
         Ok(())
     }
 }
 
 impl Axis<'_> {
-    /// Where a value lies in the chart's own, linear coordinates.
-    fn place(self, value: f64) -> f64 {
+    /// Position of a value in the linear coordinates of the chart.
+    fn coordinate(self, value: f64) -> f64 {
         if self.logarithmic { value.log10() } else { value }
     }
 
@@ -141,9 +162,9 @@ impl Axis<'_> {
         if self.logarithmic { (high - low) as usize + 1 } else { 6 }
     }
 
-    fn told(self, at: f64) -> String {
+    fn tick_label(self, at: f64) -> String {
         if !self.logarithmic {
-            // Rounded first, for the places come from adding steps up.
+            // Ticks are sums of steps: rounding removes their accumulated error.
             return format!("{}", (at * 1e6).round() / 1e6);
         }
         if (at - at.round()).abs() > 1e-6 {
@@ -158,34 +179,39 @@ impl Axis<'_> {
     }
 }
 
-/// The names of the lines in a row; lines of one name are drawn alike.
+/// Draws the names of all lines in one row; a name that several charts share appears once.
 fn legend(area: &Area<'_>, charts: &[Chart<'_>]) -> anyhow::Result<()> {
     let mut left = 50;
     let mut seen = HashSet::new();
     let series = charts.iter().flat_map(|chart| &chart.series);
     for series in series.filter(|series| seen.insert(&series.name)) {
         let line = vec![(left, 12), (left + 26, 12)];
-        area.draw(&PathElement::new(line, series.style())).map_err(told)?;
+        area.draw(&PathElement::new(line, series.shape_style())).map_err(drawing_error)?;
         let style =
             ("sans-serif", 12).into_text_style(area).pos(Pos::new(HPos::Left, VPos::Center));
-        area.draw(&Text::new(series.name.clone(), (left + 32, 12), style)).map_err(told)?;
+        area.draw(&Text::new(series.name.clone(), (left + 32, 12), style))
+            .map_err(drawing_error)?;
         left += 60 + 7 * series.name.chars().count() as i32;
     }
     Ok(())
 }
 
-/// Numbers in rows and columns with their names, to be shown as colours.
-pub struct Map {
+/// A heat map: a matrix of numbers shown as colours.
+pub struct HeatMap {
+    /// Title above the map.
     pub title: String,
+    /// Names of the rows, from the top.
     pub rows: Vec<String>,
+    /// Names of the columns, from the left.
     pub columns: Vec<String>,
-    /// Row by row; what is not a number stays empty.
+    /// Values row by row; a cell that is not finite stays empty.
     pub values: Vec<f64>,
 }
 
-/// Draws maps row by row; all share one scale of colours, dark where a number is high, from 0 to
-/// `most`.
-pub fn maps(maps: &[Map], columns: usize, most: f64) -> anyhow::Result<String> {
+/// Draws heat maps, `columns` in a row, with one colour scale from 0 (light) to `max` (dark).
+///
+/// Returns the text of the SVG.
+pub fn heat_maps(maps: &[HeatMap], columns: usize, max: f64) -> anyhow::Result<String> {
     const CELL: (i32, i32) = (62, 34);
     const LEFT: i32 = 84;
     const TOP: i32 = 54;
@@ -193,39 +219,43 @@ pub fn maps(maps: &[Map], columns: usize, most: f64) -> anyhow::Result<String> {
 
     let columns = columns.min(maps.len()).max(1);
     let rows = maps.len().div_ceil(columns);
-    let largest = |count: fn(&Map) -> usize| maps.iter().map(count).max().unwrap_or(0) as i32;
+    let largest = |count: fn(&HeatMap) -> usize| maps.iter().map(count).max().unwrap_or(0) as i32;
     let width = LEFT + CELL.0 * largest(|map| map.columns.len()) + GAP;
     let height = TOP + CELL.1 * largest(|map| map.rows.len()) + GAP;
-    drawn((width as u32 * columns as u32, height as u32 * rows as u32), |area| {
+    draw_svg((width as u32 * columns as u32, height as u32 * rows as u32), |area| {
         for (map, area) in maps.iter().zip(area.split_evenly((rows, columns))) {
             let text = |size: i32, across: HPos| {
                 ("sans-serif", size).into_text_style(&area).pos(Pos::new(across, VPos::Center))
             };
             let title =
                 ("sans-serif", 14).into_font().style(FontStyle::Bold).into_text_style(&area);
-            area.draw(&Text::new(map.title.clone(), (LEFT, 6), title)).map_err(told)?;
-            let places = |count: usize, from: i32, step: i32| {
+            area.draw(&Text::new(map.title.clone(), (LEFT, 6), title)).map_err(drawing_error)?;
+            let offsets = |count: usize, from: i32, step: i32| {
                 (0..count as i32).map(move |i| from + i * step)
             };
-            for (name, x) in map.columns.iter().zip(places(map.columns.len(), LEFT, CELL.0)) {
+            for (name, x) in map.columns.iter().zip(offsets(map.columns.len(), LEFT, CELL.0)) {
                 let at = (x + CELL.0 / 2, TOP - 14);
-                area.draw(&Text::new(name.clone(), at, text(12, HPos::Center))).map_err(told)?;
+                area.draw(&Text::new(name.clone(), at, text(12, HPos::Center)))
+                    .map_err(drawing_error)?;
             }
             for (row, (name, y)) in
-                map.rows.iter().zip(places(map.rows.len(), TOP, CELL.1)).enumerate()
+                map.rows.iter().zip(offsets(map.rows.len(), TOP, CELL.1)).enumerate()
             {
                 let at = (LEFT - 8, y + CELL.1 / 2);
-                area.draw(&Text::new(name.clone(), at, text(12, HPos::Right))).map_err(told)?;
+                area.draw(&Text::new(name.clone(), at, text(12, HPos::Right)))
+                    .map_err(drawing_error)?;
                 let values = &map.values[row * map.columns.len()..][..map.columns.len()];
-                let values = values.iter().zip(places(map.columns.len(), LEFT, CELL.0));
+                let values = values.iter().zip(offsets(map.columns.len(), LEFT, CELL.0));
                 for (&value, x) in values.filter(|(value, _)| value.is_finite()) {
-                    let share = (value / most).clamp(0.0, 1.0);
+                    let share = (value / max).clamp(0.0, 1.0);
                     let corners = [(x, y), (x + CELL.0 - 1, y + CELL.1 - 1)];
-                    area.draw(&Rectangle::new(corners, shade(share).filled())).map_err(told)?;
+                    area.draw(&Rectangle::new(corners, shade(share).filled()))
+                        .map_err(drawing_error)?;
                     let ink = if share > 0.55 { WHITE } else { BLACK };
                     let style = text(12, HPos::Center).color(&ink);
                     let at = (x + CELL.0 / 2, y + CELL.1 / 2);
-                    area.draw(&Text::new(format!("{value:.1}"), at, style)).map_err(told)?;
+                    area.draw(&Text::new(format!("{value:.1}"), at, style))
+                        .map_err(drawing_error)?;
                 }
             }
         }
@@ -233,7 +263,7 @@ pub fn maps(maps: &[Map], columns: usize, most: f64) -> anyhow::Result<String> {
     })
 }
 
-/// From nearly white by green to dark blue, each step darker than the one before.
+/// Colour of a share 0 to 1: from nearly white through green to dark blue, ever darker.
 fn shade(share: f64) -> RGBColor {
     const STOPS: [[f64; 3]; 4] =
         [[247.0, 252.0, 240.0], [168.0, 221.0, 181.0], [43.0, 140.0, 190.0], [8.0, 48.0, 107.0]];
@@ -246,22 +276,22 @@ fn shade(share: f64) -> RGBColor {
     RGBColor(r, g, b)
 }
 
-fn drawn(
+fn draw_svg(
     size: (u32, u32),
     draw: impl FnOnce(&Area<'_>) -> anyhow::Result<()>,
 ) -> anyhow::Result<String> {
     let mut svg = String::new();
     {
         let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        area.fill(&WHITE).map_err(told)?;
+        area.fill(&WHITE).map_err(drawing_error)?;
         draw(&area)?;
-        area.present().map_err(told)?;
+        area.present().map_err(drawing_error)?;
     }
     Ok(svg)
 }
 
-/// The library's errors borrow what they are about.
-fn told(error: impl std::fmt::Display) -> anyhow::Error {
+/// Converts an error of plotters, which borrows the drawing area, to one that owns its text.
+fn drawing_error(error: impl std::fmt::Display) -> anyhow::Error {
     anyhow!("cannot draw: {error}")
 }
 
@@ -284,6 +314,6 @@ mod tests {
         let chart = Chart { title: "none".to_owned(), x: axis, y: axis, series: Vec::new() };
         assert!(charts(&[], 3, (300, 200)).unwrap().starts_with("<svg"));
         assert!(charts(&[chart], 3, (300, 200)).unwrap().contains("none"));
-        assert!(maps(&[], 2, 100.0).unwrap().starts_with("<svg"));
+        assert!(heat_maps(&[], 2, 100.0).unwrap().starts_with("<svg"));
     }
 }

@@ -1,4 +1,4 @@
-//! Learned methods of `zones`, in builds that learn.
+//! Searches by a trained network, in builds with the feature `learn`.
 
 use std::path::Path as Folder;
 
@@ -15,35 +15,35 @@ pub use beadwork_learn::fusion::model::Model;
 use crate::search::FusionRow;
 use crate::{cancel, progress};
 
-/// How `FusionNet` is to walk.
+/// A walk that follows the moves `FusionNet` proposes.
 #[derive(Clone, Copy)]
 pub struct Fusion<'a> {
-    /// What proposes moves.
+    /// The trained network.
     pub model: &'a Model,
-    /// Crossings that are enough.
+    /// Number of crossings at which the walk stops.
     pub target: u32,
-    /// Most moves.
+    /// Maximum number of moves.
     pub budget: usize,
 }
 
-/// The model of a folder, which is to walk on a region.
+/// Opens the model in a folder, and checks that it covers a region of this size.
 pub fn open(folder: &Folder, region: &Region) -> anyhow::Result<Model> {
     let model = Model::open(folder, Device::Cpu)?;
     check_size(&model, (region.width(), region.height()))?;
     Ok(model)
 }
 
-/// Whether a model knows all places of a layer of so many columns and rows.
+/// Checks that a layer of this width and height is within the size the model was built for.
 pub fn check_size(model: &Model, (width, height): (u32, u32)) -> anyhow::Result<()> {
     let most = model.network.config().places as u32;
     ensure!(
         width <= most && height <= most,
-        "the network knows places of layers up to {most} x {most} cells, this one has {width} x {height}"
+        "layer is {width} x {height} cells, the network handles at most {most} x {most}"
     );
     Ok(())
 }
 
-/// The best path on a walk from a start, the moves to it, and what the walk took.
+/// Walks from a start path; returns the best path, the number of moves to it, and the row's facts.
 pub fn fusion(
     of: &Fusion<'_>,
     region: &Region,
@@ -77,14 +77,14 @@ pub fn fusion(
     Ok((walked.path, walked.moves.len() as u64, row))
 }
 
-/// The device of this name.
+/// The device of this name: `cpu`, or `cuda` for the first graphics card.
 pub fn device(name: &str) -> anyhow::Result<Device> {
     if name == "cpu" {
         return Ok(Device::Cpu);
     }
     ensure!(
         Cuda::is_available(),
-        "no graphics card, or a libtorch without CUDA: see 'cargo xtask setup --cuda'"
+        "device cuda: no graphics card found, or libtorch lacks CUDA; run 'cargo xtask setup --cuda'"
     );
     Ok(Device::Cuda(0))
 }

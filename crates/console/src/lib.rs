@@ -1,6 +1,7 @@
 //! What the commands of the binary share, those of `beadwork-cli` and those of `beadwork-lab`.
 //!
-//! - The terminal: [`output`], [`progress`], [`cancel`] (Ctrl-C as a cancel token), [`text`].
+//! - The terminal: [`output`], [`progress`], [`cancel`] (Ctrl-C as a cancel token), [`control`]
+//!   (threads and progress of long calls), [`text`].
 //! - [`machine`]: facts recorded beside measured figures; [`memory`]: an allocator that keeps
 //!   memory between training steps.
 //! - [`chart`]: line charts and heat maps as SVG.
@@ -10,7 +11,6 @@
 //!
 //! This crate writes to the terminal and reads and writes files; the compute crates do neither.
 
-#![allow(missing_docs)]
 #![allow(clippy::print_stderr, reason = "a command line talks to its terminal")]
 #![allow(
     clippy::doc_markdown,
@@ -20,6 +20,7 @@
 pub mod accuracy;
 pub mod cancel;
 pub mod chart;
+pub mod control;
 #[cfg_attr(not(feature = "learn"), path = "unlearned.rs")]
 pub mod learned;
 pub mod machine;

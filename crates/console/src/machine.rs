@@ -1,11 +1,11 @@
-//! What a measurement was made on.
+//! The machine that a measurement ran on.
 
 use std::fs;
 use std::process::Command;
 
 use serde_json::{Value, json};
 
-/// Processor, cores, version and commit, for the record beside measured figures.
+/// Processor, cores, operating system, version and commit, recorded with measured figures.
 pub fn facts() -> Value {
     json!({
         "processor": processor(),
@@ -16,13 +16,13 @@ pub fn facts() -> Value {
     })
 }
 
-/// The same on one line.
+/// The facts of this machine on one line.
 pub fn line() -> String {
-    told(&facts())
+    one_line(&facts())
 }
 
-/// Facts of a machine, perhaps noted earlier, on one line.
-pub fn told(facts: &Value) -> String {
+/// Facts of a machine, perhaps recorded by an earlier run, on one line.
+pub fn one_line(facts: &Value) -> String {
     let text = |key: &str| facts[key].as_str().unwrap_or("unknown").to_owned();
     format!(
         "{}, {} cores, {}, commit {}",
@@ -33,26 +33,19 @@ pub fn told(facts: &Value) -> String {
     )
 }
 
-/// The number of threads asked for, where 0 stands for one a core.
-pub fn threads(asked: usize) -> usize {
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    if asked == 0 { cores() } else { asked }
-}
-
-/// Peak memory of this process so far in bytes, where the system tells it.
+/// Peak memory of this process so far, in bytes; `None` where the system does not report it.
 pub fn peak_memory_bytes() -> Option<u64> {
     status_bytes("VmHWM:")
 }
 
-/// Memory of this process now in bytes, where the system tells it.
+/// Current memory of this process, in bytes; `None` where the system does not report it.
 pub fn memory_bytes() -> Option<u64> {
     status_bytes("VmRSS:")
 }
 
-/// Lets the peak begin anew, where the system can do so.
-pub fn forget_peak_memory() {
-    // Without it a later peak is only counted if it is the highest of all, which the figures then
-    // say too little of.
+/// Resets the peak of [`peak_memory_bytes`], where the system supports it.
+pub fn reset_peak_memory() {
+    // Where this fails, later peaks are reported only if they exceed all earlier ones.
     let _ = fs::write("/proc/self/clear_refs", "5");
 }
 
@@ -71,7 +64,7 @@ fn processor() -> Option<String> {
 
 fn commit() -> Option<String> {
     let run = |args: &[&str]| {
-        // The sources' repository, not the one that the user happens to be in.
+        // The repository of the sources, not that of the current directory.
         let git = ["-C", env!("CARGO_MANIFEST_DIR")];
         let output = Command::new("git")
             .args(git)

@@ -7,20 +7,21 @@ use std::path::Path;
 use anyhow::Context;
 use beadwork_dataset::write_whole;
 
-/// Writes text to stdout; an error, unlike a panic of `print!`, can be told apart when the pipe is
-/// closed.
+/// Writes text to stdout.
+///
+/// A closed pipe is an error that [`is_broken_pipe`] recognises, where `print!` would panic.
 pub fn text(text: &str) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes())?;
     Ok(out.flush()?)
 }
 
-/// Writes one JSON document.
+/// Writes one JSON document to stdout.
 pub fn json(value: &serde_json::Value) -> anyhow::Result<()> {
     text(&format!("{value:#}\n"))
 }
 
-/// Writes a file, whole or not at all; a terminal or a pipe is written to, not replaced.
+/// Writes a file completely or not at all; a terminal or a pipe is written to, not replaced.
 pub fn file(path: &Path, content: impl AsRef<[u8]>) -> anyhow::Result<()> {
     if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
         return fs::write(path, content)
@@ -29,13 +30,13 @@ pub fn file(path: &Path, content: impl AsRef<[u8]>) -> anyhow::Result<()> {
     Ok(write_whole(path, |out| out.write_all(content.as_ref()))?)
 }
 
-/// Whether this is only a reader that stopped reading.
+/// Whether the error only means that the reader of a pipe stopped reading.
 pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
     let io = error.downcast_ref::<io::Error>();
     io.is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
 }
 
-/// Ends the process as clap does where the arguments can't be used.
-pub fn wrong_use(message: &str) -> ! {
+/// Ends the process with a usage error (exit code 2), as clap does for invalid arguments.
+pub fn usage_error(message: &str) -> ! {
     clap::Error::raw(clap::error::ErrorKind::ArgumentConflict, format!("{message}\n")).exit()
 }

@@ -1,4 +1,4 @@
-//! A part from files: read, repaired, put on the bed and cut into layers.
+//! Parts from files: read, repaired, placed on the bed and sliced into layers.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,39 +14,39 @@ use rayon::ThreadPool;
 
 use crate::{cancel, progress};
 
-/// What precedes the name of a part that is no file.
+/// Prefix of a part that is built in rather than a file.
 const EXAMPLE: &str = "example:";
 
-/// Flags that name a part and how it is cut.
+/// Flags that name a part and say how it is sliced.
 #[derive(clap::Args)]
 pub struct PartArgs {
-    /// Files of meshes (STL, 3MF or OBJ) in one frame, or examples: example:rectangular,
-    /// example:u-shape, example:pyramid, example:logo-plate, example:palette.
+    /// Mesh files (STL, 3MF or OBJ) in one coordinate system, or built-in examples:
+    /// example:rectangular, example:u-shape, example:pyramid, example:logo-plate, example:palette.
     #[arg(value_name = "PART", required = true)]
     parts: Vec<PathBuf>,
-    /// Unit of STL and OBJ files, which do not say.
+    /// Unit of STL and OBJ files, which do not state one.
     #[arg(long, value_name = "UNIT", default_value = "mm")]
     unit: Unit,
-    /// Makes the part so many times as large.
+    /// Scales the part by this factor.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_hyphen_values = true)]
     scale: f64,
-    /// Turns the part by so many degrees about x, then y, then z.
+    /// Rotates the part about x, then y, then z, in degrees.
     #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", allow_hyphen_values = true)]
     pub rotate: Numbers<3>,
-    /// Where on the bed the part's middle lies, in mm; the middle of the bed if not given.
+    /// Position of the part's centre on the bed, in mm; the centre of the bed by default.
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
     centre: Option<Numbers<2>>,
-    /// Width of a bead in mm: the side of a cell.
+    /// Bead width in mm, which is also the side of a cell.
     #[arg(long, value_name = "MM", default_value_t = 0.5, allow_hyphen_values = true)]
     bead: f64,
-    /// Height of a layer in mm.
+    /// Layer height in mm.
     #[arg(long, value_name = "MM", default_value_t = 0.25, allow_hyphen_values = true)]
     layer: f64,
-    /// What lies within a body whose surface runs into itself.
+    /// Fill rule for bodies whose surface intersects itself.
     #[arg(long, value_name = "RULE", default_value = "nonzero")]
     fill: Fill,
-    /// What is a material, and so a tool, of its own: as the files state it (a body they say
-    /// nothing of is one), every body, or all together.
+    /// Which bodies share a material, and so a tool: as the files state (a body without a stated
+    /// material gets its own), one per body, or one for all.
     #[arg(long, value_name = "RULE", default_value = "stated")]
     pub materials: Rule,
 }
@@ -76,21 +76,24 @@ impl Unit {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Fill {
-    /// What its outlines go around, on balance: shells that overlap are joined.
+    /// Nonzero winding number: overlapping shells are joined.
     Nonzero,
-    /// What lies within an odd number of outlines.
+    /// Inside an odd number of outlines.
     Evenodd,
 }
 
-/// What is a material of its own.
+/// Value of `--materials`.
 #[derive(Clone, Copy, ValueEnum)]
 pub enum Rule {
+    /// As the files state.
     Stated,
+    /// One per body.
     Bodies,
+    /// One for all bodies.
     One,
 }
 
-/// So many numbers with commas between.
+/// `N` numbers separated by commas.
 #[derive(Clone, Copy)]
 pub struct Numbers<const N: usize>(pub [f64; N]);
 
@@ -101,23 +104,26 @@ impl<const N: usize> FromStr for Numbers<N> {
         let numbers: Option<Vec<f64>> =
             text.split(',').map(|number| number.trim().parse().ok()).collect();
         let numbers = numbers.and_then(|numbers| numbers.try_into().ok());
-        numbers.map(Self).ok_or_else(|| format!("give {N} numbers with commas between"))
+        numbers.map(Self).ok_or_else(|| format!("expected {N} numbers separated by commas"))
     }
 }
 
-/// A part in layers.
+/// A part sliced into layers.
 pub struct Part {
-    /// Of its first file.
+    /// Name of its first file.
     pub name: String,
+    /// The mesh, repaired and placed on the bed.
     pub model: Model,
+    /// The layers.
     pub layers: Layers,
-    /// What was repaired, for each body that was not sound.
+    /// Name and repairs of each body that was not sound.
     pub repaired: Vec<(String, Repaired)>,
+    /// Bounding box of the placed mesh, in mm.
     pub bounds: Bounds,
 }
 
 impl PartArgs {
-    /// One part as the flags have it if none but its name is given.
+    /// The flags with their default values, for one part.
     pub fn usual(part: PathBuf) -> Self {
         Self {
             parts: vec![part],
@@ -132,12 +138,12 @@ impl PartArgs {
         }
     }
 
-    /// Whether any part is named: some commands do without.
+    /// Whether any part is named; some commands also work without one.
     pub fn is_given(&self) -> bool {
         !self.parts.is_empty()
     }
 
-    /// Reads, repairs, places and cuts the part.
+    /// Reads, repairs, places and slices the part.
     pub fn load(&self, bed_mm: [f64; 3], pool: &ThreadPool) -> anyhow::Result<Part> {
         let mut model = Model::default();
         let mut repaired = Vec::new();
@@ -195,7 +201,7 @@ impl PartArgs {
             return Ok(name.parse::<Example>()?.model());
         }
         let Some(format) = Format::of_name(&path.to_string_lossy()) else {
-            bail!("'{}' is no .stl, .3mf or .obj file", path.display());
+            bail!("{}: unknown extension; expected .stl, .3mf or .obj", path.display());
         };
         let in_file = || format!("cannot read '{}'", path.display());
         let bytes = fs::read(path).with_context(in_file)?;
@@ -216,7 +222,7 @@ fn name_of(path: &Path) -> String {
     path.file_stem().map_or_else(|| text.to_string(), |stem| stem.to_string_lossy().into_owned())
 }
 
-/// What was repaired, in words.
+/// Describes repairs in words.
 pub fn describe(repaired: &Repaired) -> String {
     let Repaired { dropped_triangles, flipped_triangles, closed_holes, .. } = *repaired;
     let count = |count: usize, one: &str, many: &str| match count {

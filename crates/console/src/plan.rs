@@ -9,14 +9,14 @@ use beadwork_search::plan::{LayerRef, ToolPlan};
 use crate::part::Part;
 use crate::printer::Profile;
 
-/// Layers with cells, as the planner takes them.
+/// The layers that have cells, as input of the planner.
 pub fn refs(layers: &Layers) -> Vec<LayerRef<'_>> {
     let layers = layers.layers.iter().flatten();
     layers.map(|slice::Layer { region, zones }| LayerRef { region, zones }).collect()
 }
 
-/// Layers with the paths of those that have cells, as they are printed: from the bed up, empty ones
-/// below left out.
+/// The layers that have cells, with their paths and their numbers counted from the bed.
+/// Empty layers at the bottom are left out.
 pub fn printed_layers<'a>(
     layers: &'a Layers,
     paths: impl Iterator<Item = &'a beadwork_grid::Path>,
@@ -33,16 +33,19 @@ pub fn printed_layers<'a>(
     filled.zip(paths).map(with_path).collect()
 }
 
-/// A plan as G-code that has been checked.
+/// A plan as checked G-code.
 pub struct Printed {
+    /// The text of the program.
     pub text: String,
+    /// Time, travel and filament.
     pub totals: beadwork_gcode::Totals,
-    /// What the check found in the text.
+    /// Result of the check of the text.
     pub checked: print::Report,
+    /// The settings, with the position of the prime tower.
     pub settings: print::Settings,
 }
 
-/// Writes a plan as G-code, and checks the text: what is wrong there must not reach a printer.
+/// Writes a plan as G-code, and checks the text: a faulty program must not reach a printer.
 pub fn print(
     part: &Part,
     plan: &ToolPlan,
@@ -56,7 +59,6 @@ pub fn print(
     let text = program.emit();
     drop(program);
     let checked = print::check(&Program::parse(&text)?, &layers, frame, &settings);
-    let checked =
-        checked.context("the G-code does not print the plan; this is a fault of beadwork")?;
+    let checked = checked.context("G-code does not print the plan; this is a bug of beadwork")?;
     Ok(Printed { text, totals, checked, settings })
 }

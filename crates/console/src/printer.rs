@@ -1,4 +1,4 @@
-//! What a plan is printed with: the profile of a printer, completed for the materials of a part.
+//! Flags that name a printer profile, and the profile completed for the materials of a part.
 
 use std::fs;
 use std::path::PathBuf;
@@ -10,34 +10,33 @@ use beadwork_part::print::{self, Flavour, Layer, Print, Purge, SettingsError, Ti
 use beadwork_search::plan::ToolCosts;
 use clap::ValueEnum;
 
-use crate::output::wrong_use;
+use crate::output::usage_error;
 use crate::part::Numbers;
 
 /// Flags of the printer.
 #[derive(clap::Args)]
 pub struct PrinterArgs {
-    /// A file with the printer, its tools and its speeds: see configs/plan/example.toml.
+    /// Profile with the printer, its tools and its speeds; see configs/plan/example.toml.
     #[arg(long, value_name = "FILE")]
     profile: Option<PathBuf>,
-    /// Width, depth and height that can be printed, in mm, in place of the profile's.
+    /// Printable width, depth and height in mm; overrides the profile.
     #[arg(long, value_name = "X,Y,Z")]
     bed: Option<Numbers<3>>,
 }
 
-/// Flags of the printer and of what it writes.
+/// Flags of the printer and of the G-code.
 #[derive(clap::Args)]
 pub struct ProfileArgs {
     #[command(flatten)]
     printer: PrinterArgs,
-    /// Dialect of the G-code, in place of the profile's.
+    /// G-code dialect; overrides the profile.
     #[arg(long, value_name = "NAME")]
     flavour: Option<FlavourName>,
-    /// What every change of tools purges, in mm³, in place of the profile's matrix; 140 if there is
-    /// none.
+    /// Purge volume of every tool change in mm³; overrides the profile's purge matrix.
+    /// 140 if neither is given.
     #[arg(long, value_name = "MM3")]
     purge: Option<f64>,
-    /// The tower that takes up what is purged: auto, none, or its place and size
-    /// LEFT,FRONT,WIDTH,DEPTH in mm.
+    /// Prime tower: auto, none, or position and size LEFT,FRONT,WIDTH,DEPTH in mm.
     #[arg(long, value_name = "TOWER", default_value = "auto")]
     tower: TowerPlace,
 }
@@ -65,21 +64,20 @@ impl std::str::FromStr for TowerPlace {
             _ => {
                 let Numbers([left_mm, front_mm, width_mm, depth_mm]) = text
                     .parse()
-                    .map_err(|_| "give auto, none, or LEFT,FRONT,WIDTH,DEPTH".to_owned())?;
+                    .map_err(|_| "expected auto, none, or LEFT,FRONT,WIDTH,DEPTH".to_owned())?;
                 Ok(Self::At(Tower { left_mm, front_mm, width_mm, depth_mm }))
             }
         }
     }
 }
 
-/// Purged by a change of tools if nobody says otherwise, in mm³: what a usual nozzle takes between
-/// two colours.
-const USUAL_PURGE_MM3: f64 = 140.0;
+/// Default purge volume of a tool change, in mm³: typical of a 0.4 mm nozzle between two colours.
+const DEFAULT_PURGE_MM3: f64 = 140.0;
 
-/// Room between the part and the tower, in mm.
+/// Distance between the part and the prime tower, in mm.
 const TOWER_GAP_MM: f64 = 5.0;
 
-/// The printer that was asked for.
+/// The printer profile that the flags describe.
 pub struct Profile {
     settings: print::Settings,
     purge: Option<f64>,
@@ -87,6 +85,7 @@ pub struct Profile {
 }
 
 impl PrinterArgs {
+    /// Reads the profile, or takes the default one, and applies the flags.
     pub fn load(&self) -> anyhow::Result<print::Settings> {
         let mut settings = print::Settings::default();
         if let Some(path) = &self.profile {
@@ -102,6 +101,7 @@ impl PrinterArgs {
 }
 
 impl ProfileArgs {
+    /// Reads the profile, or takes the default one, and applies the flags.
     pub fn load(&self) -> anyhow::Result<Profile> {
         let mut settings = self.printer.load()?;
         match self.flavour {
@@ -110,25 +110,26 @@ impl ProfileArgs {
             None => {}
         }
         if self.purge.is_some_and(|purge| !(0.0..=1e6).contains(&purge)) {
-            wrong_use("--purge is a volume from 0 to a million mm³");
+            usage_error("--purge must be a volume from 0 to 1,000,000 mm³");
         }
         Ok(Profile { settings, purge: self.purge, tower: self.tower })
     }
 }
 
 impl Profile {
-    /// Usual values but for a bed of 400 x 400 mm, for tables of parts of all sizes.
+    /// The default profile with a bed of 400 x 400 mm, for tables of parts of all sizes.
     pub fn for_tables() -> Self {
         let mut settings = print::Settings::default();
         settings.printer.bed_mm = [400.0, 400.0, 210.0];
         Self { settings, purge: None, tower: TowerPlace::Auto }
     }
 
+    /// Printable width, depth and height in mm.
     pub fn bed_mm(&self) -> [f64; 3] {
         self.settings.printer.bed_mm
     }
 
-    /// Settings for so many materials, the tower still without a place.
+    /// Settings with one tool for each material; an automatic prime tower has no position yet.
     pub fn complete(&self, materials: &[Material]) -> anyhow::Result<print::Settings> {
         let mut settings = self.settings.clone();
         let given = settings.tools.clone();
@@ -149,7 +150,7 @@ impl Profile {
             (Some(purge), None) => {
                 if purge.volume_mm3.len() < count {
                     bail!(
-                        "the profile has a purge matrix of {} tools, the part {count} materials",
+                        "profile: purge matrix covers {} tools, the part has {count} materials",
                         purge.volume_mm3.len()
                     );
                 }
@@ -160,7 +161,7 @@ impl Profile {
             }
             (given, purge) => {
                 let tower = tower.or(given.and_then(|given| given.tower));
-                Some(Purge::uniform(count, purge.unwrap_or(USUAL_PURGE_MM3), tower))
+                Some(Purge::uniform(count, purge.unwrap_or(DEFAULT_PURGE_MM3), tower))
             }
         };
         if matches!(self.tower, TowerPlace::None) {
@@ -169,7 +170,8 @@ impl Profile {
         Ok(settings)
     }
 
-    /// The print of planned layers, and the settings with the place that was found for the tower.
+    /// Prints planned layers; returns the print and the settings, with the position found for an
+    /// automatic prime tower.
     pub fn print(
         &self,
         name: &str,
@@ -183,7 +185,7 @@ impl Profile {
             return Ok((Print::new(title, layers, frame, &settings)?, settings));
         }
         let mut refusal = None;
-        for tower in places(frame, settings.printer.bed_mm) {
+        for tower in tower_candidates(frame, settings.printer.bed_mm) {
             settings.purge.iter_mut().for_each(|purge| purge.tower = Some(tower));
             match Print::new(title, layers, frame, &settings) {
                 Ok(print) => return Ok((print, settings)),
@@ -196,18 +198,17 @@ impl Profile {
             }
         }
         match refusal {
-            Some(error) => Err(error).context(
-                "no side of the part has room for a purge tower; --tower none does without",
-            ),
+            Some(error) => Err(error)
+                .context("prime tower: no room beside the part; --tower none prints without one"),
             None => {
-                bail!("no side of the part has room for a purge tower; --tower none does without")
+                bail!("prime tower: no room beside the part; --tower none prints without one")
             }
         }
     }
 }
 
-/// Places for a tower beside, behind and before the part, small ones first.
-fn places(frame: &Frame, [bed_x, bed_y, _]: [f64; 3]) -> Vec<Tower> {
+/// Candidate prime towers beside, behind and in front of the part, small ones first.
+fn tower_candidates(frame: &Frame, [bed_x, bed_y, _]: [f64; 3]) -> Vec<Tower> {
     let [left, front, right, back] = frame.sides_mm();
     let (left, right) = (left - TOWER_GAP_MM, right + TOWER_GAP_MM);
     let (front, back) = (front - TOWER_GAP_MM, back + TOWER_GAP_MM);
@@ -221,7 +222,7 @@ fn places(frame: &Frame, [bed_x, bed_y, _]: [f64; 3]) -> Vec<Tower> {
             width_mm: size,
             depth_mm,
         };
-        // As near to the part as it can be, but not deeper than wide at first: such towers fall
+        // As close to the part as possible, and at most twice as deep as wide: thin towers fall
         // over.
         let shallow = |tower: Tower| {
             let depth_mm = tower.depth_mm.min(2.0 * size);
@@ -258,8 +259,8 @@ fn places(frame: &Frame, [bed_x, bed_y, _]: [f64; 3]) -> Vec<Tower> {
     towers
 }
 
-/// What changes of tools cost: the volume they purge in whole mm³, but at least 1 each, for every
-/// change takes time.
+/// Cost of each tool change: its purge volume in whole mm³, and at least 1, since every change
+/// takes time.
 pub fn tool_costs(purge: &Purge) -> anyhow::Result<ToolCosts> {
     let cost = |from: usize, to: usize, volume: f64| {
         if from == to { 0 } else { (volume.round() as u32).max(1) }

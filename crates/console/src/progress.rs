@@ -1,25 +1,24 @@
-//! Progress bars on stderr, drawn only where it is a terminal.
+//! Progress bars on stderr, drawn only if stderr is a terminal.
 
 use std::fmt::Write;
 
 pub use indicatif::ProgressBar;
 use indicatif::{ProgressState, ProgressStyle};
 
-/// A bar over so many items with their rate and the time left.
+/// A progress bar over a number of items, with their rate and the time left.
 pub fn bar(items: u64, what: &'static str) -> ProgressBar {
     let template = "{prefix} {wide_bar} {human_pos}/{human_len}  {rate}  {eta} left";
-    let style = ProgressStyle::with_template(template).expect("the template is sound");
+    let style = ProgressStyle::with_template(template).expect("the template is valid");
     let bar = ProgressBar::new(items);
     bar.set_style(style.with_key("rate", |state: &ProgressState, out: &mut dyn Write| {
-        // A bar that can't be drawn is no reason to stop the work.
+        // Failing to draw a bar must not stop the work.
         let _ = write!(out, "{:.0}/s", state.per_sec());
     }));
     bar.set_prefix(what);
     bar
 }
 
-/// A bar over items of which some were done by an earlier run; its rate counts only those of this
-/// one.
+/// A progress bar for a resumed run: `done` items are complete, and the rate counts only new ones.
 pub fn resumed(items: u64, done: u64, what: &'static str) -> ProgressBar {
     let bar = bar(items, what);
     bar.set_position(done);

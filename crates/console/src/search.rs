@@ -1,4 +1,4 @@
-//! One search of one layer, and the row that tells of it.
+//! Any search method on one layer, reported as one row of a table.
 
 use std::time::Instant;
 
@@ -11,22 +11,23 @@ use serde::{Deserialize, Serialize};
 use crate::cancel;
 use crate::learned::{self, Fusion};
 
-/// The methods of this build.
+/// A search method, as named on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum MethodName {
-    /// The start itself.
+    /// The start path itself, unchanged.
     Zigzag,
-    /// Simulated annealing from the start.
+    /// Simulated annealing from the start path.
     Anneal,
-    /// The genetic algorithm, on the moves of many annealing runs.
+    /// The genetic algorithm, seeded with the moves of many annealing runs.
     Genetic,
-    /// The fewest pieces, then the fewest crossings, with a proof where one is found.
+    /// The fewest pieces, then the fewest crossings, with a proven bound.
     Exact,
-    /// Moves that a trained network proposes.
+    /// A walk along moves that a trained network proposes.
     Fusion,
 }
 
 impl MethodName {
+    /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Zigzag => "zigzag",
@@ -38,38 +39,52 @@ impl MethodName {
     }
 }
 
-/// What `--json` prints for one layer.
+/// The result of one search on one layer, as `--json` prints it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Row {
+    /// Name of the layout, or of the picture.
     pub layout: String,
+    /// Width of the grid in cells.
     pub width: u32,
+    /// Height of the grid in cells.
     pub height: u32,
+    /// Number of zones.
     pub zones: u32,
+    /// Seed of the layout and the search.
     pub seed: u64,
+    /// Name of the method.
     pub method: String,
+    /// Name of the method's preset, if it has presets.
     pub preset: Option<String>,
+    /// Name of the start path.
     pub start: String,
+    /// Crossings of the start path.
     pub initial: u32,
+    /// Crossings of the best path.
     pub crossings: u32,
-    /// Of the crossings, or of what they cost if they don't all cost 1.
+    /// Proven lower bound on the crossings, or on their cost if a cost matrix was given.
     pub bound: Option<u64>,
+    /// Pieces of the best path.
     pub pieces: u32,
+    /// Proven lower bound on the pieces.
     pub piece_bound: u32,
+    /// Moves from the start to the best path; 0 where the method makes none.
     pub moves: u64,
+    /// Wall-clock time of the search.
     pub seconds: f64,
-    /// What only the exact search has.
+    /// Facts of an exact search.
     #[serde(flatten)]
     pub exact: Option<ExactRow>,
-    /// What only the genetic algorithm has.
+    /// Facts of the genetic algorithm.
     #[serde(flatten)]
     pub genetic: Option<GeneticRow>,
-    /// What only the network has.
+    /// Facts of a walk by a network.
     #[serde(flatten)]
     pub fusion: Option<FusionRow>,
 }
 
 impl Row {
-    /// Whether nothing better in as many pieces exists.
+    /// Whether it is proven that no path with as many pieces is better.
     pub fn is_proven(&self) -> bool {
         match &self.exact {
             Some(exact) => exact.optimal,
@@ -77,59 +92,68 @@ impl Row {
         }
     }
 
-    /// By how many per cent the crossings fell.
+    /// Reduction of the crossings from the start path, in per cent.
     pub fn reduction(&self) -> f64 {
         100.0 * (1.0 - f64::from(self.crossings) / f64::from(self.initial.max(1)))
     }
 }
 
-/// What the exact search tells beside the common row.
+/// Facts of an exact search, in addition to the common row.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ExactRow {
-    /// What the crossings cost: their number, unless costs were given.
+    /// Cost of the crossings: their number, unless a cost matrix was given.
     pub cost: u64,
+    /// Whether the path is proven optimal.
     pub optimal: bool,
+    /// Attempts made.
     pub attempts: u32,
+    /// Why the search stopped.
     pub stop: String,
 }
 
-/// What the genetic algorithm tells beside the common row.
+/// Facts of the genetic algorithm, in addition to the common row.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct GeneticRow {
-    /// Crossings of the best annealing run it began with.
+    /// Crossings of the best annealing run of the first population.
     pub seeded: i64,
-    /// Of `seconds`, those of the annealing runs.
+    /// Wall-clock time of the annealing runs, which `seconds` includes.
     pub seeding_seconds: f64,
-    /// Genes of an individual.
+    /// Genes per individual.
     pub length: usize,
-    /// Genes tried in replays.
+    /// Genes applied in replays.
     pub replayed: u64,
-    /// Genes that were known from parents.
+    /// Genes that did not have to be replayed, since a parent's state was reused.
     pub spared: u64,
+    /// Statistics of each generation, the first population included.
     pub history: Vec<Generation>,
 }
 
-/// What a walk led by a network tells beside the common row, whose moves are those to the best path
-/// alone.
+/// Facts of a walk by a network, in addition to the common row, whose `moves` are those to the best
+/// path.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FusionRow {
-    /// Crossings that are enough.
+    /// Number of crossings at which the walk stops.
     pub target: u32,
-    /// Whether it got there, rather than to the end of its budget.
+    /// Whether the walk reached the target within its budget.
     pub reached: bool,
-    /// All moves made, those that were given up included.
+    /// All moves made, including those the walk later took back.
     pub made: u64,
-    /// Those of them that were made at random.
+    /// Random moves among them.
     pub perturbed: u64,
 }
 
-/// What a population came to.
+/// Statistics of one population.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Generation {
+    /// Number of the generation; 0 for the first population.
     pub number: u32,
+    /// Lowest cost.
     pub best: i64,
+    /// Mean cost.
     pub mean: f64,
+    /// Mean share of genes that differ from the best individual's, 0 to 1.
     pub diversity: f64,
+    /// Children that entered the population.
     pub stayed: u32,
 }
 
@@ -140,25 +164,31 @@ impl From<&genetic::Generation> for Generation {
     }
 }
 
-/// How the path is chosen, with what the method needs to know.
+/// The method of a search with its settings.
 #[derive(Clone, Copy)]
 pub enum Choice<'a> {
-    /// The start itself.
+    /// The start path itself, unchanged.
     Zigzag,
+    /// Simulated annealing.
     Anneal(Preset),
+    /// The genetic algorithm.
     Genetic(Breeding<'a>),
+    /// The exact search.
     Exact(exact::Settings<'a>),
+    /// A walk by a trained network.
     Fusion(Fusion<'a>),
 }
 
-/// What the genetic algorithm needs to know.
+/// Settings of the genetic algorithm.
 #[derive(Clone, Copy)]
 pub struct Breeding<'a> {
+    /// Named settings.
     pub preset: genetic::Preset,
+    /// Threads to work on; `None` for the calling thread.
     pub pool: Option<&'a rayon::ThreadPool>,
+    /// Called after each annealing run and each generation.
     pub observer: Option<&'a (dyn Fn(genetic::Progress) + Sync)>,
-    /// A population annealed by the same preset's seeding and seed before, and the seconds that it
-    /// took.
+    /// A first population annealed earlier with the same preset and seed, and the seconds it took.
     pub population: Option<(&'a [Vec<Move>], f64)>,
 }
 
@@ -182,22 +212,26 @@ impl Choice<'_> {
     }
 }
 
-/// What a search is asked to do with a layer.
+/// A search on one layer.
 pub struct Search<'a> {
+    /// The cells of the layer.
     pub region: &'a Region,
+    /// The zone of each cell.
     pub zones: &'a Zones,
+    /// Method and settings.
     pub choice: Choice<'a>,
+    /// Seed of the search.
     pub seed: u64,
+    /// Kind of the start path, for the row.
     pub start: Start,
-    /// Lower bounds; `None` where only the pieces and the number of zone components shall bound the
-    /// crossings.
+    /// Proven lower bounds; `None` bounds the crossings by the number of zone components only.
     pub bounds: Option<Bounds>,
 }
 
 impl Search<'_> {
-    /// Runs it from the path of its start; gives the best path and the row that tells of it.
+    /// Runs the search from a start path; returns the best path and its row.
     ///
-    /// The exact search needs no start: it is there to compare with.
+    /// The exact search ignores the start path, except to compare with it in the row.
     pub fn run(&self, layout: &str, start: &Path) -> anyhow::Result<(Path, Row)> {
         let &Self { region, zones, choice, seed, bounds, .. } = self;
         let cancel = cancel::token()?.as_flag();

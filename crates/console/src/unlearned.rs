@@ -1,4 +1,4 @@
-//! What stands in for learned methods in builds that do not learn.
+//! Stand-in for searches by a trained network, in builds without the feature `learn`.
 
 use std::path::Path as Folder;
 
@@ -7,24 +7,28 @@ use beadwork_grid::{Path, Region, Zones};
 
 use crate::search::FusionRow;
 
-/// No build that does not learn has one.
+/// A trained network: builds without the feature `learn` cannot have one.
 pub enum Model {}
 
-/// How `FusionNet` would walk.
+/// A walk that follows the moves `FusionNet` proposes.
 #[derive(Clone, Copy)]
-#[allow(dead_code, reason = "the fields are those of builds that learn")]
 pub struct Fusion<'a> {
+    /// The trained network.
     pub model: &'a Model,
+    /// Number of crossings at which the walk stops.
     pub target: u32,
+    /// Maximum number of moves.
     pub budget: usize,
 }
 
-/// Tells how to come by a build that learns.
+/// Returns an error that names a build with networks.
 pub fn open(_: &Folder, _: &Region) -> anyhow::Result<Model> {
-    bail!("this build has no networks: 'cargo xtask zones --method fusion' makes one that has")
+    bail!(
+        "this build cannot run networks: use 'cargo xtask zones --method fusion', which builds one that can"
+    )
 }
 
-/// Is never called, for want of a model.
+/// Never called: a [`Model`] cannot exist.
 pub fn fusion(
     of: &Fusion<'_>,
     _: &Region,

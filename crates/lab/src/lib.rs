@@ -6,7 +6,6 @@
 //!
 //! Both are commands of the binary `beadwork`.
 
-#![allow(missing_docs)]
 #![allow(clippy::print_stderr, reason = "a command line talks to its terminal")]
 #![allow(
     clippy::doc_markdown,

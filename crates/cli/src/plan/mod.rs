@@ -14,7 +14,7 @@ use beadwork_console::part::PartArgs;
 use beadwork_console::plan::{print, refs};
 use beadwork_console::printer::{ProfileArgs, tool_costs};
 use beadwork_console::text::count;
-use beadwork_console::{cancel, machine, output, progress};
+use beadwork_console::{cancel, control, output, progress};
 use beadwork_search::plan::{Constraints, Mode, Progress, Settings, Stacking, tools_plan};
 use clap::ValueEnum;
 
@@ -121,8 +121,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let Objective::Tools = args.objective;
     let files = args.files()?;
     let profile = args.profile.load()?;
-    let pool =
-        rayon::ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
+    let pool = control::pool(args.threads)?;
     let begin = Instant::now();
     let part = args.part.load(profile.bed_mm(), &pool)?;
     for (body, repaired) in &part.repaired {
@@ -215,7 +214,7 @@ impl Args {
             PathBuf::from(name)
         });
         if self.svg.is_some() && (self.svg.as_deref() == gcode || self.svg == totals) {
-            output::wrong_use("--svg and --out name the same file");
+            output::usage_error("--svg and --out name the same file");
         }
         Ok(Files { gcode, totals })
     }

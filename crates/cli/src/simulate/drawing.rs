@@ -1,6 +1,6 @@
 //! Temperatures by layer as charts, and some layers as maps.
 
-use beadwork_console::chart::{Axis, BLUE, Chart, GREEN, GREY, ORANGE, Series, Stroke, charts};
+use beadwork_console::chart::{Axis, BLUE, Chart, GREEN, GREY, LineStyle, ORANGE, Series, charts};
 use beadwork_thermal::{Plane, Simulation};
 
 use super::layers::Measure;
@@ -27,10 +27,10 @@ pub(super) fn draw(title: &str, layers: &[Measure], maps: &[Map]) -> anyhow::Res
     const HEIGHT: u32 = 250;
     const COLUMNS: usize = 3;
 
-    let series = |name: &str, colour, stroke, value: fn(&Measure) -> f64| Series {
+    let series = |name: &str, colour, style, value: fn(&Measure) -> f64| Series {
         name: name.to_owned(),
         colour,
-        stroke,
+        style,
         points: layers.iter().map(|layer| (layer.layer as f64, value(layer))).collect(),
     };
     let plain =
@@ -47,19 +47,19 @@ pub(super) fn draw(title: &str, layers: &[Measure], maps: &[Map]) -> anyhow::Res
                 "All that is printed",
                 plain("°C", &[]),
                 vec![
-                    series("mean", BLUE, Stroke::Plain, |layer| layer.mean_c),
-                    series("least", GREY, Stroke::Thin, |layer| layer.min_c),
+                    series("mean", BLUE, LineStyle::Plain, |layer| layer.mean_c),
+                    series("least", GREY, LineStyle::Thin, |layer| layer.min_c),
                 ],
             ),
             chart(
                 "Unevenness",
                 plain("°C", &[0.0]),
-                vec![series("standard deviation", ORANGE, Stroke::Plain, |layer| layer.std_c)],
+                vec![series("standard deviation", ORANGE, LineStyle::Plain, |layer| layer.std_c)],
             ),
             chart(
                 "Time to print a layer",
                 plain("s", &[0.0]),
-                vec![series("seconds", GREEN, Stroke::Plain, |layer| layer.print_seconds)],
+                vec![series("seconds", GREEN, LineStyle::Plain, |layer| layer.print_seconds)],
             ),
         ],
         COLUMNS,

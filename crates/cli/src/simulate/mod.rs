@@ -22,11 +22,10 @@ use anyhow::bail;
 use beadwork_console::accuracy::AccuracyName;
 use beadwork_console::part::PartArgs;
 use beadwork_console::printer::PrinterArgs;
-use beadwork_console::{cancel, machine, output, progress};
+use beadwork_console::{cancel, control, output, progress};
 use beadwork_part::Pattern;
 use beadwork_thermal::{Accuracy, LayerReport, Material, Method, Process, Simulation, Slot};
 use clap::ValueEnum;
-use rayon::ThreadPoolBuilder;
 
 use layers::Measure;
 use place::size_mm;
@@ -261,7 +260,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         MaterialName::Petg => Material::petg(),
     };
     let process = args.process(&source, &material);
-    let pool = ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
+    let pool = control::pool(args.threads)?;
     let simulation = Simulation::new(part.clone(), &material, &process, args.method())?;
     let mut simulation = simulation.with_pool(Some(Arc::new(pool)));
 
@@ -331,7 +330,7 @@ impl Args {
     /// Refuses, before any work, flags that mean nothing together and files that can't be written.
     fn check(&self) -> anyhow::Result<Option<Target>> {
         if self.accuracy.is_some() && self.method != MethodName::Fast {
-            output::wrong_use("--accuracy means nothing to other methods than fast");
+            output::usage_error("--accuracy means nothing to other methods than fast");
         }
         let target = self.section_out.as_deref().map(|path| Target::new(path, self.section.len()));
         let section = target.as_ref().and_then(Target::file);
@@ -345,7 +344,7 @@ impl Args {
                 bail!("'{}' is a folder", path.display());
             }
             if files[..number].contains(path) {
-                output::wrong_use(&format!(
+                output::usage_error(&format!(
                     "two results would go to the same file '{}'",
                     path.display()
                 ));

@@ -94,12 +94,12 @@ impl Target {
         }
         match path.extension() {
             None => Self::Folder(path.to_owned()),
-            Some(_) if !is_picture(path) => output::wrong_use(&format!(
+            Some(_) if !is_picture(path) => output::usage_error(&format!(
                 "--section-out '{}' is neither a .png nor an .svg file nor a folder",
                 path.display()
             )),
             Some(_) if sections > 1 => {
-                output::wrong_use("--section-out has to be a folder for more than one section")
+                output::usage_error("--section-out has to be a folder for more than one section")
             }
             Some(_) => Self::File(path.to_owned()),
         }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use anyhow::{Context, anyhow, bail};
 use beadwork_console::progress::ProgressBar;
 use beadwork_console::text::count;
-use beadwork_console::{cancel, machine};
+use beadwork_console::{cancel, control};
 use beadwork_gcode::{Event, Heater, Program};
 use beadwork_part::print;
 use beadwork_part::slice::{Layers, Voxels};
@@ -127,7 +127,7 @@ fn stem(path: &Path) -> String {
 }
 
 fn load_part(args: &Args, settings: &print::Settings) -> anyhow::Result<(String, Voxels)> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(machine::threads(0)).build()?;
+    let pool = control::pool(0)?;
     let part = args.part.load(settings.printer.bed_mm, &pool)?;
     for (body, repaired) in &part.repaired {
         eprintln!("beadwork: repaired {body}: {}", beadwork_console::part::describe(repaired));

@@ -21,7 +21,7 @@ enum Network {
 }
 
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
-    memory::keep();
+    memory::keep_freed();
     match &args.network {
         Network::Fusion(args) => fusion::run(args),
     }

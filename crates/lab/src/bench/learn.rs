@@ -53,7 +53,7 @@ pub(super) fn run(args: &LearnArgs) -> anyhow::Result<()> {
     if let Some([weights, io]) = args.parity.as_deref() {
         return compare(weights, io, args.json);
     }
-    memory::keep();
+    memory::keep_freed();
     let dataset = Dataset::open(&args.data)?;
     let training = Training { width: args.width, batch: args.batch, ..Training::default() };
     training.check()?;

@@ -30,6 +30,7 @@ enum What {
     Learn(learn::LearnArgs),
 }
 
+/// Runs the benchmark that the arguments name.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     match &args.what {
         What::Grid(args) => grid::run(args),

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use anyhow::Context;
 use beadwork_console::plan::printed_layers;
-use beadwork_console::{machine, output};
+use beadwork_console::{control, machine, output};
 use beadwork_gcode::Program;
 use beadwork_grid::cover;
 use beadwork_mesh::{Body, Format, Limits, Materials, Mesh, Model, Placement, Shape};
@@ -44,8 +44,7 @@ pub(super) struct PartArgs {
 const MILLION_STEPS: u32 = 501;
 
 pub(super) fn run(args: &PartArgs) -> anyhow::Result<()> {
-    let pool =
-        rayon::ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
+    let pool = control::pool(args.threads)?;
     // First of all, while little memory was used and given back.
     let million = stl_of(&Shape::Sphere { radius_mm: 50.0, steps: MILLION_STEPS }.mesh());
     let memory = memory(&million, &pool)?;
@@ -208,14 +207,14 @@ fn memory(bytes: &[u8], pool: &rayon::ThreadPool) -> anyhow::Result<Value> {
         let peak = machine::peak_memory_bytes()?.saturating_sub(before?);
         Some(peak as f64 / size as f64)
     };
-    machine::forget_peak_memory();
+    machine::reset_peak_memory();
     let mut model = read(Format::Stl, bytes)?;
     let size = mesh_bytes(&model);
     let read = peak(size);
-    machine::forget_peak_memory();
+    machine::reset_peak_memory();
     repair(&mut model)?;
     let repaired = peak(size);
-    machine::forget_peak_memory();
+    machine::reset_peak_memory();
     outlines(&model, 0.2, Some(pool));
     let outlined = peak(size);
     Ok(json!({

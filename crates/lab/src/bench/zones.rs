@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::bail;
 use beadwork_console::progress::ProgressBar;
-use beadwork_console::{cancel, machine, output, progress};
+use beadwork_console::{cancel, control, machine, output, progress};
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Links, Path, Placed, Region, Start};
 use beadwork_search::genetic::{self, Settings};
 use beadwork_search::{Cost, Move, Stop};
@@ -115,7 +115,7 @@ fn row(side: u32, layout: Layout, repeats: u64, bar: &ProgressBar) -> anyhow::Re
         let (mut genes, mut spared, mut replayed) = (0, 0, 0);
         for _ in 0..repeats {
             for (place, threads) in THREADS.into_iter().enumerate() {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+                let pool = control::pool(threads)?;
                 let cancel = cancel::token()?.as_flag();
                 let settings = Settings {
                     pool: Some(&pool),

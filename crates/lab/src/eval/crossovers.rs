@@ -76,7 +76,7 @@ pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
         .map(|cell| (cell, runs.by_ref().take(seeds as usize).collect()))
         .collect();
 
-    let mut text = format!("Machine: {}. Seeds 0..{seeds}.\n", machine::told(store.machine()));
+    let mut text = format!("Machine: {}. Seeds 0..{seeds}.\n", machine::one_line(store.machine()));
     table(&mut text, &all)?;
     let names = ways(Evolution::default()).map(|(name, _)| name);
     let document = json!({

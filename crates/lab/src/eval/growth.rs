@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::bail;
 use beadwork_console::cancel;
-use beadwork_console::chart::{Axis, Chart, GREEN, GREY, Series, Stroke, charts};
+use beadwork_console::chart::{Axis, Chart, GREEN, GREY, LineStyle, Series, charts};
 use beadwork_console::progress::ProgressBar;
 use beadwork_grid::{Layout, LayoutSpec, Region};
 use beadwork_search::exact;
@@ -110,10 +110,10 @@ impl Growth {
         let (middle_cells, middle_ms) = cells[cells.len() / 2];
         let linear =
             [cells[0], cells[cells.len() - 1]].map(|(at, _)| (at, middle_ms * at / middle_cells));
-        let line = |name: &str, colour, stroke, points| Series {
+        let line = |name: &str, colour, style, points| Series {
             name: name.to_owned(),
             colour,
-            stroke,
+            style,
             points,
         };
         let chart = |title: &str, label, series| Chart {
@@ -123,10 +123,10 @@ impl Growth {
             series,
         };
         let over_cells = vec![
-            line("exact search", GREEN, Stroke::Dotted, cells),
-            line("linear", GREY, Stroke::Thin, linear.to_vec()),
+            line("exact search", GREEN, LineStyle::Dotted, cells),
+            line("linear", GREY, LineStyle::Thin, linear.to_vec()),
         ];
-        let over_zones = vec![line("exact search", GREEN, Stroke::Dotted, zones)];
+        let over_zones = vec![line("exact search", GREEN, LineStyle::Dotted, zones)];
         let panels =
             [chart("3 zones", "cells", over_cells), chart("100 x 100 cells", "zones", over_zones)];
         charts(&panels, 2, (460, 340))

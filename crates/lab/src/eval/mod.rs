@@ -16,7 +16,7 @@ mod thermal;
 use std::path::PathBuf;
 
 use beadwork_console::search::MethodName;
-use beadwork_console::{machine, output};
+use beadwork_console::{control, output};
 use beadwork_search::Preset;
 use clap::Subcommand;
 
@@ -100,7 +100,7 @@ impl ZonesArgs {
         let refuse = |given: bool, flag: &str, methods: &[Option<MethodName>]| {
             if given && methods.contains(&self.method) {
                 let method = self.method.map_or("the table of all methods", MethodName::name);
-                output::wrong_use(&format!("{flag} means nothing to {method}"));
+                output::usage_error(&format!("{flag} means nothing to {method}"));
             }
         };
         refuse(self.out.is_some(), "--out", &[Some(Anneal), Some(Zigzag), Some(Exact)]);
@@ -115,11 +115,12 @@ impl ZonesArgs {
     }
 
     fn pool(&self) -> anyhow::Result<rayon::ThreadPool> {
-        let threads = machine::threads(self.threads.unwrap_or(0));
-        Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?)
+        let threads = control::thread_count(self.threads.unwrap_or(0));
+        Ok(control::pool(threads)?)
     }
 }
 
+/// Runs the evaluation that the arguments name.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let args = match &args.what {
         What::Zones(args) => args,
@@ -135,7 +136,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         Some(MethodName::Genetic) => crossovers::run(args),
         Some(MethodName::Exact) => exact_tables::run(args),
         Some(MethodName::Fusion) => {
-            output::wrong_use("FusionNet has tables of its own: eval fusion")
+            output::usage_error("FusionNet has tables of its own: eval fusion")
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::sync::Arc;
 
-use beadwork_console::chart::{Axis, BLUE, Chart, ORANGE, Series, Stroke, charts};
+use beadwork_console::chart::{Axis, BLUE, Chart, LineStyle, ORANGE, Series, charts};
 use beadwork_part::Pattern;
 use serde::Serialize;
 
@@ -41,7 +41,7 @@ pub(super) fn table(rows: &[Row]) -> anyhow::Result<String> {
 pub(super) fn svg(cubes: &[Row], towers: &[Row]) -> anyhow::Result<String> {
     let series = |name: String, colour, rows: &[Row]| {
         let points = rows.iter().map(|row| (row.voxels as f64, row.us_per_birth)).collect();
-        Series { name, colour, stroke: Stroke::Dotted, points }
+        Series { name, colour, style: LineStyle::Dotted, points }
     };
     let chart = Chart {
         title: "Time for each birth".to_owned(),

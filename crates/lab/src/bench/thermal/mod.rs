@@ -77,7 +77,7 @@ pub(super) fn run(args: &ThermalArgs) -> anyhow::Result<()> {
     let wanted = |what: What| args.what.is_empty() || args.what.contains(&what);
     if let Some(path) = &args.svg {
         if !wanted(What::Growth) {
-            output::wrong_use("--svg draws the growth: add --what growth");
+            output::usage_error("--svg draws the growth: add --what growth");
         }
         ensure!(!path.is_dir(), "'{}' is a folder", path.display());
     }

@@ -4,9 +4,9 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Instant;
 
+use beadwork_console::control;
 use beadwork_part::Pattern;
 use beadwork_thermal::{Material, Simulation};
-use rayon::ThreadPoolBuilder;
 use serde::Serialize;
 
 use super::{FAST, process};
@@ -26,7 +26,7 @@ pub(super) struct Patterns {
 
 pub(super) fn measure() -> anyhow::Result<Patterns> {
     let part = Arc::new(HeatPart::Rectangular.voxels());
-    let pool = ThreadPoolBuilder::new().num_threads(2).build()?;
+    let pool = control::pool(2)?;
     let mut simulation = Simulation::new(part.clone(), &Material::abs(), &process(), FAST)?;
     let (mut all, mut ratios) = (Vec::new(), Vec::new());
     for (layer, orders) in all_orders(&part)?.iter().enumerate() {

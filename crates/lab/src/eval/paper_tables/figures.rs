@@ -1,7 +1,7 @@
-//! Pictures of the tables: how populations converge, and the heat maps of the paper's Figure 4.
+//! Pictures of the tables: how populations converge, and the heat heat_maps of the paper's Figure 4.
 
 use beadwork_console::chart::{
-    Axis, BLUE, Chart, GREEN, GREY, Map, ORANGE, PURPLE, Series, Stroke, charts, maps,
+    self, Axis, BLUE, Chart, GREEN, GREY, HeatMap, LineStyle, ORANGE, PURPLE, Series, charts,
 };
 use beadwork_console::search::{Generation, Row};
 use beadwork_grid::Layout;
@@ -17,13 +17,14 @@ pub(super) fn convergence(all: &[Runs], presets: &[genetic::Preset]) -> anyhow::
         let mut series = Vec::new();
         for (&preset, colour) in presets.iter().zip([BLUE, GREEN, PURPLE]) {
             let column = Column::Genetic(preset);
-            let line = |name: String, stroke, value: &dyn Fn(&Generation) -> f64| {
+            let line = |name: String, style, value: &dyn Fn(&Generation) -> f64| {
                 let points = over_generations(runs, column, value);
-                Series { name, colour, stroke, points }
+                Series { name, colour, style, points }
             };
-            series
-                .push(line(format!("genetic {preset}, best"), Stroke::Plain, &|it| it.best as f64));
-            series.push(line(format!("genetic {preset}, mean"), Stroke::Thin, &|it| it.mean));
+            series.push(line(format!("genetic {preset}, best"), LineStyle::Plain, &|it| {
+                it.best as f64
+            }));
+            series.push(line(format!("genetic {preset}, mean"), LineStyle::Thin, &|it| it.mean));
         }
         let last = series
             .iter()
@@ -34,7 +35,7 @@ pub(super) fn convergence(all: &[Runs], presets: &[genetic::Preset]) -> anyhow::
         {
             let value = runs.mean(column, Row::reduction);
             let points = vec![(1.0, value), (last, value)];
-            series.push(Series { name: name.to_owned(), colour, stroke: Stroke::Plain, points });
+            series.push(Series { name: name.to_owned(), colour, style: LineStyle::Plain, points });
         }
         Chart {
             title: format!("{} {}", runs.cell.layout, runs.cell.size),
@@ -77,7 +78,7 @@ pub(super) fn heat_maps(all: &[Runs], presets: &[genetic::Preset]) -> anyhow::Re
                 |runs: &&Runs| (runs.cell.layout, runs.cell.size) == (cell.layout, cell.size);
             all.iter().find(here).map_or(f64::NAN, value)
         };
-        Map {
+        HeatMap {
             title,
             rows: Layout::PAPER.iter().map(ToString::to_string).collect(),
             columns: paper::SIZES.iter().map(ToString::to_string).collect(),
@@ -95,5 +96,5 @@ pub(super) fn heat_maps(all: &[Runs], presets: &[genetic::Preset]) -> anyhow::Re
         all_maps.push(map(format!("ours: genetic, {preset}"), &best(Column::Genetic(preset))));
     }
     all_maps.push(map("ours: exact".to_owned(), &best(Column::Exact)));
-    maps(&all_maps, 2, 100.0)
+    chart::heat_maps(&all_maps, 2, 100.0)
 }

@@ -130,7 +130,7 @@ pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
         .map(|cell| Runs { cell, rows: rows.by_ref().take(seeds as usize).flatten().collect() })
         .collect();
 
-    let mut text = format!("Machine: {}. Seeds 0..{seeds}.\n", machine::told(store.machine()));
+    let mut text = format!("Machine: {}. Seeds 0..{seeds}.\n", machine::one_line(store.machine()));
     writeln!(
         text,
         "{seconds:.0} s of searches on {threads} threads; {now:.0} s in this run, {} of {} instances kept from earlier ones.",

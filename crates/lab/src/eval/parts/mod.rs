@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use beadwork_console::part::{Numbers, Part, PartArgs, Rule};
 use beadwork_console::printer::Profile;
-use beadwork_console::{machine, output, progress};
+use beadwork_console::{control, machine, output, progress};
 use beadwork_mesh::Example;
 use serde_json::json;
 
@@ -60,8 +60,7 @@ const FILES: [(&str, &str, f64, Rule); 7] = [
 ];
 
 pub(super) fn run(args: &PartsArgs) -> anyhow::Result<()> {
-    let pool =
-        rayon::ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
+    let pool = control::pool(args.threads)?;
     let mut missing = Vec::new();
     let cases = cases(args.files.as_deref(), &pool, &mut missing)?;
     let bar = progress::bar(3 * cases.len() as u64, "eval parts");

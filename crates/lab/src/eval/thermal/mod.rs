@@ -7,13 +7,13 @@ use std::sync::atomic::Ordering;
 
 use anyhow::ensure;
 use beadwork_console::accuracy::AccuracyName;
-use beadwork_console::{cancel, machine, output, progress};
+use beadwork_console::{cancel, control, machine, output, progress};
 use beadwork_grid::Cell;
 use beadwork_part::Pattern;
 use beadwork_part::slice::Voxels;
 use beadwork_thermal::{Material, Method, Plane, Process, Simulation, Warpage};
+use rayon::ThreadPool;
 use rayon::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 use serde_json::json;
 
@@ -96,7 +96,7 @@ impl PartRow {
 
 pub(super) fn run(args: &ThermalArgs) -> anyhow::Result<()> {
     let parts = if args.part.is_empty() { &HeatPart::PAPER[..] } else { &args.part };
-    let pool = ThreadPoolBuilder::new().num_threads(machine::threads(args.threads)).build()?;
+    let pool = control::pool(args.threads)?;
     let bench = Bench {
         method: Method::Fast(args.accuracy.into()),
         material: Material::abs(),
