@@ -1,18 +1,18 @@
 //! Numbers that start on a cache line.
 
 /// Floats in one cache line.
-pub(crate) const LINE: usize = 16;
+pub(crate) const LINE_LEN: usize = 16;
 
 /// A slice of `f32` whose first number lies at the start of a cache line of 64 bytes: wide loads
 /// that are split between two lines cost twice.
 #[derive(Debug, Default)]
-pub(crate) struct Aligned {
+pub(crate) struct AlignedBuffer {
     store: Vec<f32>,
     start: usize,
     len: usize,
 }
 
-impl Aligned {
+impl AlignedBuffer {
     /// As many zeros.
     pub(crate) fn zeros(len: usize) -> Self {
         let mut aligned = Self::default();
@@ -28,16 +28,16 @@ impl Aligned {
 
     /// As many numbers, of any values, in the same memory if it suffices.
     pub(crate) fn resize(&mut self, len: usize) {
-        if self.store.len() < len + LINE {
-            self.store = vec![0.0; len + LINE];
+        if self.store.len() < len + LINE_LEN {
+            self.store = vec![0.0; len + LINE_LEN];
             // An allocator may refuse to say (`usize::MAX`): then any start will do.
-            self.start = self.store.as_ptr().align_offset(64).min(LINE);
+            self.start = self.store.as_ptr().align_offset(64).min(LINE_LEN);
         }
         self.len = len;
     }
 }
 
-impl Clone for Aligned {
+impl Clone for AlignedBuffer {
     fn clone(&self) -> Self {
         let mut copy = Self::default();
         copy.resize(self.len);
@@ -46,7 +46,7 @@ impl Clone for Aligned {
     }
 }
 
-impl std::ops::Deref for Aligned {
+impl std::ops::Deref for AlignedBuffer {
     type Target = [f32];
 
     fn deref(&self) -> &[f32] {
@@ -54,7 +54,7 @@ impl std::ops::Deref for Aligned {
     }
 }
 
-impl std::ops::DerefMut for Aligned {
+impl std::ops::DerefMut for AlignedBuffer {
     fn deref_mut(&mut self) -> &mut [f32] {
         &mut self.store[self.start..self.start + self.len]
     }
@@ -67,7 +67,7 @@ mod tests {
     #[test]
     fn copies_are_aligned_too() {
         for len in [0, 1, 16, 100, 4097] {
-            let mut numbers = Aligned::zeros(len);
+            let mut numbers = AlignedBuffer::zeros(len);
             numbers.iter_mut().zip(0u16..).for_each(|(number, i)| *number = i.into());
             let copy = numbers.clone();
             assert_eq!(copy[..], numbers[..]);

@@ -1,10 +1,10 @@
 //! The plain steppers: every voxel is stepped in every step.
 
-use crate::aligned::Aligned;
-use crate::kernel::{Euler, Kept, Pair, Quadratic, TwoSteps, dispatch};
-use crate::law::Law;
+use crate::aligned::AlignedBuffer;
+use crate::coefficients::Coefficients;
+use crate::interval::Interval;
+use crate::kernel::{EulerSweep, Quadratic, SweepBuffers, TwoStageSweep, TwoSteps, dispatch};
 use crate::occupancy::Change;
-use crate::piece::Piece;
 use crate::state::StateMut;
 
 /// How a step is taken.
@@ -18,29 +18,29 @@ pub(crate) enum Scheme {
 
 /// Steps the whole part, again and again.
 #[derive(Debug)]
-pub(crate) struct Explicit {
+pub(crate) struct ExplicitStepper {
     pub(crate) scheme: Scheme,
     /// Longest stretch in a pause that takes as many steps as a birth, s; with Heun's method, in a
     /// birth too.
     pub(crate) longest_s: f64,
-    scratch: Aligned,
-    kept: Kept,
+    scratch: AlignedBuffer,
+    kept: SweepBuffers,
     changes: Vec<Change>,
 }
 
-impl Clone for Explicit {
+impl Clone for ExplicitStepper {
     fn clone(&self) -> Self {
         Self::new(self.scheme, self.longest_s)
     }
 }
 
-impl Explicit {
+impl ExplicitStepper {
     pub(crate) fn new(scheme: Scheme, longest_s: f64) -> Self {
         Self {
             scheme,
             longest_s,
-            scratch: Aligned::default(),
-            kept: Kept::default(),
+            scratch: AlignedBuffer::default(),
+            kept: SweepBuffers::default(),
             changes: Vec::new(),
         }
     }
@@ -49,32 +49,32 @@ impl Explicit {
     pub(crate) fn run(
         &mut self,
         mut state: StateMut<'_>,
-        law: &Law,
-        pieces: &[Piece],
+        coefficients: &Coefficients,
+        intervals: &[Interval],
         threads: usize,
     ) {
         self.kept.threads = threads;
         if self.scheme == Scheme::Euler {
             self.scratch.clone_from(&state.patch.theta);
         }
-        for piece in pieces {
-            if let Some(at) = piece.held.filter(|_| piece.born) {
-                state.voxels.birth(at, state.patch, law, &mut self.changes);
-                state.patch.take_up(&self.changes, law);
+        for interval in intervals {
+            if let Some(at) = interval.held.filter(|_| interval.born) {
+                state.voxels.birth(at, state.patch, coefficients, &mut self.changes);
+                state.patch.apply(&self.changes, coefficients);
                 self.changes.clear();
             }
-            let held = piece.held.map(|at| state.patch.shape.index(at));
+            let held = interval.held.map(|at| state.patch.shape.index(at));
             // A birth that takes longer than others is one step all the same by the plain scheme's
             // definition.
             let whole = held.is_some() && self.scheme == Scheme::Euler;
-            let steps = if whole { 1 } else { piece.parts(self.longest_s).count() };
-            let seconds = piece.seconds / steps as f64;
+            let steps = if whole { 1 } else { interval.split(self.longest_s).count() };
+            let seconds = interval.seconds / steps as f64;
             match self.scheme {
-                Scheme::Euler => self.euler(&mut state, law, seconds as f32, steps, held),
+                Scheme::Euler => self.euler(&mut state, coefficients, seconds as f32, steps, held),
                 Scheme::Heun { steps: parts } => {
                     self.heun(
                         &mut state,
-                        law,
+                        coefficients,
                         seconds / f64::from(parts),
                         steps * parts as usize,
                         held,
@@ -87,7 +87,7 @@ impl Explicit {
     fn euler(
         &mut self,
         state: &mut StateMut<'_>,
-        law: &Law,
+        coefficients: &Coefficients,
         seconds: f32,
         steps: usize,
         held: Option<usize>,
@@ -95,14 +95,15 @@ impl Explicit {
         let patch = &mut *state.patch;
         let (shape, top) = (patch.shape, state.voxels.top());
         for _ in 0..steps / 2 {
-            Pair { law, patch, stages: TwoSteps { seconds }, held, top }.sweep(&mut self.kept);
+            TwoStageSweep { coefficients, patch, stages: TwoSteps { seconds }, held, top }
+                .sweep(&mut self.kept);
         }
         if steps % 2 == 1 {
-            let (activity, from, to) = (&patch.activity, &patch.theta, &mut self.scratch);
-            dispatch(Euler { law, shape, activity, from, to, top, seconds });
+            let (arrays, from, to) = (&patch.arrays, &patch.theta, &mut self.scratch);
+            dispatch(EulerSweep { coefficients, shape, arrays, from, to, top, seconds });
             std::mem::swap(&mut patch.theta, &mut self.scratch);
             if let Some(held) = held {
-                patch.theta[held] = law.birth;
+                patch.theta[held] = coefficients.birth_theta;
             }
         }
     }
@@ -110,7 +111,7 @@ impl Explicit {
     fn heun(
         &mut self,
         state: &mut StateMut<'_>,
-        law: &Law,
+        coefficients: &Coefficients,
         seconds: f64,
         steps: usize,
         held: Option<usize>,
@@ -118,7 +119,7 @@ impl Explicit {
         let (patch, top) = (&mut *state.patch, state.voxels.top());
         let stages = Quadratic { a: seconds as f32, b: (seconds * seconds / 2.0) as f32 };
         for _ in 0..steps {
-            Pair { law, patch, stages, held, top }.sweep(&mut self.kept);
+            TwoStageSweep { coefficients, patch, stages, held, top }.sweep(&mut self.kept);
         }
     }
 }

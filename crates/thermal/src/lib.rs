@@ -33,16 +33,17 @@
 //! ```
 
 mod aligned;
+mod block_grid;
+mod coefficients;
 mod explicit;
 mod fast;
 mod hot_spots;
 mod interlayer;
+mod interval;
 mod kernel;
-mod law;
 mod material;
 mod occupancy;
 mod patch;
-mod piece;
 pub mod plain;
 mod process;
 mod program;
@@ -53,7 +54,6 @@ mod section;
 mod simulation;
 mod spread;
 mod state;
-mod tally;
 #[cfg(test)]
 mod testing;
 mod timeline;

@@ -1,17 +1,17 @@
 //! Which voxels are active, and which of their faces are covered.
 
-use crate::aligned::LINE;
-use crate::law::{Law, Voxel, face};
-use crate::patch::{Line, Shape};
-use crate::tally::Tally;
+use crate::aligned::LINE_LEN;
+use crate::block_grid::BlockGrid;
+use crate::coefficients::{Coefficients, VoxelCoefficients, face};
+use crate::patch::{LineCode, Shape};
 
 /// A voxel whose numbers a birth has changed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Change {
-    /// x, y and z, rim counted.
+    /// x, y and z, halo counted.
     pub(crate) at: [usize; 3],
-    pub(crate) voxel: Voxel,
-    pub(crate) line: Line,
+    pub(crate) voxel: VoxelCoefficients,
+    pub(crate) line: LineCode,
     /// Whether it is the one that was born.
     pub(crate) born: bool,
 }
@@ -22,23 +22,24 @@ pub(crate) struct Occupancy {
     shape: Shape,
     faces: Vec<u8>,
     /// The same in blocks.
-    tally: Tally,
+    block_grid: BlockGrid,
     /// Temperature above the air of what a voxel was laid on, just before it was; NaN where that
     /// was nothing.
-    landings: Vec<f32>,
+    substrate_theta: Vec<f32>,
 }
 
 impl Occupancy {
     /// Nothing is active.
-    pub(crate) fn none(shape: Shape, law: &Law) -> Self {
+    pub(crate) fn none(shape: Shape, coefficients: &Coefficients) -> Self {
         let len = shape.len();
-        let tally = Tally::none(shape, f64::from(law.vertical / law.lateral).sqrt());
-        Self { shape, faces: vec![0; len], tally, landings: vec![f32::NAN; len] }
+        let block_grid =
+            BlockGrid::none(shape, f64::from(coefficients.vertical / coefficients.lateral).sqrt());
+        Self { shape, faces: vec![0; len], block_grid, substrate_theta: vec![f32::NAN; len] }
     }
 
     /// What is active, in blocks.
-    pub(crate) fn tally(&self) -> &Tally {
-        &self.tally
+    pub(crate) fn block_grid(&self) -> &BlockGrid {
+        &self.block_grid
     }
 
     /// Whether a voxel is active.
@@ -48,8 +49,8 @@ impl Occupancy {
 
     /// Temperature above the air of the voxel below, just before this one was laid on it; NaN if
     /// there was none.
-    pub(crate) fn landing(&self, index: usize) -> f32 {
-        self.landings[index]
+    pub(crate) fn substrate_theta(&self, index: usize) -> f32 {
+        self.substrate_theta[index]
     }
 
     /// The faces of all voxels, each a set of the bits of [`face`].
@@ -64,7 +65,7 @@ impl Occupancy {
         &mut self,
         at: [usize; 3],
         below: f32,
-        law: &Law,
+        coefficients: &Coefficients,
         changes: &mut Vec<Change>,
     ) {
         let [x, y, z] = at;
@@ -79,7 +80,7 @@ impl Occupancy {
             (face::ABOVE, face::BELOW, [x, y, z + 1]),
         ];
         if self.is_active(self.shape.index([x, y, z - 1])) {
-            self.landings[index] = below;
+            self.substrate_theta[index] = below;
         }
         let mut faces = face::ACTIVE;
         if z == 1 {
@@ -95,20 +96,23 @@ impl Occupancy {
         self.faces[index] = faces;
         let active =
             neighbours.iter().enumerate().filter(|(_, (towards, ..))| faces & towards != 0);
-        self.tally.birth(at, active.clone().map(|(place, _)| (place / 2, place % 2 == 1)));
-        changes.push(self.change(at, law, true));
-        changes.extend(active.map(|(_, &(_, _, neighbour))| self.change(neighbour, law, false)));
+        self.block_grid.birth(at, active.clone().map(|(place, _)| (place / 2, place % 2 == 1)));
+        changes.push(self.change(at, coefficients, true));
+        changes.extend(
+            active.map(|(_, &(_, _, neighbour))| self.change(neighbour, coefficients, false)),
+        );
     }
 
     /// The numbers of a voxel whose faces have changed.
-    fn change(&self, at: [usize; 3], law: &Law, born: bool) -> Change {
+    fn change(&self, at: [usize; 3], coefficients: &Coefficients, born: bool) -> Change {
         let index = self.shape.index(at);
-        let line =
-            self.faces[index / LINE * LINE..].first_chunk().expect("a patch has whole lines");
+        let line = self.faces[index / LINE_LEN * LINE_LEN..]
+            .first_chunk()
+            .expect("a patch has whole lines");
         Change {
             at,
-            voxel: law.voxels[usize::from(self.faces[index])],
-            line: Line::of(*line),
+            voxel: coefficients.by_faces[usize::from(self.faces[index])],
+            line: LineCode::of(*line),
             born,
         }
     }
@@ -121,43 +125,44 @@ mod tests {
 
     use super::*;
     use crate::material::Material;
-    use crate::patch::{Kind, Patch};
+    use crate::patch::{LineKind, Patch};
     use crate::process::Process;
 
     #[test]
     fn changes_leave_every_line_and_number_as_the_faces_have_them() {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(0);
-        let law = Law::new(&Material::abs(), &Process::default(), 0.5e-3, 0.25e-3);
+        let coefficients =
+            Coefficients::new(&Material::abs(), &Process::default(), 0.5e-3, 0.25e-3);
         let mut uniform = 0;
         for _ in 0..300 {
             let size = [90, 6, 6].map(|most| random.random_range(1..most));
             let shape = Shape::around(size[0], size[1], size[2]);
             let (mut occupancy, mut patch) =
-                (Occupancy::none(shape, &law), Patch::empty(shape, &law));
+                (Occupancy::none(shape, &coefficients), Patch::empty(shape, &coefficients));
             let filled = if random.random_bool(0.5) { 1.0 } else { 0.9 };
             let mut changes = Vec::new();
             for z in 1..=size[2] {
                 for y in 1..=size[1] {
                     for x in (1..=size[0]).filter(|_| random.random_bool(filled)) {
-                        occupancy.birth([x, y, z], 0.0, &law, &mut changes);
+                        occupancy.birth([x, y, z], 0.0, &coefficients, &mut changes);
                     }
                 }
                 // As several at once are taken up, too.
-                patch.take_up(&changes, &law);
+                patch.apply(&changes, &coefficients);
                 changes.clear();
             }
             for (i, &faces) in occupancy.faces.iter().enumerate() {
-                let known = law.voxels[usize::from(faces)].damping;
-                assert_eq!(patch.activity.damping[i].to_bits(), known.to_bits());
+                let known = coefficients.by_faces[usize::from(faces)].diagonal;
+                assert_eq!(patch.arrays.diagonal[i].to_bits(), known.to_bits());
             }
-            let lines = shape.row / LINE;
+            let lines = shape.row / LINE_LEN;
             for (i, (faces, &line)) in
-                occupancy.faces.chunks_exact(LINE).zip(&patch.activity.lines).enumerate()
+                occupancy.faces.chunks_exact(LINE_LEN).zip(&patch.arrays.lines).enumerate()
             {
-                let known = Line::of(*faces.first_chunk().unwrap());
+                let known = LineCode::of(*faces.first_chunk().unwrap());
                 let end = [0, lines - 1].contains(&(i % lines));
                 assert_eq!(line, if end { known.cut() } else { known });
-                uniform += u32::from(matches!(line.kind(), Kind::Uniform(_)));
+                uniform += u32::from(matches!(line.kind(), LineKind::Uniform(_)));
             }
         }
         assert!(uniform > 500, "{uniform} lines are uniform");

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use crate::aligned::{Aligned, LINE};
-use crate::law::{Law, Voxel, face};
+use crate::aligned::{AlignedBuffer, LINE_LEN};
+use crate::coefficients::{Coefficients, VoxelCoefficients, face};
 use crate::occupancy::Change;
 
 /// The sizes of a patch: `planes` planes of `rows` rows of `row` numbers.
@@ -12,7 +12,7 @@ use crate::occupancy::Change;
 ///
 /// So the printed part of each plane is one range that grows upwards, and as parts have fewer
 /// layers than rows, few planes of it fit into the fastest memory.
-/// The first and the last of planes, of rows and of each row's numbers are **rim**: they are read
+/// The first and the last of planes, of rows and of each row's numbers are **halo**: they are read
 /// as neighbours but never change, so that a sweep may run over the ends of rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Shape {
@@ -25,9 +25,9 @@ pub(crate) struct Shape {
 }
 
 impl Shape {
-    /// For so many voxels, with the rim.
+    /// For so many voxels, with the halo.
     pub(crate) fn around(width: usize, height: usize, depth: usize) -> Self {
-        Self { row: (width + 2).next_multiple_of(LINE), rows: depth + 2, planes: height + 2 }
+        Self { row: (width + 2).next_multiple_of(LINE_LEN), rows: depth + 2, planes: height + 2 }
     }
 
     pub(crate) fn plane(&self) -> usize {
@@ -38,7 +38,7 @@ impl Shape {
         self.plane() * self.planes
     }
 
-    /// Where a voxel lies, with the rim counted.
+    /// Where a voxel lies, with the halo counted.
     pub(crate) fn index(&self, at: [usize; 3]) -> usize {
         let [x, y, z] = at;
         (y * self.rows + z) * self.row + x
@@ -48,13 +48,13 @@ impl Shape {
 /// How the numbers of a cache line are to be swept.
 ///
 /// In one byte, since sweeps look for where it changes: the faces that all its voxels have, or
-/// [`Line::MIXED`].
+/// [`LineCode::MIXED`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Line(u8);
+pub(crate) struct LineCode(u8);
 
-/// What a [`Line`] says.
+/// What a [`LineCode`] says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum LineKind {
     /// No voxel in it is active: all are 0, and stay so.
     Empty,
     /// All are active and have the same faces covered: these, as [`face`] has them.
@@ -63,14 +63,14 @@ pub(crate) enum Kind {
     Mixed,
 }
 
-impl Line {
+impl LineCode {
     pub(crate) const EMPTY: Self = Self(0);
     /// No voxel has these faces, for it would not be active.
     pub(crate) const MIXED: Self = Self(face::ALL);
 
     /// Of voxels with the given faces.
-    pub(crate) fn of(faces: [u8; LINE]) -> Self {
-        if faces == [faces[0]; LINE] { Self(faces[0]) } else { Self::MIXED }
+    pub(crate) fn of(faces: [u8; LINE_LEN]) -> Self {
+        if faces == [faces[0]; LINE_LEN] { Self(faces[0]) } else { Self::MIXED }
     }
 
     /// How many lines at the start of some are equal to this one: eight at a time, for loads are
@@ -97,51 +97,51 @@ impl Line {
 
     /// Whether it may lose heat to the air.
     pub(crate) fn is_open(self) -> bool {
-        !matches!(self.kind(), Kind::Empty | Kind::Uniform(face::INTERIOR))
+        !matches!(self.kind(), LineKind::Empty | LineKind::Uniform(face::INTERIOR))
     }
 
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "sweeps ask for every run of lines")]
-    pub(crate) fn kind(self) -> Kind {
+    pub(crate) fn kind(self) -> LineKind {
         match self {
-            Self::EMPTY => Kind::Empty,
-            Self::MIXED => Kind::Mixed,
-            Self(faces) => Kind::Uniform(faces),
+            Self::EMPTY => LineKind::Empty,
+            Self::MIXED => LineKind::Mixed,
+            Self(faces) => LineKind::Uniform(faces),
         }
     }
 }
 
-/// Which voxels are active, and the numbers of each: as [`crate::law::Law`] has them, one array
-/// each.
+/// Which voxels are active, and the numbers of each: as [`crate::coefficients::Coefficients`] has
+/// them, one array each.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Activity {
-    pub(crate) damping: Aligned,
-    pub(crate) exposure: Aligned,
+pub(crate) struct CoefficientArrays {
+    pub(crate) diagonal: AlignedBuffer,
+    pub(crate) exposed_area: AlignedBuffer,
     /// Of no numbers unless surfaces have a resistance.
-    pub(crate) caps: Aligned,
+    pub(crate) top_bottom_area: AlignedBuffer,
     /// One for each cache line of the other arrays.
-    pub(crate) lines: Vec<Line>,
+    pub(crate) lines: Vec<LineCode>,
 }
 
-impl Activity {
+impl CoefficientArrays {
     /// Nothing is active.
     pub(crate) fn none(shape: Shape, resistance: bool) -> Self {
         let len = shape.len();
         Self {
-            damping: Aligned::zeros(len),
-            exposure: Aligned::zeros(len),
-            caps: Aligned::zeros(if resistance { len } else { 0 }),
-            lines: vec![Line::EMPTY; len / LINE],
+            diagonal: AlignedBuffer::zeros(len),
+            exposed_area: AlignedBuffer::zeros(len),
+            top_bottom_area: AlignedBuffer::zeros(if resistance { len } else { 0 }),
+            lines: vec![LineCode::EMPTY; len / LINE_LEN],
         }
     }
 
-    pub(crate) fn set(&mut self, index: usize, voxel: Voxel, line: Line) {
-        self.damping[index] = voxel.damping;
-        self.exposure[index] = voxel.exposure;
-        if let Some(caps) = self.caps.get_mut(index) {
-            *caps = voxel.caps;
+    pub(crate) fn set(&mut self, index: usize, voxel: VoxelCoefficients, line: LineCode) {
+        self.diagonal[index] = voxel.diagonal;
+        self.exposed_area[index] = voxel.exposed_area;
+        if let Some(top_bottom_area) = self.top_bottom_area.get_mut(index) {
+            *top_bottom_area = voxel.top_bottom_area;
         }
-        self.lines[index / LINE] = line;
+        self.lines[index / LINE_LEN] = line;
     }
 }
 
@@ -151,25 +151,27 @@ pub(crate) struct Patch {
     pub(crate) shape: Shape,
     /// x, y and z of its first number in the part's patch; x is a multiple of a cache line.
     pub(crate) origin: [usize; 3],
-    pub(crate) activity: Activity,
+    pub(crate) arrays: CoefficientArrays,
     /// Temperatures above that of the air, K; 0 where no voxel is active.
-    pub(crate) theta: Aligned,
+    pub(crate) theta: AlignedBuffer,
 }
 
 impl Patch {
     /// A part of which nothing is printed yet.
-    pub(crate) fn empty(shape: Shape, law: &Law) -> Self {
-        let mut theta = Aligned::zeros(shape.len());
-        theta.chunks_exact_mut(shape.plane()).for_each(|plane| plane[..shape.row].fill(law.ghost));
+    pub(crate) fn empty(shape: Shape, coefficients: &Coefficients) -> Self {
+        let mut theta = AlignedBuffer::zeros(shape.len());
+        theta
+            .chunks_exact_mut(shape.plane())
+            .for_each(|plane| plane[..shape.row].fill(coefficients.plate_ghost));
         Self {
             shape,
             origin: [0; 3],
-            activity: Activity::none(shape, law.resistance.is_some()),
+            arrays: CoefficientArrays::none(shape, coefficients.resistance.is_some()),
             theta,
         }
     }
 
-    /// The flat index of a voxel of the part's patch, or `None` if it isn't inside this one's rim.
+    /// The flat index of a voxel of the part's patch, or `None` if it isn't inside this one's halo.
     pub(crate) fn index(&self, at: [usize; 3]) -> Option<usize> {
         let Shape { row, rows, planes } = self.shape;
         let [x, y, z] = [0, 1, 2].map(|axis: usize| at[axis].wrapping_sub(self.origin[axis]));
@@ -177,29 +179,25 @@ impl Patch {
         (inner(x, row) && inner(y, planes) && inner(z, rows)).then(|| self.shape.index([x, y, z]))
     }
 
-    /// Places along an axis, inside the rim, of the voxels of a block of so many; blocks are
+    /// Places along an axis, inside the halo, of the voxels of a block of so many; blocks are
     /// counted in the part.
-    pub(crate) fn voxels(&self, axis: usize, block: usize, fold: usize) -> Range<usize> {
+    pub(crate) fn voxels(&self, axis: usize, block: usize, coarsening: usize) -> Range<usize> {
         let Shape { row, rows, planes } = self.shape;
-        let first = (block - 1) * fold + 1 - self.origin[axis];
-        first..(first + fold).min([row, planes, rows][axis] - 1)
+        let first = (block - 1) * coarsening + 1 - self.origin[axis];
+        first..(first + coarsening).min([row, planes, rows][axis] - 1)
     }
 
     /// Takes up births.
-    pub(crate) fn take_up(&mut self, changes: &[Change], law: &Law) {
-        let last = self.shape.row - LINE;
+    pub(crate) fn apply(&mut self, changes: &[Change], coefficients: &Coefficients) {
+        let last = self.shape.row - LINE_LEN;
         for change in changes {
             let Some(index) = self.index(change.at) else { continue };
-            // The ends of rows are rim, whatever they are in the part.
+            // The ends of rows are halo, whatever they are in the part.
             let x = change.at[0] - self.origin[0];
-            let end = x < LINE || x >= last;
-            self.activity.set(
-                index,
-                change.voxel,
-                if end { change.line.cut() } else { change.line },
-            );
+            let end = x < LINE_LEN || x >= last;
+            self.arrays.set(index, change.voxel, if end { change.line.cut() } else { change.line });
             if change.born {
-                self.theta[index] = law.birth;
+                self.theta[index] = coefficients.birth_theta;
             }
         }
     }
@@ -217,10 +215,10 @@ mod tests {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(0);
         for _ in 0..2000 {
             let kinds = [
-                Line::EMPTY,
-                Line::MIXED,
-                Line(face::INTERIOR),
-                Line(face::INTERIOR - face::ABOVE),
+                LineCode::EMPTY,
+                LineCode::MIXED,
+                LineCode(face::INTERIOR),
+                LineCode(face::INTERIOR - face::ABOVE),
             ];
             let mut lines = Vec::new();
             for _ in 0..random.random_range(0..8) {

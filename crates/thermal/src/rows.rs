@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use crate::law::face;
+use crate::coefficients::face;
 use crate::simulation::Simulation;
 
 /// A row of voxels along x.
-/// Both slices have the rim at their ends, where nothing is active.
+/// Both slices have the halo at their ends, where nothing is active.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row<'a> {
     pub(crate) y: u32,

@@ -7,12 +7,12 @@ use beadwork_part::slice::Voxels;
 use rayon::ThreadPool;
 use thiserror::Error;
 
-use crate::explicit::{Explicit, Scheme};
-use crate::fast::{Accuracy, Fast};
-use crate::law::Law;
+use crate::coefficients::Coefficients;
+use crate::explicit::{ExplicitStepper, Scheme};
+use crate::fast::{Accuracy, FastStepper};
+use crate::interval::Interval;
 use crate::material::Material;
 use crate::patch::{Patch, Shape};
-use crate::piece::Piece;
 use crate::process::Process;
 use crate::property::PropertyError;
 use crate::state::State;
@@ -130,8 +130,8 @@ pub enum DepositError {
 
 #[derive(Clone, Debug)]
 enum Stepper {
-    Explicit(Box<Explicit>),
-    Fast(Box<Fast>),
+    Explicit(Box<ExplicitStepper>),
+    Fast(Box<FastStepper>),
 }
 
 /// A part in the middle of its print.
@@ -143,7 +143,7 @@ enum Stepper {
 pub struct Simulation {
     part: Arc<Voxels>,
     process: Arc<Process>,
-    law: Arc<Law>,
+    coefficients: Arc<Coefficients>,
     state: State,
     stepper: Stepper,
     seconds: f64,
@@ -174,29 +174,33 @@ impl Simulation {
         if !(cell_mm > 0.0 && layer_mm > 0.0 && cell_mm.is_finite() && layer_mm.is_finite()) {
             return Err(SetupError::Size { cell_mm, layer_mm });
         }
-        let law = Law::new(material, process, cell_mm / 1e3, layer_mm / 1e3);
+        let coefficients = Coefficients::new(material, process, cell_mm / 1e3, layer_mm / 1e3);
         let birth_s = cell_mm / process.print_mm_s;
-        let stable_s = 2.0 / law.fastest;
+        let stable_s = 2.0 / coefficients.max_rate;
         let stepper = match method {
             Method::Naive if birth_s > stable_s => {
                 return Err(SetupError::Unstable { seconds: birth_s, limit: stable_s });
             }
-            Method::Naive => Stepper::Explicit(Box::new(Explicit::new(Scheme::Euler, birth_s))),
+            Method::Naive => {
+                Stepper::Explicit(Box::new(ExplicitStepper::new(Scheme::Euler, birth_s)))
+            }
             Method::Reference { steps: 0 } => return Err(SetupError::NoSteps),
             Method::Reference { steps } => {
                 let scheme = Scheme::Heun { steps };
-                Stepper::Explicit(Box::new(Explicit::new(scheme, birth_s.min(stable_s))))
+                Stepper::Explicit(Box::new(ExplicitStepper::new(scheme, birth_s.min(stable_s))))
             }
-            Method::Fast(accuracy) => Stepper::Fast(Box::new(Fast::new(accuracy, &law))),
+            Method::Fast(accuracy) => {
+                Stepper::Fast(Box::new(FastStepper::new(accuracy, &coefficients)))
+            }
         };
         let shape = Shape::around(frame.width as usize, frame.height as usize, part.depth);
-        let state = State::empty(shape, &law);
+        let state = State::empty(shape, &coefficients);
         let voxel_j_k = material.heat_capacity_j_m3k() * frame.cell_mm3() / 1e9;
-        let (process, law) = (Arc::new(process.clone()), Arc::new(law));
+        let (process, coefficients) = (Arc::new(process.clone()), Arc::new(coefficients));
         Ok(Self {
             part,
             process,
-            law,
+            coefficients,
             state,
             stepper,
             seconds: 0.0,
@@ -244,13 +248,13 @@ impl Simulation {
         let width = self.part.frame.width;
         let slots = self.slots(layer, order);
         let before = self.seconds;
-        let pieces = self.check(&slots)?;
+        let intervals = self.check(&slots)?;
         let mut ordered = vec![false; (width * self.part.frame.height) as usize];
         order.iter().for_each(|&cell| ordered[cell as usize] = true);
         if let Some(cell) = self.cells(layer).find(|&cell| !ordered[cell as usize]) {
             return Err(DepositError::Missing { voxel: [cell % width, cell / width, layer] });
         }
-        self.step(&slots, &pieces);
+        self.step(&slots, &intervals);
         Ok(self.seconds - before)
     }
 
@@ -263,8 +267,8 @@ impl Simulation {
 
     /// Runs through slots: births of any voxels at any times, and pauses.
     pub fn run(&mut self, slots: &[Slot]) -> Result<(), DepositError> {
-        let pieces = self.check(slots)?;
-        self.step(slots, &pieces);
+        let intervals = self.check(slots)?;
+        self.step(slots, &intervals);
         Ok(())
     }
 
@@ -280,9 +284,9 @@ impl Simulation {
     pub fn temperature_c(&self, voxel: [u32; 3]) -> Option<f64> {
         let [x, y, z] = voxel;
         self.part.material(x, y, z as usize)?;
-        let index = self.state.patch.shape.index(with_rim(voxel));
+        let index = self.state.patch.shape.index(with_halo(voxel));
         let active = self.state.occupancy.is_active(index);
-        active.then(|| f64::from(self.state.patch.theta[index]) + self.law.ambient_c)
+        active.then(|| f64::from(self.state.patch.theta[index]) + self.coefficients.ambient_c)
     }
 
     /// Temperature of the voxel below just before this one was laid on it, °C: what the bond
@@ -290,8 +294,9 @@ impl Simulation {
     /// `None` if this one is not deposited, or was laid on the plate or on nothing.
     pub fn landing_c(&self, voxel: [u32; 3]) -> Option<f64> {
         self.temperature_c(voxel)?;
-        let landing = self.state.occupancy.landing(self.state.patch.shape.index(with_rim(voxel)));
-        (!landing.is_nan()).then(|| f64::from(landing) + self.law.ambient_c)
+        let landing =
+            self.state.occupancy.substrate_theta(self.state.patch.shape.index(with_halo(voxel)));
+        (!landing.is_nan()).then(|| f64::from(landing) + self.coefficients.ambient_c)
     }
 
     /// The voxels of a layer that are deposited, in the order of their cells, and their
@@ -315,7 +320,7 @@ impl Simulation {
         let width = self.part.frame.width;
         // What is not deposited is as warm as the air.
         let layer = |z: usize| -> f64 {
-            let place = |cell| with_rim([cell % width, cell / width, z as u32]);
+            let place = |cell| with_halo([cell % width, cell / width, z as u32]);
             self.part.cells(z).map(|cell| f64::from(theta[shape.index(place(cell))])).sum()
         };
         (0..self.part.depth).map(layer).sum::<f64>() * self.voxel_j_k
@@ -328,13 +333,15 @@ impl Simulation {
     }
 
     /// Runs through slots that have been checked.
-    pub(crate) fn step(&mut self, slots: &[Slot], pieces: &[Piece]) {
-        let Self { state, stepper, law, pool, .. } = self;
+    pub(crate) fn step(&mut self, slots: &[Slot], intervals: &[Interval]) {
+        let Self { state, stepper, coefficients, pool, .. } = self;
         let mut run = |threads| {
             let state = state.make_mut();
             match stepper {
-                Stepper::Explicit(explicit) => explicit.run(state, law, pieces, threads),
-                Stepper::Fast(fast) => fast.run(state, law, pieces, threads),
+                Stepper::Explicit(explicit) => {
+                    explicit.run(state, coefficients, intervals, threads)
+                }
+                Stepper::Fast(fast) => fast.run(state, coefficients, intervals, threads),
             }
         };
         match pool {
@@ -346,11 +353,11 @@ impl Simulation {
     }
 
     /// The slots as the steppers take them, without those of no length, if all is well with them.
-    pub(crate) fn check(&self, slots: &[Slot]) -> Result<Vec<Piece>, DepositError> {
+    pub(crate) fn check(&self, slots: &[Slot]) -> Result<Vec<Interval>, DepositError> {
         let explicit = matches!(&self.stepper, Stepper::Explicit(explicit) if explicit.scheme == Scheme::Euler);
         let shape = self.state.patch.shape;
         let mut fresh = vec![false; shape.len()];
-        let mut pieces = Vec::with_capacity(slots.len());
+        let mut intervals = Vec::with_capacity(slots.len());
         for (number, &Slot { voxel, seconds }) in slots.iter().enumerate() {
             let held = voxel.is_some();
             if !(seconds.is_finite() && (seconds > 0.0 || (!held && seconds == 0.0))) {
@@ -361,12 +368,12 @@ impl Simulation {
                 if self.part.material(x, y, z as usize).is_none() {
                     return Err(DepositError::Outside { voxel });
                 }
-                let index = shape.index(with_rim(voxel));
+                let index = shape.index(with_halo(voxel));
                 if self.state.occupancy.is_active(index) || fresh[index] {
                     return Err(DepositError::Repeated { voxel });
                 }
                 if z > 0 && self.part.material(x, y, z as usize - 1).is_some() {
-                    let below = shape.index(with_rim([x, y, z - 1]));
+                    let below = shape.index(with_halo([x, y, z - 1]));
                     if !self.state.occupancy.is_active(below) && !fresh[below] {
                         return Err(DepositError::Unsupported { voxel });
                     }
@@ -377,14 +384,14 @@ impl Simulation {
                 fresh[index] = true;
             }
             if seconds > 0.0 {
-                pieces.push(Piece { held: voxel.map(with_rim), born: held, seconds });
+                intervals.push(Interval { held: voxel.map(with_halo), born: held, seconds });
             }
         }
-        Ok(pieces)
+        Ok(intervals)
     }
 }
 
-/// The same place in a patch, where the first of each axis is rim.
-fn with_rim(voxel: [u32; 3]) -> [usize; 3] {
+/// The same place in a patch, where the first of each axis is halo.
+fn with_halo(voxel: [u32; 3]) -> [usize; 3] {
     voxel.map(|i| i as usize + 1)
 }

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::law::Law;
+use crate::block_grid::BlockGrid;
+use crate::coefficients::Coefficients;
 use crate::occupancy::{Change, Occupancy};
 use crate::patch::{Patch, Shape};
-use crate::tally::Tally;
 
 /// Which voxels are active, and how warm.
 ///
@@ -14,7 +14,7 @@ use crate::tally::Tally;
 pub(crate) struct State {
     pub(crate) patch: Arc<Patch>,
     pub(crate) occupancy: Arc<Occupancy>,
-    /// Rows from here on, rim counted, are empty.
+    /// Rows from here on, halo counted, are empty.
     pub(crate) top: usize,
 }
 
@@ -32,10 +32,10 @@ pub(crate) struct Voxels<'a> {
 
 impl State {
     /// A part of which nothing is printed yet.
-    pub(crate) fn empty(shape: Shape, law: &Law) -> Self {
+    pub(crate) fn empty(shape: Shape, coefficients: &Coefficients) -> Self {
         Self {
-            patch: Arc::new(Patch::empty(shape, law)),
-            occupancy: Arc::new(Occupancy::none(shape, law)),
+            patch: Arc::new(Patch::empty(shape, coefficients)),
+            occupancy: Arc::new(Occupancy::none(shape, coefficients)),
             top: 1,
         }
     }
@@ -56,22 +56,22 @@ impl Voxels<'_> {
         &mut self,
         at: [usize; 3],
         patch: &Patch,
-        law: &Law,
+        coefficients: &Coefficients,
         changes: &mut Vec<Change>,
     ) {
         let index = patch
             .index(at)
-            .expect("births lie inside the rims of all patches that are stepped for them");
-        self.occupancy.birth(at, patch.theta[index - patch.shape.row], law, changes);
+            .expect("births lie inside the halos of all patches that are stepped for them");
+        self.occupancy.birth(at, patch.theta[index - patch.shape.row], coefficients, changes);
         *self.top = (*self.top).max(at[2] + 1);
     }
 
     /// What is active, in blocks.
-    pub(crate) fn tally(&self) -> &Tally {
-        self.occupancy.tally()
+    pub(crate) fn block_grid(&self) -> &BlockGrid {
+        self.occupancy.block_grid()
     }
 
-    /// Rows from here on, rim counted, are empty.
+    /// Rows from here on, halo counted, are empty.
     pub(crate) fn top(&self) -> usize {
         *self.top
     }

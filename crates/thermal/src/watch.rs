@@ -37,7 +37,7 @@ impl Simulation {
                 let is_cut = slot.voxel.is_none() && now_s + left_s > due_s;
                 let seconds = if is_cut { due_s - now_s } else { left_s };
                 due_slots.push(Slot { seconds, ..slot });
-                due_pieces.push(crate::piece::Piece { seconds, ..piece });
+                due_pieces.push(crate::interval::Interval { seconds, ..piece });
                 now_s += seconds;
                 left_s -= seconds;
                 if now_s >= due_s - ROUNDING * every_s {

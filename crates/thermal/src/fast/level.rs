@@ -1,6 +1,6 @@
 //! How long steps are, and how far from the nozzle.
 
-use crate::law::Law;
+use crate::coefficients::Coefficients;
 
 use super::chebyshev::Polynomial;
 
@@ -21,7 +21,7 @@ pub enum Accuracy {
 /// A length of steps, and where the next shorter steps take over.
 #[derive(Clone, Debug)]
 pub(super) struct Level {
-    pub(super) step: Step,
+    pub(super) step: StepMethod,
     /// The longest step, s.
     pub(super) seconds: f64,
     /// Shorter steps are taken wherever a voxel was born within this time before the step, s, or
@@ -45,7 +45,7 @@ impl Level {
 
 /// How a step is taken.
 #[derive(Clone, Debug)]
-pub(super) enum Step {
+pub(super) enum StepMethod {
     /// On the voxels, in stages.
     Voxels(Polynomial),
     /// On blocks of voxels.
@@ -59,8 +59,8 @@ impl Level {
     /// What a step costs: sweeps of the voxels.
     pub(super) fn stages(&self) -> f64 {
         match &self.step {
-            Step::Voxels(polynomial) => polynomial.stages() as f64,
-            Step::Blocks => BLOCK_STAGES,
+            StepMethod::Voxels(polynomial) => polynomial.stages() as f64,
+            StepMethod::Blocks => BLOCK_STAGES,
         }
     }
 
@@ -72,11 +72,11 @@ impl Level {
 
 /// A level in units of what it stands on.
 #[derive(Clone, Copy)]
-struct Spec {
+struct LevelSpec {
     /// Longest step, times the fastest rate of the voxels.
     length: f64,
     /// What it is taken as.
-    kind: Kind,
+    kind: StepKind,
     /// Age, in longest steps.
     age: f64,
     /// Margins, in lengths by which heat spreads within a longest step.
@@ -85,7 +85,7 @@ struct Spec {
 
 /// What steps are taken as.
 #[derive(Clone, Copy)]
-enum Kind {
+enum StepKind {
     /// A polynomial of as few stages as make the length stable.
     Voxels,
     /// The fitted polynomial.
@@ -94,52 +94,52 @@ enum Kind {
     Blocks,
 }
 
-const fn level(kind: Kind, length: f64, age: f64, spreads: f64) -> Spec {
-    Spec { length, kind, age, spreads }
+const fn level(kind: StepKind, length: f64, age: f64, spreads: f64) -> LevelSpec {
+    LevelSpec { length, kind, age, spreads }
 }
 
 /// The shortest steps first.
 /// A birth of the paper's ABS lasts 0.38 in these units: so these are steps of one, 5, 22, 188 and
 /// 564 births.
-const STANDARD: [Spec; 5] = [
-    level(Kind::Voxels, 0.4, 0.0, 0.0),
-    level(Kind::Voxels, 1.93, 1.5, 2.0),
-    level(Kind::Voxels, 8.5, 1.0, 1.5),
-    level(Kind::Fitted, 71.4, 0.25, 2.5),
-    level(Kind::Blocks, 214.4, 2.0, 2.0),
+const STANDARD: [LevelSpec; 5] = [
+    level(StepKind::Voxels, 0.4, 0.0, 0.0),
+    level(StepKind::Voxels, 1.93, 1.5, 2.0),
+    level(StepKind::Voxels, 8.5, 1.0, 1.5),
+    level(StepKind::Fitted, 71.4, 0.25, 2.5),
+    level(StepKind::Blocks, 214.4, 2.0, 2.0),
 ];
 /// One, 4, 22, 125 and 1,000 births.
-const HIGH: [Spec; 5] = [
-    level(Kind::Voxels, 0.4, 0.0, 0.0),
-    level(Kind::Voxels, 1.54, 3.0, 2.5),
-    level(Kind::Voxels, 8.5, 2.0, 2.5),
-    level(Kind::Voxels, 47.8, 1.5, 3.0),
-    level(Kind::Blocks, 381.0, 1.5, 3.0),
+const HIGH: [LevelSpec; 5] = [
+    level(StepKind::Voxels, 0.4, 0.0, 0.0),
+    level(StepKind::Voxels, 1.54, 3.0, 2.5),
+    level(StepKind::Voxels, 8.5, 2.0, 2.5),
+    level(StepKind::Voxels, 47.8, 1.5, 3.0),
+    level(StepKind::Blocks, 381.0, 1.5, 3.0),
 ];
 
 /// The levels of an accuracy, the shortest steps first.
-pub(super) fn levels(accuracy: Accuracy, law: &Law) -> Vec<Level> {
+pub(super) fn levels(accuracy: Accuracy, coefficients: &Coefficients) -> Vec<Level> {
     let specs = match accuracy {
         Accuracy::Standard => STANDARD,
         Accuracy::High => HIGH,
     };
-    specs.into_iter().map(|spec| spec.level(law)).collect()
+    specs.into_iter().map(|spec| spec.level(coefficients)).collect()
 }
 
-impl Spec {
-    fn level(self, law: &Law) -> Level {
-        let seconds = self.length / law.fastest;
+impl LevelSpec {
+    fn level(self, coefficients: &Coefficients) -> Level {
+        let seconds = self.length / coefficients.max_rate;
         let step = match self.kind {
-            Kind::Voxels => Step::Voxels(Polynomial::reaching(self.length)),
-            Kind::Fitted => Step::Voxels(Polynomial::fitted()),
-            Kind::Blocks => Step::Blocks,
+            StepKind::Voxels => StepMethod::Voxels(Polynomial::reaching(self.length)),
+            StepKind::Fitted => StepMethod::Voxels(Polynomial::fitted()),
+            StepKind::Blocks => StepMethod::Blocks,
         };
-        let least = if matches!(self.kind, Kind::Blocks) { 2 } else { 0 };
+        let least = if matches!(self.kind, StepKind::Blocks) { 2 } else { 0 };
         let margin = |rate: f32| {
             let spread = (2.0 * f64::from(rate) * seconds).sqrt();
             ((self.spreads * spread).ceil() as usize).max(least)
         };
-        let margins = [margin(law.lateral), margin(law.vertical)];
+        let margins = [margin(coefficients.lateral), margin(coefficients.vertical)];
         Level { step, seconds, age_s: self.age * seconds, margins }
     }
 }

@@ -5,7 +5,7 @@
 //! So a long step is taken everywhere first, as if nothing was born in it.
 //! It is wrong near the nozzle: in a **window** around all recent births, and around those of the
 //! step itself, the step is then taken anew in shorter steps, from a copy of the old temperatures,
-//! and the copy's **rim** follows the long step.
+//! and the copy's **halo** follows the long step.
 //! What comes out replaces the long step's result there.
 //! The shorter steps do the same with a smaller window and steps that are shorter again, down to
 //! single births.
@@ -23,16 +23,16 @@ mod level;
 mod nested;
 mod window;
 
-use crate::kernel::{Kept, Pair, Quadratic};
-use crate::law::Law;
+use crate::coefficients::Coefficients;
+use crate::interval::{self, Interval};
+use crate::kernel::{Quadratic, SweepBuffers, TwoStageSweep};
 use crate::occupancy::Change;
 use crate::patch::Patch;
-use crate::piece::{self, Piece};
 use crate::state::{StateMut, Voxels};
 
 use self::far::FarField;
-use self::level::{Level, Step, levels};
-use self::nested::{Nested, Outer};
+use self::level::{Level, StepMethod, levels};
+use self::nested::{HaloSource, NestedPatch};
 use self::window::Window;
 
 pub use self::level::Accuracy;
@@ -54,12 +54,12 @@ const MANY_VOXELS: usize = 1 << 18;
 const WORTHWHILE: f64 = 0.8;
 
 #[derive(Debug)]
-pub(crate) struct Fast {
+pub(crate) struct FastStepper {
     levels: Vec<Level>,
     /// Births that are still of interest, oldest first: where, and when their slots ended.
     history: Vec<([usize; 3], f64)>,
     now: f64,
-    /// Voxels, rim and all, from which on steps on blocks are taken.
+    /// Voxels, halo and all, from which on steps on blocks are taken.
     many_voxels: usize,
     memory: Memory,
 }
@@ -68,13 +68,13 @@ pub(crate) struct Fast {
 #[derive(Debug, Default)]
 struct Memory {
     windows: Vec<Patch>,
-    kept: Kept,
+    kept: SweepBuffers,
     far: FarField,
     /// What the births of the run have changed, in their order.
     changes: Vec<Change>,
 }
 
-impl Clone for Fast {
+impl Clone for FastStepper {
     fn clone(&self) -> Self {
         let Self { levels, history, now, many_voxels, .. } = self;
         Self {
@@ -87,10 +87,10 @@ impl Clone for Fast {
     }
 }
 
-impl Fast {
-    pub(crate) fn new(accuracy: Accuracy, law: &Law) -> Self {
+impl FastStepper {
+    pub(crate) fn new(accuracy: Accuracy, coefficients: &Coefficients) -> Self {
         Self {
-            levels: levels(accuracy, law),
+            levels: levels(accuracy, coefficients),
             history: Vec::new(),
             now: 0.0,
             many_voxels: MANY_VOXELS,
@@ -99,94 +99,100 @@ impl Fast {
     }
 
     /// In so many threads of the current pool.
-    pub(crate) fn run(&mut self, state: StateMut<'_>, law: &Law, pieces: &[Piece], threads: usize) {
+    pub(crate) fn run(
+        &mut self,
+        state: StateMut<'_>,
+        coefficients: &Coefficients,
+        intervals: &[Interval],
+        threads: usize,
+    ) {
         self.memory.kept.threads = threads;
         let StateMut { patch, mut voxels } = state;
-        for pieces in pieces.chunks(RUN) {
-            let mut whole = Nested::whole(patch);
+        for intervals in intervals.chunks(RUN) {
+            let mut whole = NestedPatch::whole(patch);
             let shape = whole.patch.shape;
             let many = shape.row * shape.planes * voxels.top() >= self.many_voxels;
             let level = self.levels.len() - if many { 1 } else { 2 };
-            self.advance(&mut whole, &mut voxels, law, level, pieces);
-            whole.take_up(&self.memory.changes, law);
+            self.advance(&mut whole, &mut voxels, coefficients, level, intervals);
+            whole.apply(&self.memory.changes, coefficients);
             self.memory.changes.clear();
         }
-        self.end_composite(patch, &voxels, law);
+        self.end_composite(patch, &voxels, coefficients);
         let oldest = self.now - self.levels.iter().map(Level::pause_age_s).fold(0.0, f64::max);
         let past = self.history.partition_point(|&(_, time)| time < oldest);
         self.history.drain(..past);
     }
 
-    /// Takes a patch through some pieces, in steps of a level or shorter ones.
+    /// Takes a patch through some intervals, in steps of a level or shorter ones.
     fn advance(
         &mut self,
-        nested: &mut Nested<'_>,
+        nested: &mut NestedPatch<'_>,
         voxels: &mut Voxels<'_>,
-        law: &Law,
+        coefficients: &Coefficients,
         level: usize,
-        mut pieces: &[Piece],
+        mut intervals: &[Interval],
     ) {
         if level == 0 {
-            self.births(nested, voxels, law, pieces);
+            self.births(nested, voxels, coefficients, intervals);
             return;
         }
         let longest = self.levels[level].seconds;
-        while let Some((&first, rest)) = pieces.split_first() {
+        while let Some((&first, rest)) = intervals.split_first() {
             if first.seconds > longest {
-                for part in first.parts(longest) {
-                    self.group(nested, voxels, law, level, &[part]);
+                for part in first.split(longest) {
+                    self.group(nested, voxels, coefficients, level, &[part]);
                 }
-                pieces = rest;
+                intervals = rest;
                 continue;
             }
             let mut seconds = 0.0;
-            let fits = |piece: &&Piece| {
-                seconds += piece.seconds;
+            let fits = |interval: &&Interval| {
+                seconds += interval.seconds;
                 seconds <= longest
             };
-            let (group, rest) = pieces.split_at(pieces.iter().take_while(fits).count());
-            self.group(nested, voxels, law, level, group);
-            pieces = rest;
+            let (group, rest) = intervals.split_at(intervals.iter().take_while(fits).count());
+            self.group(nested, voxels, coefficients, level, group);
+            intervals = rest;
         }
     }
 
-    /// Takes a patch through pieces that fit into one step of a level.
+    /// Takes a patch through intervals that fit into one step of a level.
     fn group(
         &mut self,
-        nested: &mut Nested<'_>,
+        nested: &mut NestedPatch<'_>,
         voxels: &mut Voxels<'_>,
-        law: &Law,
+        coefficients: &Coefficients,
         level: usize,
-        pieces: &[Piece],
+        intervals: &[Interval],
     ) {
-        let blocks = matches!(self.levels[level].step, Step::Blocks);
-        let seconds = piece::seconds(pieces);
-        let window = self.window(nested.patch, voxels.top(), level, pieces, seconds);
+        let blocks = matches!(self.levels[level].step, StepMethod::Blocks);
+        let seconds = interval::total_seconds(intervals);
+        let window = self.window(nested.patch, voxels.top(), level, intervals, seconds);
         if window.is_some_and(|window| !self.saves(window, nested.patch, level, seconds)) {
             if blocks {
-                self.end_composite(nested.patch, voxels, law);
+                self.end_composite(nested.patch, voxels, coefficients);
             }
-            self.advance(nested, voxels, law, level - 1, pieces);
+            self.advance(nested, voxels, coefficients, level - 1, intervals);
             return;
         }
         if blocks {
-            self.composite(nested, voxels, law, level, pieces, window);
+            self.composite(nested, voxels, coefficients, level, intervals, window);
             return;
         }
-        nested.take_up(&self.memory.changes, law);
+        nested.apply(&self.memory.changes, coefficients);
         let inner = window.map(|window| {
             let mut inner = self.memory.windows.pop().unwrap_or_default();
             inner.copy_window(window, nested.patch);
             inner
         });
-        nested.move_rim(seconds, voxels.top());
-        self.step(nested.patch, voxels, law, level, seconds, None);
+        nested.advance_halo(seconds, voxels.top());
+        self.step(nested.patch, voxels, coefficients, level, seconds, None);
         if let Some(mut inner) = inner {
-            let outer = Outer::Patch(&*nested.patch);
+            let outer = HaloSource::Patch(&*nested.patch);
             let known = nested.known;
-            let mut finer = Nested::new(&mut inner, known, outer, seconds);
-            self.advance(&mut finer, voxels, law, level - 1, pieces);
-            nested.take_up(&self.memory.changes, law);
+            let mut finer = NestedPatch::new(&mut inner, known, outer, seconds);
+            self.advance(&mut finer, voxels, coefficients, level - 1, intervals);
+            nested.apply(&self.memory.changes, coefficients);
             inner.put_back(nested.patch);
             self.memory.windows.push(inner);
         } else {
@@ -194,29 +200,29 @@ impl Fast {
         }
     }
 
-    /// Takes a patch through pieces, each in one step or more.
+    /// Takes a patch through intervals, each in one step or more.
     fn births(
         &mut self,
-        nested: &mut Nested<'_>,
+        nested: &mut NestedPatch<'_>,
         voxels: &mut Voxels<'_>,
-        law: &Law,
-        pieces: &[Piece],
+        coefficients: &Coefficients,
+        intervals: &[Interval],
     ) {
-        let seconds = piece::seconds(pieces);
-        nested.move_rim(seconds, voxels.top());
-        for piece in pieces {
-            if let Some(at) = piece.held.filter(|_| piece.born) {
-                voxels.birth(at, nested.patch, law, &mut self.memory.changes);
-                self.history.push((at, self.now + piece.seconds));
+        let seconds = interval::total_seconds(intervals);
+        nested.advance_halo(seconds, voxels.top());
+        for interval in intervals {
+            if let Some(at) = interval.held.filter(|_| interval.born) {
+                voxels.birth(at, nested.patch, coefficients, &mut self.memory.changes);
+                self.history.push((at, self.now + interval.seconds));
             }
-            nested.take_up(&self.memory.changes, law);
-            let held = piece
+            nested.apply(&self.memory.changes, coefficients);
+            let held = interval
                 .held
                 .map(|at| nested.patch.index(at).expect("windows hold all births of their steps"));
-            for part in piece.parts(self.levels[0].seconds) {
-                self.step(nested.patch, voxels, law, 0, part.seconds, held);
+            for part in interval.split(self.levels[0].seconds) {
+                self.step(nested.patch, voxels, coefficients, 0, part.seconds, held);
             }
-            self.now += piece.seconds;
+            self.now += interval.seconds;
         }
     }
 
@@ -225,7 +231,7 @@ impl Fast {
         &mut self,
         patch: &mut Patch,
         voxels: &Voxels<'_>,
-        law: &Law,
+        coefficients: &Coefficients,
         level: usize,
         seconds: f64,
         held: Option<usize>,
@@ -233,7 +239,7 @@ impl Fast {
         // A window may lie above all that is printed so far, where the first birth needs nothing to
         // lie on.
         let top = voxels.top().saturating_sub(patch.origin[2]).clamp(1, patch.shape.rows - 1);
-        let Step::Voxels(polynomial) = &self.levels[level].step else {
+        let StepMethod::Voxels(polynomial) = &self.levels[level].step else {
             unreachable!("steps on blocks are taken elsewhere")
         };
         for factor in &polynomial.factors {
@@ -241,23 +247,24 @@ impl Fast {
                 a: (factor.a * seconds) as f32,
                 b: (factor.b * seconds * seconds) as f32,
             };
-            Pair { law, patch, stages, held, top }.sweep(&mut self.memory.kept);
+            TwoStageSweep { coefficients, patch, stages, held, top }.sweep(&mut self.memory.kept);
         }
     }
 
-    /// Where a step over the given pieces, of so many seconds, has to be taken in shorter ones, if
-    /// anywhere.
+    /// Where a step over the given intervals, of so many seconds, has to be taken in shorter ones,
+    /// if anywhere.
     fn window(
         &self,
         patch: &Patch,
         top: usize,
         level: usize,
-        pieces: &[Piece],
+        intervals: &[Interval],
         seconds: f64,
     ) -> Option<Window> {
         let level = &self.levels[level];
-        let coming = pieces.iter().filter_map(|piece| piece.held);
-        let pause = piece::seconds(pieces.iter().filter(|piece| piece.born)) < 0.9 * seconds;
+        let coming = intervals.iter().filter_map(|interval| interval.held);
+        let pause = interval::total_seconds(intervals.iter().filter(|interval| interval.born))
+            < 0.9 * seconds;
         let since_s = self.now - if pause { level.pause_age_s() } else { level.age_s };
         let recent = self.history.iter().rev().take_while(|&&(_, time)| time > since_s);
         Window::around(recent.map(|&(at, _)| at).chain(coming), level.margins, patch, top)
@@ -269,7 +276,7 @@ impl Fast {
         let (long, short) =
             (&self.levels[level], self.levels[level - 1].stages_per_second() * seconds);
         let (whole, part) = (patch.shape.len() as f64, window.shape.len() as f64);
-        let copy = if matches!(long.step, Step::Blocks) { LOOK_STAGES } else { COPY_STAGES };
+        let copy = if matches!(long.step, StepMethod::Blocks) { LOOK_STAGES } else { COPY_STAGES };
         whole * long.stages() + part * (short + copy) < WORTHWHILE * whole * short
     }
 }

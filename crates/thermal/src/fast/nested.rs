@@ -1,67 +1,72 @@
 //! Patches that are stepped within a step of what is around them.
 
-use crate::law::Law;
+use crate::coefficients::Coefficients;
 use crate::occupancy::Change;
 use crate::patch::Patch;
 
-use super::far::{Flows, Rim};
+use super::far::{BorderFluxes, FluxHalo};
 
 /// A patch in the middle of a step of what is around it.
-pub(super) struct Nested<'a> {
+pub(super) struct NestedPatch<'a> {
     pub(super) patch: &'a mut Patch,
     /// Changes that the patch has taken up.
     pub(super) known: usize,
-    outer: Outer<'a>,
+    outer: HaloSource<'a>,
     /// Length of that step, s, and how much of it is over.
     step_s: f64,
     done_s: f64,
-    /// How far the rim has moved, as a part of the step.
-    rim: f64,
+    /// How far the halo has moved, as a part of the step.
+    halo: f64,
 }
 
-/// What the rim of a patch follows in a step of what is around it.
+/// What the halo of a patch follows in a step of what is around it.
 #[derive(Clone, Copy)]
-pub(super) enum Outer<'a> {
-    /// The rim of the whole part stays as it is.
+pub(super) enum HaloSource<'a> {
+    /// The halo of the whole part stays as it is.
     None,
     /// The temperatures of the patch around, which is at the end of its step.
     Patch(&'a Patch),
     /// What flows across in equal parts of the step.
-    Far { rim: &'a Rim, flows: &'a [Flows] },
+    Far { halo: &'a FluxHalo, flows: &'a [BorderFluxes] },
 }
 
-impl<'a> Nested<'a> {
+impl<'a> NestedPatch<'a> {
     /// At the start of a step of so many seconds.
-    pub(super) fn new(patch: &'a mut Patch, known: usize, outer: Outer<'a>, step_s: f64) -> Self {
-        Self { patch, known, outer, step_s, done_s: 0.0, rim: 0.0 }
+    pub(super) fn new(
+        patch: &'a mut Patch,
+        known: usize,
+        outer: HaloSource<'a>,
+        step_s: f64,
+    ) -> Self {
+        Self { patch, known, outer, step_s, done_s: 0.0, halo: 0.0 }
     }
 
     /// The whole part.
     pub(super) fn whole(patch: &'a mut Patch) -> Self {
-        Self::new(patch, 0, Outer::None, 0.0)
+        Self::new(patch, 0, HaloSource::None, 0.0)
     }
 
-    /// Brings the rim to where it is in the middle of the next so many seconds, of which then is
+    /// Brings the halo to where it is in the middle of the next so many seconds, of which then is
     /// the end; rows of the part from `top` on are empty.
-    pub(super) fn move_rim(&mut self, seconds: f64, top: usize) {
+    pub(super) fn advance_halo(&mut self, seconds: f64, top: usize) {
         let to = (self.done_s + seconds / 2.0) / self.step_s;
         self.done_s += seconds;
         match self.outer {
-            Outer::None => {}
-            Outer::Patch(outer) => {
-                let part = (to - self.rim) / (1.0 - self.rim);
-                self.patch.move_rim(outer, part as f32, top);
+            HaloSource::None => {}
+            HaloSource::Patch(outer) => {
+                let part = (to - self.halo) / (1.0 - self.halo);
+                self.patch.advance_halo(outer, part as f32, top);
             }
-            Outer::Far { rim, flows } => {
+            HaloSource::Far { halo, flows } => {
                 let part = (to * flows.len() as f64) as usize;
-                rim.set(self.patch, &flows[part.min(flows.len() - 1)]);
+                halo.set(self.patch, &flows[part.min(flows.len() - 1)]);
             }
         }
-        self.rim = to;
+        self.halo = to;
     }
 
-    pub(super) fn take_up(&mut self, changes: &[Change], law: &Law) {
-        self.patch.take_up(&changes[self.known..], law);
+    pub(super) fn apply(&mut self, changes: &[Change], coefficients: &Coefficients) {
+        self.patch.apply(&changes[self.known..], coefficients);
         self.known = changes.len();
     }
 }

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::*;
-use crate::explicit::{Explicit, Scheme};
+use crate::explicit::{ExplicitStepper, Scheme};
 use crate::material::Material;
 use crate::patch::Shape;
 use crate::process::Process;
@@ -13,16 +13,16 @@ use crate::state::State;
 
 const BIRTH_S: f64 = 1.0 / 60.0;
 
-fn birth(at: [usize; 3], seconds: f64) -> Piece {
-    Piece { held: Some(at), born: true, seconds }
+fn birth(at: [usize; 3], seconds: f64) -> Interval {
+    Interval { held: Some(at), born: true, seconds }
 }
 
-fn pause(seconds: f64) -> Piece {
-    Piece { held: None, born: false, seconds }
+fn pause(seconds: f64) -> Interval {
+    Interval { held: None, born: false, seconds }
 }
 
 /// A zigzag through layers from which a corner may be missing, layer by layer.
-fn zigzag(size: [usize; 3], filled: impl Fn([usize; 3]) -> bool) -> Vec<Vec<Piece>> {
+fn zigzag(size: [usize; 3], filled: impl Fn([usize; 3]) -> bool) -> Vec<Vec<Interval>> {
     let layer = |z: usize| {
         let line = |y: usize| {
             let x = move |i: usize| if y.is_multiple_of(2) { i } else { size[0] + 1 - i };
@@ -38,18 +38,18 @@ fn zigzag(size: [usize; 3], filled: impl Fn([usize; 3]) -> bool) -> Vec<Vec<Piec
 fn errors(
     size: [usize; 3],
     process: &Process,
-    layers: &[Vec<Piece>],
+    layers: &[Vec<Interval>],
     accuracy: Accuracy,
 ) -> [f64; 2] {
-    let law = Law::new(&Material::abs(), process, 0.5e-3, 0.25e-3);
-    let empty = State::empty(Shape::around(size[0], size[1], size[2]), &law);
+    let coefficients = Coefficients::new(&Material::abs(), process, 0.5e-3, 0.25e-3);
+    let empty = State::empty(Shape::around(size[0], size[1], size[2]), &coefficients);
     let (mut long, mut short) = (empty.clone(), empty);
-    let mut fast = Fast { many_voxels: 0, ..Fast::new(accuracy, &law) };
-    let mut heun = Explicit::new(Scheme::Heun { steps: 2 }, BIRTH_S);
+    let mut fast = FastStepper { many_voxels: 0, ..FastStepper::new(accuracy, &coefficients) };
+    let mut heun = ExplicitStepper::new(Scheme::Heun { steps: 2 }, BIRTH_S);
     let (mut squares, mut count, mut most) = (0.0, 0_u32, 0.0_f64);
-    for pieces in layers {
-        fast.run(long.make_mut(), &law, pieces, 1);
-        heun.run(short.make_mut(), &law, pieces, 1);
+    for intervals in layers {
+        fast.run(long.make_mut(), &coefficients, intervals, 1);
+        heun.run(short.make_mut(), &coefficients, intervals, 1);
         for (index, theta) in long.patch.theta.iter().enumerate() {
             if long.occupancy.is_active(index) {
                 let error = f64::from((theta - short.patch.theta[index]).abs());
@@ -86,7 +86,8 @@ fn pauses_and_jumps_of_large_parts() {
         match z % 4 {
             // Blocks of a few lines, in any order.
             1 => {
-                let mut parts: Vec<Vec<Piece>> = layer.chunks(200).map(<[Piece]>::to_vec).collect();
+                let mut parts: Vec<Vec<Interval>> =
+                    layer.chunks(200).map(<[Interval]>::to_vec).collect();
                 parts.shuffle(&mut random);
                 *layer = parts.concat();
             }
@@ -113,15 +114,16 @@ fn nothing_is_lost_where_nothing_can_be() {
     let size = [50, 40, 20];
     let material = Material { emissivity: 0.0, ..Material::abs() };
     let process = Process { plate_c: None, convection_w_m2k: 0.0, ..Process::default() };
-    let law = Law::new(&material, &process, 0.5e-3, 0.25e-3);
+    let coefficients = Coefficients::new(&material, &process, 0.5e-3, 0.25e-3);
     let mut heats = Vec::new();
-    let empty = State::empty(Shape::around(size[0], size[1], size[2]), &law);
+    let empty = State::empty(Shape::around(size[0], size[1], size[2]), &coefficients);
     let (mut long, mut short) = (empty.clone(), empty);
-    let mut fast = Fast { many_voxels: 0, ..Fast::new(Accuracy::Standard, &law) };
-    let mut heun = Explicit::new(Scheme::Heun { steps: 2 }, BIRTH_S);
-    for pieces in zigzag(size, |_| true) {
-        fast.run(long.make_mut(), &law, &pieces, 1);
-        heun.run(short.make_mut(), &law, &pieces, 1);
+    let mut fast =
+        FastStepper { many_voxels: 0, ..FastStepper::new(Accuracy::Standard, &coefficients) };
+    let mut heun = ExplicitStepper::new(Scheme::Heun { steps: 2 }, BIRTH_S);
+    for intervals in zigzag(size, |_| true) {
+        fast.run(long.make_mut(), &coefficients, &intervals, 1);
+        heun.run(short.make_mut(), &coefficients, &intervals, 1);
         heats = [&long, &short]
             .map(|state| state.patch.theta.iter().map(|&theta| f64::from(theta)).sum::<f64>())
             .to_vec();

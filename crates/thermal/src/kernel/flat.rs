@@ -6,16 +6,16 @@ use pulp::{Simd, WithSimd};
 
 use super::pair::Sweep;
 use super::stages::Stages;
-use super::{Equation, Planes};
-use crate::aligned::Aligned;
+use super::{HeatEquation, PlaneNeighbours};
+use crate::aligned::AlignedBuffer;
 use crate::patch::Shape;
 
 /// Numbers that are swept like this: with what is kept of them they fit into the fastest memory.
-pub(super) const MOST: usize = 1 << 12;
+pub(super) const MAX_FLAT_LEN: usize = 1 << 12;
 
-/// What [`super::Pair`] does, for patches so small that to begin with a plane or a run of lines
-/// takes as long as to go through with it: the numbers of all planes are kept, and all lines are
-/// taken as mixed.
+/// What [`super::TwoStageSweep`] does, for patches so small that to begin with a plane or a run of
+/// lines takes as long as to go through with it: the numbers of all planes are kept, and all lines
+/// are taken as mixed.
 pub(super) struct Flat<'a, T> {
     pub(super) all: Sweep<'a, T>,
     pub(super) theta: &'a mut [f32],
@@ -24,22 +24,22 @@ pub(super) struct Flat<'a, T> {
 
 /// Memory for [`Flat`].
 #[derive(Debug, Default)]
-pub(super) struct Kept {
-    kept: Aligned,
-    /// The shape, the top and the ground of the last sweep.
+pub(super) struct SweepBuffers {
+    kept: AlignedBuffer,
+    /// The shape, the top and the below_plate of the last sweep.
     last: (Shape, usize, f32),
 }
 
-impl Kept {
-    /// A number for each voxel of a patch: wherever no sweep of it has written, that of the ground
-    /// in the first row of each plane, and else 0.
-    pub(super) fn of(&mut self, shape: Shape, top: usize, ground: f32) -> &mut [f32] {
-        if self.last != (shape, top, ground) {
+impl SweepBuffers {
+    /// A number for each voxel of a patch: wherever no sweep of it has written, that of the
+    /// below_plate in the first row of each plane, and else 0.
+    pub(super) fn of(&mut self, shape: Shape, top: usize, below_plate: f32) -> &mut [f32] {
+        if self.last != (shape, top, below_plate) {
             self.kept.reset(shape.len());
             self.kept
                 .chunks_exact_mut(shape.plane())
-                .for_each(|plane| plane[..shape.row].fill(ground));
-            self.last = (shape, top, ground);
+                .for_each(|plane| plane[..shape.row].fill(below_plate));
+            self.last = (shape, top, below_plate);
         }
         &mut self.kept
     }
@@ -50,7 +50,7 @@ impl<T: Stages> WithSimd for Flat<'_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, s: S) {
-        if self.all.law.resistance.is_some() {
+        if self.all.coefficients.resistance.is_some() {
             self.sweep::<S, true>(s)
         } else {
             self.sweep::<S, false>(s)
@@ -61,14 +61,16 @@ impl<T: Stages> WithSimd for Flat<'_, T> {
 impl<T: Stages> Flat<'_, T> {
     #[inline(always)]
     fn sweep<S: Simd, const RESISTANCE: bool>(self, s: S) {
-        let Self { all: Sweep { law, shape, activity, stages, held, top }, theta, kept } = self;
+        let Self { all: Sweep { coefficients, shape, arrays, stages, held, top }, theta, kept } =
+            self;
         let (row, plane) = (shape.row, shape.plane());
-        // From the first voxel to the last, over what rim lies between.
+        // From the first voxel to the last, over what halo lies between.
         let (start, len) = (plane + row, shape.len() - 2 * (plane + row));
         let behind = [0, plane, 2 * plane];
         let [step, swept] = [plane, (top - 1) * row].map(|numbers| numbers / S::F32_LANES);
-        let around = Planes::of(behind.map(|i| &theta[i..]), len, row);
-        let equation = Equation::<S, RESISTANCE>::new(s, law, activity, around, start, false);
+        let around = PlaneNeighbours::of(behind.map(|i| &theta[i..]), len, row);
+        let equation =
+            HeatEquation::<S, RESISTANCE>::new(s, coefficients, arrays, around, start, false);
         let n = equation.len();
         let lanes = &mut S::as_mut_simd_f32s(&mut kept[start..start + len]).0[..n];
         for plane in (0..n).step_by(step) {
@@ -79,10 +81,17 @@ impl<T: Stages> Flat<'_, T> {
             }
         }
         if let Some(held) = held {
-            kept[held] = T::held(law);
+            kept[held] = T::held(coefficients);
         }
-        let around = Planes::of(behind.map(|i| &kept[i..]), len, row);
-        let equation = Equation::<S, RESISTANCE>::new(s, law, activity, around, start, T::DERIVED);
+        let around = PlaneNeighbours::of(behind.map(|i| &kept[i..]), len, row);
+        let equation = HeatEquation::<S, RESISTANCE>::new(
+            s,
+            coefficients,
+            arrays,
+            around,
+            start,
+            T::LINEARIZED,
+        );
         let theta = &mut S::as_mut_simd_f32s(&mut theta[start..start + len]).0[..n];
         for plane in (0..n).step_by(step) {
             let run = plane..(plane + swept).min(n);

@@ -16,18 +16,18 @@ mod stages;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::aligned::LINE;
-use crate::law::{Law, Voxel};
-use crate::patch::{Activity, Line};
+use crate::aligned::LINE_LEN;
+use crate::coefficients::{Coefficients, SurfaceResistance, VoxelCoefficients};
+use crate::patch::{CoefficientArrays, LineCode};
 
-pub(crate) use self::euler::Euler;
-pub(crate) use self::pair::{Kept, Pair};
+pub(crate) use self::euler::EulerSweep;
+pub(crate) use self::pair::{SweepBuffers, TwoStageSweep};
 pub(crate) use self::stages::{Quadratic, TwoSteps};
 
 /// A range of a plane of temperatures, or of their rates, with the same of the planes behind and
 /// before it.
 #[derive(Clone, Copy)]
-struct Planes<'a> {
+struct PlaneNeighbours<'a> {
     back: &'a [f32],
     /// With the row below and the row above.
     here: &'a [f32],
@@ -36,7 +36,7 @@ struct Planes<'a> {
     row: usize,
 }
 
-impl<'a> Planes<'a> {
+impl<'a> PlaneNeighbours<'a> {
     /// From the second row of three planes on.
     #[inline(always)]
     fn of([back, here, front]: [&'a [f32]; 3], len: usize, row: usize) -> Self {
@@ -71,13 +71,13 @@ fn lanes<S: Simd>(numbers: &[f32], start: usize, len: usize) -> &[S::f32s] {
 impl<'a, S: Simd> Stencil<'a, S> {
     /// `here` of the planes begins one row before the range, `back` and `front` with it.
     #[inline(always)]
-    fn new(simd: S, law: &Law, planes: Planes<'a>) -> Self {
-        let Planes { back, here, front, row } = planes;
+    fn new(simd: S, coefficients: &Coefficients, planes: PlaneNeighbours<'a>) -> Self {
+        let PlaneNeighbours { back, here, front, row } = planes;
         let len = back.len();
         Self {
             simd,
-            lateral: simd.splat_f32s(law.lateral),
-            vertical: simd.splat_f32s(law.vertical),
+            lateral: simd.splat_f32s(coefficients.lateral),
+            vertical: simd.splat_f32s(coefficients.vertical),
             here: lanes::<S>(here, row, len),
             left: lanes::<S>(here, row - 1, len),
             right: lanes::<S>(here, row + 1, len),
@@ -113,99 +113,110 @@ impl<'a, S: Simd> Stencil<'a, S> {
 
 /// What a surface loses, in lanes; with a resistance of its own or, as the compiler is to know,
 /// without.
-struct Surface<'a, S: Simd, const RESISTANCE: bool> {
+struct SurfaceLoss<'a, S: Simd, const RESISTANCE: bool> {
     simd: S,
     radiation: [S::f32s; 4],
-    damping: &'a [S::f32s],
-    exposure: &'a [S::f32s],
-    caps: &'a [S::f32s],
-    resistance: [S::f32s; 3],
+    diagonal: &'a [S::f32s],
+    exposed_area: &'a [S::f32s],
+    top_bottom_area: &'a [S::f32s],
+    convection: S::f32s,
+    resistance: [S::f32s; 2],
 }
 
-impl<'a, S: Simd, const RESISTANCE: bool> Surface<'a, S, RESISTANCE> {
+impl<'a, S: Simd, const RESISTANCE: bool> SurfaceLoss<'a, S, RESISTANCE> {
     #[inline(always)]
     fn new(
         simd: S,
-        law: &Law,
-        activity: &'a Activity,
+        coefficients: &Coefficients,
+        arrays: &'a CoefficientArrays,
         start: usize,
         n: usize,
-        derived: bool,
+        linearized: bool,
     ) -> Self {
         let len = n * S::F32_LANES;
+        let SurfaceResistance { side, top_bottom } = coefficients.resistance.unwrap_or_default();
         // The derivative of θ · radiation(θ) is a cubic polynomial too.
-        let power = |i: usize| if derived { (i + 1) as f32 } else { 1.0 };
+        let power = |i: usize| if linearized { (i + 1) as f32 } else { 1.0 };
         Self {
             simd,
-            radiation: std::array::from_fn(|i| simd.splat_f32s(power(i) * law.radiation[i])),
-            damping: &lanes::<S>(&activity.damping, start, len)[..n],
-            exposure: &lanes::<S>(&activity.exposure, start, len)[..n],
-            caps: if activity.caps.is_empty() {
+            radiation: std::array::from_fn(|i| {
+                simd.splat_f32s(power(i) * coefficients.radiation[i])
+            }),
+            diagonal: &lanes::<S>(&arrays.diagonal, start, len)[..n],
+            exposed_area: &lanes::<S>(&arrays.exposed_area, start, len)[..n],
+            top_bottom_area: if arrays.top_bottom_area.is_empty() {
                 &[]
             } else {
-                &lanes::<S>(&activity.caps, start, len)[..n]
+                &lanes::<S>(&arrays.top_bottom_area, start, len)[..n]
             },
-            resistance: law.resistance.unwrap_or_default().map(|number| simd.splat_f32s(number)),
+            convection: simd.splat_f32s(coefficients.convection),
+            resistance: [side, top_bottom].map(|number| simd.splat_f32s(number)),
         }
     }
 
     /// The factor of a voxel's own temperature, or of its rate, given that of its numbers.
     #[inline(always)]
-    fn damping(&self, [damping, exposure, caps]: [S::f32s; 3], theta: S::f32s) -> S::f32s {
+    fn diagonal(
+        &self,
+        [diagonal, exposed_area, top_bottom_area]: [S::f32s; 3],
+        theta: S::f32s,
+    ) -> S::f32s {
         let s = self.simd;
         let [r0, r1, r2, r3] = self.radiation;
         let radiated =
             s.mul_add_f32s(s.mul_add_f32s(s.mul_add_f32s(r3, theta, r2), theta, r1), theta, r0);
         if !RESISTANCE {
-            return s.negate_mul_add_f32s(radiated, exposure, damping);
+            return s.negate_mul_add_f32s(radiated, exposed_area, diagonal);
         }
-        let [convection, side, cap] = self.resistance;
-        let h = s.add_f32s(radiated, convection);
+        let [side, cap] = self.resistance;
+        let h = s.add_f32s(radiated, self.convection);
         let one = s.splat_f32s(1.0);
-        let passed = |exposure, distance| {
-            s.div_f32s(s.mul_f32s(h, exposure), s.mul_add_f32s(h, distance, one))
+        let passed = |exposed_area, distance| {
+            s.div_f32s(s.mul_f32s(h, exposed_area), s.mul_add_f32s(h, distance, one))
         };
-        let lost = s.add_f32s(passed(exposure, side), passed(caps, cap));
-        s.sub_f32s(damping, lost)
+        let lost = s.add_f32s(passed(exposed_area, side), passed(top_bottom_area, cap));
+        s.sub_f32s(diagonal, lost)
     }
 
-    /// The numbers of voxels: damping, exposure and caps.
+    /// The numbers of voxels: diagonal, exposed_area and top_bottom_area.
     #[inline(always)]
     fn voxels(&self, i: usize) -> [S::f32s; 3] {
-        let caps = if RESISTANCE { self.caps[i] } else { self.simd.splat_f32s(0.0) };
-        [self.damping[i], self.exposure[i], caps]
+        let top_bottom_area =
+            if RESISTANCE { self.top_bottom_area[i] } else { self.simd.splat_f32s(0.0) };
+        [self.diagonal[i], self.exposed_area[i], top_bottom_area]
     }
 
     /// Numbers of active voxels; 0 for all others.
     #[inline(always)]
     fn active(&self, i: usize, number: S::f32s) -> S::f32s {
         let zero = self.simd.splat_f32s(0.0);
-        self.simd.select_f32s(self.simd.less_than_f32s(self.damping[i], zero), number, zero)
+        self.simd.select_f32s(self.simd.less_than_f32s(self.diagonal[i], zero), number, zero)
     }
 }
 
 /// The heat equation on a range of a plane of temperatures, or its derivative there on a range of
 /// rates, in lanes.
-struct Equation<'a, S: Simd, const RESISTANCE: bool> {
-    law: &'a Law,
+struct HeatEquation<'a, S: Simd, const RESISTANCE: bool> {
+    coefficients: &'a Coefficients,
     stencil: Stencil<'a, S>,
-    surface: Surface<'a, S, RESISTANCE>,
+    surface: SurfaceLoss<'a, S, RESISTANCE>,
 }
 
-impl<'a, S: Simd, const RESISTANCE: bool> Equation<'a, S, RESISTANCE> {
-    /// Of a range that begins at the flat index `start`; its derivative, if `derived`.
+impl<'a, S: Simd, const RESISTANCE: bool> HeatEquation<'a, S, RESISTANCE> {
+    /// Of a range that begins at the flat index `start`; its derivative, if `linearized`.
     #[inline(always)]
     fn new(
         simd: S,
-        law: &'a Law,
-        activity: &'a Activity,
-        around: Planes<'a>,
+        coefficients: &'a Coefficients,
+        arrays: &'a CoefficientArrays,
+        around: PlaneNeighbours<'a>,
         start: usize,
-        derived: bool,
+        linearized: bool,
     ) -> Self {
-        let stencil = Stencil::new(simd, law, around);
-        let surface = Surface::new(simd, law, activity, start, stencil.len(), derived);
-        Self { law, stencil, surface }
+        let stencil = Stencil::new(simd, coefficients, around);
+        let surface =
+            SurfaceLoss::new(simd, coefficients, arrays, start, stencil.len(), linearized);
+        Self { coefficients, stencil, surface }
     }
 
     /// So many lanes.
@@ -226,23 +237,24 @@ impl<'a, S: Simd, const RESISTANCE: bool> Equation<'a, S, RESISTANCE> {
         self.stencil.simd.sub_f32s(self.stencil.lateral, self.stencil.lateral)
     }
 
-    /// The numbers of voxels with the given faces: damping, exposure and caps.
+    /// The numbers of voxels with the given faces: diagonal, exposed_area and top_bottom_area.
     #[inline(always)]
     fn uniform_voxels(&self, faces: u8) -> [S::f32s; 3] {
-        let Voxel { damping, exposure, caps } = self.law.voxels[usize::from(faces)];
-        [damping, exposure, caps].map(|number| self.stencil.simd.splat_f32s(number))
+        let VoxelCoefficients { diagonal, exposed_area, top_bottom_area } =
+            self.coefficients.by_faces[usize::from(faces)];
+        [diagonal, exposed_area, top_bottom_area].map(|number| self.stencil.simd.splat_f32s(number))
     }
 
-    /// The rate of change of voxels that lose nothing to the air, given their damping.
+    /// The rate of change of voxels that lose nothing to the air, given their diagonal.
     #[inline(always)]
-    fn closed(&self, i: usize, damping: S::f32s) -> S::f32s {
-        self.stencil.simd.mul_add_f32s(damping, self.stencil.here[i], self.stencil.inflow(i))
+    fn closed(&self, i: usize, diagonal: S::f32s) -> S::f32s {
+        self.stencil.simd.mul_add_f32s(diagonal, self.stencil.here[i], self.stencil.inflow(i))
     }
 
     /// The rate of change of active voxels, given their numbers and their temperatures.
     #[inline(always)]
     fn open(&self, i: usize, voxels: [S::f32s; 3], theta: S::f32s) -> S::f32s {
-        self.closed(i, self.surface.damping(voxels, theta))
+        self.closed(i, self.surface.diagonal(voxels, theta))
     }
 
     /// The rate of change of any voxels, given their temperatures.
@@ -257,23 +269,23 @@ impl<'a, S: Simd, const RESISTANCE: bool> Equation<'a, S, RESISTANCE> {
 ///
 /// An iterator and not a function that takes a closure: closures that are not inlined lose the
 /// lanes.
-struct Runs<'a> {
-    lines: &'a [Line],
+struct LineRuns<'a> {
+    lines: &'a [LineCode],
     begin: usize,
     /// Lanes in a line.
     lanes: usize,
 }
 
-impl<'a> Runs<'a> {
+impl<'a> LineRuns<'a> {
     #[inline(always)]
-    fn new<S: Simd>(activity: &'a Activity, start: usize, len: usize) -> Self {
-        let lines = &activity.lines[start / LINE..(start + len) / LINE];
-        Self { lines, begin: 0, lanes: LINE / S::F32_LANES }
+    fn new<S: Simd>(arrays: &'a CoefficientArrays, start: usize, len: usize) -> Self {
+        let lines = &arrays.lines[start / LINE_LEN..(start + len) / LINE_LEN];
+        Self { lines, begin: 0, lanes: LINE_LEN / S::F32_LANES }
     }
 }
 
-impl Iterator for Runs<'_> {
-    type Item = (Line, usize, usize);
+impl Iterator for LineRuns<'_> {
+    type Item = (LineCode, usize, usize);
 
     #[inline(always)]
     fn next(&mut self) -> Option<Self::Item> {

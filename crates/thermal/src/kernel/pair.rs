@@ -7,19 +7,19 @@ use rayon::prelude::*;
 
 use super::flat::{self, Flat};
 use super::stages::Stages;
-use super::{Equation, Planes, Runs, dispatch};
-use crate::aligned::Aligned;
-use crate::law::{Law, face};
-use crate::patch::{Activity, Kind, Patch, Shape};
+use super::{HeatEquation, LineRuns, PlaneNeighbours, dispatch};
+use crate::aligned::AlignedBuffer;
+use crate::coefficients::{Coefficients, face};
+use crate::patch::{CoefficientArrays, LineKind, Patch, Shape};
 
 /// Numbers that are worth a thread of their own.
-const SHARE: usize = 1 << 15;
+const MIN_THREAD_LEN: usize = 1 << 15;
 
 /// Two stages in place.
 /// Numbers are kept of three planes only, so that each temperature is read and written once for
 /// both.
-pub(crate) struct Pair<'a, T> {
-    pub(crate) law: &'a Law,
+pub(crate) struct TwoStageSweep<'a, T> {
+    pub(crate) coefficients: &'a Coefficients,
     pub(crate) patch: &'a mut Patch,
     pub(crate) stages: T,
     /// A voxel that keeps the temperature of its birth.
@@ -28,43 +28,43 @@ pub(crate) struct Pair<'a, T> {
     pub(crate) top: usize,
 }
 
-/// Memory for [`Pair`].
+/// Memory for [`TwoStageSweep`].
 #[derive(Debug)]
-pub(crate) struct Kept {
-    flat: flat::Kept,
-    /// For each thread, three planes of numbers kept, and one of zeros that stands for the rim's.
-    slabs: Vec<Aligned>,
+pub(crate) struct SweepBuffers {
+    flat: flat::SweepBuffers,
+    /// For each thread, three planes of numbers kept, and one of zeros that stands for the halo's.
+    slabs: Vec<AlignedBuffer>,
     /// Planes beside the ranges of threads, as they were.
-    halo: Aligned,
+    halo: AlignedBuffer,
     /// How many threads of the current pool may share a sweep.
     pub(crate) threads: usize,
 }
 
-impl Default for Kept {
+impl Default for SweepBuffers {
     fn default() -> Self {
         Self {
-            flat: flat::Kept::default(),
+            flat: flat::SweepBuffers::default(),
             slabs: Vec::new(),
-            halo: Aligned::default(),
+            halo: AlignedBuffer::default(),
             threads: 1,
         }
     }
 }
 
-impl<T: Stages> Pair<'_, T> {
+impl<T: Stages> TwoStageSweep<'_, T> {
     /// Takes both stages.
     /// The result does not depend on the number of threads.
-    pub(crate) fn sweep(self, memory: &mut Kept) {
-        let Self { law, patch, stages, held, top } = self;
-        let Patch { shape, activity, theta, .. } = patch;
-        let all = Sweep { law, shape: *shape, activity, stages, held, top };
-        if all.size() <= flat::MOST {
+    pub(crate) fn sweep(self, memory: &mut SweepBuffers) {
+        let Self { coefficients, patch, stages, held, top } = self;
+        let Patch { shape, arrays, theta, .. } = patch;
+        let all = Sweep { coefficients, shape: *shape, arrays, stages, held, top };
+        if all.size() <= flat::MAX_FLAT_LEN {
             all.flat(theta, memory);
         } else {
             all.slabs(theta, memory);
         }
         if let Some(held) = held {
-            theta[held] = law.birth;
+            theta[held] = coefficients.birth_theta;
         }
     }
 }
@@ -72,9 +72,9 @@ impl<T: Stages> Pair<'_, T> {
 /// What all parts of a sweep know.
 #[derive(Clone, Copy)]
 pub(super) struct Sweep<'a, T> {
-    pub(super) law: &'a Law,
+    pub(super) coefficients: &'a Coefficients,
     pub(super) shape: Shape,
-    pub(super) activity: &'a Activity,
+    pub(super) arrays: &'a CoefficientArrays,
     pub(super) stages: T,
     pub(super) held: Option<usize>,
     pub(super) top: usize,
@@ -87,34 +87,40 @@ impl<T: Stages> Sweep<'_, T> {
     }
 
     /// As one, with memory for the numbers of all.
-    fn flat(self, theta: &mut [f32], memory: &mut Kept) {
-        let kept = memory.flat.of(self.shape, self.top, T::ground(self.law));
+    fn flat(self, theta: &mut [f32], memory: &mut SweepBuffers) {
+        let kept = memory.flat.of(self.shape, self.top, T::below_plate(self.coefficients));
         dispatch(Flat { all: self, theta, kept });
     }
 
     /// In as many slabs as there are threads that have enough to do.
-    fn slabs(self, theta: &mut [f32], memory: &mut Kept) {
+    fn slabs(self, theta: &mut [f32], memory: &mut SweepBuffers) {
         let (plane, planes) = (self.shape.plane(), self.shape.planes - 2);
-        let threads = memory.threads.min((self.size() / SHARE).min(planes / 2)).max(1);
-        memory.slabs.resize_with(memory.slabs.len().max(threads), Aligned::default);
+        let threads = memory.threads.min((self.size() / MIN_THREAD_LEN).min(planes / 2)).max(1);
+        memory.slabs.resize_with(memory.slabs.len().max(threads), AlignedBuffer::default);
         let (before, rest) = theta.split_at_mut(plane);
         let (own, after) = rest.split_at_mut(planes * plane);
         if threads == 1 {
-            let kept = self.rims(&mut memory.slabs[0]);
+            let kept = self.fill_halos(&mut memory.slabs[0]);
             dispatch(Slab { all: self, before, own, after, first: 1, kept });
         } else {
-            self.share(before, own, after, &mut memory.slabs[..threads], &mut memory.halo);
+            self.split_among_threads(
+                before,
+                own,
+                after,
+                &mut memory.slabs[..threads],
+                &mut memory.halo,
+            );
         }
     }
 
     /// Shares the inside of a patch out among as many threads as there is memory for.
-    fn share(
+    fn split_among_threads(
         self,
         before: &[f32],
         mut inside: &mut [f32],
         after: &[f32],
-        kept: &mut [Aligned],
-        halo: &mut Aligned,
+        kept: &mut [AlignedBuffer],
+        halo: &mut AlignedBuffer,
     ) {
         let (count, plane) = (kept.len(), self.shape.plane());
         let planes = inside.len() / plane;
@@ -131,18 +137,18 @@ impl<T: Stages> Sweep<'_, T> {
             let halo = |i: usize| halo[4 * i * plane..][..4 * plane].split_at(2 * plane);
             let before = if i == 0 { before } else { halo(i - 1).0 };
             let after = if i + 1 == count { after } else { halo(i).1 };
-            let kept = self.rims(kept);
+            let kept = self.fill_halos(kept);
             slabs.push(Slab { all: self, before, own, after, first: 1 + ends[i], kept });
         }
         slabs.into_par_iter().for_each(dispatch);
     }
 
     /// Memory for the numbers of a slab, with the rows that are read but never written.
-    fn rims(self, kept: &mut Aligned) -> &mut [f32] {
+    fn fill_halos(self, kept: &mut AlignedBuffer) -> &mut [f32] {
         let (row, plane) = (self.shape.row, self.shape.plane());
         kept.resize(4 * plane);
         for kept in kept[..3 * plane].chunks_exact_mut(plane) {
-            kept[..row].fill(T::ground(self.law));
+            kept[..row].fill(T::below_plate(self.coefficients));
             kept[self.top * row..(self.top + 1) * row].fill(0.0);
         }
         kept[3 * plane..].fill(0.0);
@@ -153,7 +159,7 @@ impl<T: Stages> Sweep<'_, T> {
 /// A range of planes that is swept by one thread.
 struct Slab<'a, T> {
     all: Sweep<'a, T>,
-    /// The planes before and after it, as they were: one of rim, or two of another slab's.
+    /// The planes before and after it, as they were: one of halo, or two of another slab's.
     before: &'a [f32],
     own: &'a mut [f32],
     after: &'a [f32],
@@ -167,7 +173,7 @@ impl<T: Stages> WithSimd for Slab<'_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, s: S) {
-        if self.all.law.resistance.is_some() {
+        if self.all.coefficients.resistance.is_some() {
             self.sweep::<S, true>(s)
         } else {
             self.sweep::<S, false>(s)
@@ -179,7 +185,7 @@ impl<T: Stages> Slab<'_, T> {
     #[inline(always)]
     fn sweep<S: Simd, const RESISTANCE: bool>(self, s: S) {
         let Self { all, before, own, after, first, kept } = self;
-        let Sweep { law, shape, activity, stages, held, top } = all;
+        let Sweep { coefficients, shape, arrays, stages, held, top } = all;
         let (row, plane) = (shape.row, shape.plane());
         let (kept, zeros) = kept.split_at_mut(3 * plane);
         let swept = (top - 1) * row;
@@ -196,29 +202,41 @@ impl<T: Stages> Slab<'_, T> {
                         &after[(y - end) * plane..][..plane]
                     }
                 };
-                let around = Planes::of([y - 1, y, y + 1].map(theta), swept, row);
+                let around = PlaneNeighbours::of([y - 1, y, y + 1].map(theta), swept, row);
                 let start = y * plane + row;
-                let equation =
-                    Equation::<S, RESISTANCE>::new(s, law, activity, around, start, false);
+                let equation = HeatEquation::<S, RESISTANCE>::new(
+                    s,
+                    coefficients,
+                    arrays,
+                    around,
+                    start,
+                    false,
+                );
                 let here = y % 3 * plane;
-                let runs = Runs::new::<S>(activity, start, swept);
+                let runs = LineRuns::new::<S>(arrays, start, swept);
                 let rows = &mut kept[here + row..][..swept];
                 first_stage(s, &equation, runs, stages, rows, true);
                 if let Some(held) = held.filter(|held| held / plane == y) {
-                    kept[here + held % plane] = T::held(law);
+                    kept[here + held % plane] = T::held(coefficients);
                 }
             }
             if y > first {
                 let y = y - 1;
                 let kept = |y: usize| {
-                    let rim = y == 0 || y == shape.planes - 1;
-                    if rim { &*zeros } else { &kept[y % 3 * plane..][..plane] }
+                    let halo = y == 0 || y == shape.planes - 1;
+                    if halo { &*zeros } else { &kept[y % 3 * plane..][..plane] }
                 };
-                let around = Planes::of([y - 1, y, y + 1].map(kept), swept, row);
+                let around = PlaneNeighbours::of([y - 1, y, y + 1].map(kept), swept, row);
                 let start = y * plane + row;
-                let equation =
-                    Equation::<S, RESISTANCE>::new(s, law, activity, around, start, T::DERIVED);
-                let runs = Runs::new::<S>(activity, start, swept);
+                let equation = HeatEquation::<S, RESISTANCE>::new(
+                    s,
+                    coefficients,
+                    arrays,
+                    around,
+                    start,
+                    T::LINEARIZED,
+                );
+                let runs = LineRuns::new::<S>(arrays, start, swept);
                 second_stage(
                     s,
                     &equation,
@@ -236,8 +254,8 @@ impl<T: Stages> Slab<'_, T> {
 #[inline(always)]
 pub(super) fn first_stage<S: Simd, const RESISTANCE: bool>(
     s: S,
-    equation: &Equation<'_, S, RESISTANCE>,
-    runs: Runs<'_>,
+    equation: &HeatEquation<'_, S, RESISTANCE>,
+    runs: LineRuns<'_>,
     stages: impl Stages,
     kept: &mut [f32],
     clear: bool,
@@ -247,26 +265,26 @@ pub(super) fn first_stage<S: Simd, const RESISTANCE: bool>(
     for (line, begin, end) in runs {
         let run = begin..end.min(n);
         match line.kind() {
-            Kind::Empty if !clear => {}
-            Kind::Empty => {
+            LineKind::Empty if !clear => {}
+            LineKind::Empty => {
                 for i in run {
                     kept[i] = equation.nothing();
                 }
             }
-            Kind::Uniform(face::INTERIOR) => {
-                let [damping, ..] = equation.uniform_voxels(face::INTERIOR);
+            LineKind::Uniform(face::INTERIOR) => {
+                let [diagonal, ..] = equation.uniform_voxels(face::INTERIOR);
                 for i in run {
-                    kept[i] = stages.first(s, equation.here(i), equation.closed(i, damping));
+                    kept[i] = stages.first(s, equation.here(i), equation.closed(i, diagonal));
                 }
             }
-            Kind::Uniform(faces) => {
+            LineKind::Uniform(faces) => {
                 let voxels = equation.uniform_voxels(faces);
                 for i in run {
                     let here = equation.here(i);
                     kept[i] = stages.first(s, here, equation.open(i, voxels, here));
                 }
             }
-            Kind::Mixed => {
+            LineKind::Mixed => {
                 for i in run {
                     let here = equation.here(i);
                     kept[i] = stages.first(s, here, equation.mixed(i, here));
@@ -280,8 +298,8 @@ pub(super) fn first_stage<S: Simd, const RESISTANCE: bool>(
 #[inline(always)]
 fn second_stage<S: Simd, const RESISTANCE: bool, T: Stages>(
     s: S,
-    equation: &Equation<'_, S, RESISTANCE>,
-    runs: Runs<'_>,
+    equation: &HeatEquation<'_, S, RESISTANCE>,
+    runs: LineRuns<'_>,
     stages: T,
     theta: &mut [f32],
 ) {
@@ -290,15 +308,15 @@ fn second_stage<S: Simd, const RESISTANCE: bool, T: Stages>(
     for (line, begin, end) in runs {
         let run = begin..end.min(n);
         match line.kind() {
-            Kind::Empty => {}
-            Kind::Uniform(face::INTERIOR) => {
-                let [damping, ..] = equation.uniform_voxels(face::INTERIOR);
+            LineKind::Empty => {}
+            LineKind::Uniform(face::INTERIOR) => {
+                let [diagonal, ..] = equation.uniform_voxels(face::INTERIOR);
                 for i in run {
-                    let rate = equation.closed(i, damping);
+                    let rate = equation.closed(i, diagonal);
                     theta[i] = stages.second(s, theta[i], equation.here(i), rate);
                 }
             }
-            Kind::Uniform(faces) => {
+            LineKind::Uniform(faces) => {
                 let voxels = equation.uniform_voxels(faces);
                 for i in run {
                     let kept = equation.here(i);
@@ -306,7 +324,7 @@ fn second_stage<S: Simd, const RESISTANCE: bool, T: Stages>(
                     theta[i] = stages.second(s, theta[i], kept, rate);
                 }
             }
-            Kind::Mixed => {
+            LineKind::Mixed => {
                 for i in run {
                     let kept = equation.here(i);
                     let rate = equation.mixed(i, T::surface::<S>(theta[i], kept));
@@ -323,7 +341,7 @@ mod tests {
     use rand_xoshiro::Xoshiro256PlusPlus;
 
     use super::*;
-    use crate::kernel::{Euler, Quadratic, TwoSteps};
+    use crate::kernel::{EulerSweep, Quadratic, TwoSteps};
     use crate::material::Material;
     use crate::process::Process;
     use crate::state::{State, StateMut};
@@ -332,10 +350,10 @@ mod tests {
     /// them.
     fn patch(
         size: [usize; 3],
-        law: &Law,
+        coefficients: &Coefficients,
         random: &mut Xoshiro256PlusPlus,
     ) -> (Patch, Option<usize>) {
-        let mut state = State::empty(Shape::around(size[0], size[1], size[2]), law);
+        let mut state = State::empty(Shape::around(size[0], size[1], size[2]), coefficients);
         let StateMut { patch, mut voxels } = state.make_mut();
         let (mut changes, mut active) = (Vec::new(), Vec::new());
         // Full boxes have lines of every kind.
@@ -343,8 +361,8 @@ mod tests {
         for z in 1..=size[2] {
             for y in 1..=size[1] {
                 for x in (1..=size[0]).filter(|_| random.random_bool(filled)) {
-                    voxels.birth([x, y, z], patch, law, &mut changes);
-                    patch.take_up(&changes, law);
+                    voxels.birth([x, y, z], patch, coefficients, &mut changes);
+                    patch.apply(&changes, coefficients);
                     changes.clear();
                     active.push(patch.shape.index([x, y, z]));
                 }
@@ -359,10 +377,10 @@ mod tests {
         patch.theta.iter().map(|theta| theta.to_bits()).collect()
     }
 
-    fn laws() -> [Law; 2] {
+    fn coefficient_sets() -> [Coefficients; 2] {
         [false, true].map(|surface_resistance| {
             let process = Process { surface_resistance, ..Process::default() };
-            Law::new(&Material::abs(), &process, 0.5e-3, 0.25e-3)
+            Coefficients::new(&Material::abs(), &process, 0.5e-3, 0.25e-3)
         })
     }
 
@@ -370,17 +388,17 @@ mod tests {
     const TWO_STEPS: TwoSteps = TwoSteps { seconds: 0.02 };
 
     fn small_patches_agree(stages: impl Stages, random: &mut Xoshiro256PlusPlus) {
-        let (laws, mut memory) = (laws(), Kept::default());
+        let (coefficient_sets, mut memory) = (coefficient_sets(), SweepBuffers::default());
         for _ in 0..500 {
-            let law = &laws[random.random_range(0..2)];
+            let coefficients = &coefficient_sets[random.random_range(0..2)];
             let size = [40, 12, 9].map(|most| random.random_range(1..most));
-            let (mut flat, held) = patch(size, law, random);
+            let (mut flat, held) = patch(size, coefficients, random);
             let (mut slabs, top) = (flat.clone(), size[2] + 1);
             for _ in 0..3 {
                 let sweep =
-                    |activity| Sweep { law, shape: slabs.shape, activity, stages, held, top };
-                sweep(&flat.activity).flat(&mut flat.theta, &mut memory);
-                sweep(&slabs.activity).slabs(&mut slabs.theta, &mut memory);
+                    |arrays| Sweep { coefficients, shape: slabs.shape, arrays, stages, held, top };
+                sweep(&flat.arrays).flat(&mut flat.theta, &mut memory);
+                sweep(&slabs.arrays).slabs(&mut slabs.theta, &mut memory);
             }
             assert_eq!(bits(&flat), bits(&slabs));
         }
@@ -396,40 +414,50 @@ mod tests {
     #[test]
     fn two_steps_are_one_after_another() {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(0);
-        let (laws, mut memory) = (laws(), Kept::default());
+        let (coefficient_sets, mut memory) = (coefficient_sets(), SweepBuffers::default());
         for _ in 0..300 {
-            let law = &laws[random.random_range(0..2)];
+            let coefficients = &coefficient_sets[random.random_range(0..2)];
             let size = [70, 20, 12].map(|most| random.random_range(1..most));
-            let (mut both, held) = patch(size, law, &mut random);
+            let (mut both, held) = patch(size, coefficients, &mut random);
             if let Some(held) = held {
-                both.theta[held] = law.birth;
+                both.theta[held] = coefficients.birth_theta;
             }
             let (mut single, top) = (both.clone(), size[2] + 1);
             let TwoSteps { seconds } = TWO_STEPS;
             for _ in 0..2 {
                 let mut to = single.theta.clone();
-                let Patch { shape, activity, theta: from, .. } = &single;
-                dispatch(Euler { law, shape: *shape, activity, from, to: &mut to, top, seconds });
+                let Patch { shape, arrays, theta: from, .. } = &single;
+                dispatch(EulerSweep {
+                    coefficients,
+                    shape: *shape,
+                    arrays,
+                    from,
+                    to: &mut to,
+                    top,
+                    seconds,
+                });
                 if let Some(held) = held {
-                    to[held] = law.birth;
+                    to[held] = coefficients.birth_theta;
                 }
                 single.theta = to;
             }
-            Pair { law, patch: &mut both, stages: TWO_STEPS, held, top }.sweep(&mut memory);
+            TwoStageSweep { coefficients, patch: &mut both, stages: TWO_STEPS, held, top }
+                .sweep(&mut memory);
             assert_eq!(bits(&both), bits(&single));
         }
     }
 
     fn threads_agree(stages: impl Stages, random: &mut Xoshiro256PlusPlus) {
-        let [law, _] = laws();
+        let [coefficients, _] = coefficient_sets();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
         for size in [[100, 40, 70], [60, 150, 40], [30, 9, 900]] {
-            let (patch, held) = patch(size, &law, random);
+            let (patch, held) = patch(size, &coefficients, random);
             let sweep = |mut patch: Patch, threads: usize| {
-                let mut memory = Kept { threads, ..Kept::default() };
+                let mut memory = SweepBuffers { threads, ..SweepBuffers::default() };
                 for _ in 0..3 {
                     let (patch, top) = (&mut patch, size[2] + 1);
-                    Pair { law: &law, patch, stages, held, top }.sweep(&mut memory);
+                    TwoStageSweep { coefficients: &coefficients, patch, stages, held, top }
+                        .sweep(&mut memory);
                 }
                 (bits(&patch), memory.slabs.len())
             };

@@ -4,20 +4,20 @@
 
 use pulp::Simd;
 
-use crate::law::Law;
+use crate::coefficients::Coefficients;
 
 /// Two stages that a sweep takes together: what each makes of the rates of change that it finds.
 /// Between them, each voxel keeps a number.
 pub(crate) trait Stages: Copy + Send + Sync {
     /// Whether the second stage takes the derivative of the heat equation, of the numbers kept, or
     /// the equation itself.
-    const DERIVED: bool;
+    const LINEARIZED: bool;
 
     /// The number kept where a voxel is held at the temperature of its birth.
-    fn held(law: &Law) -> f32;
+    fn held(coefficients: &Coefficients) -> f32;
 
     /// The number kept below the part, by the ghosts of the build plate.
-    fn ground(law: &Law) -> f32;
+    fn below_plate(coefficients: &Coefficients) -> f32;
 
     /// The numbers kept, given temperatures and their rates.
     fn first<S: Simd>(self, s: S, theta: S::f32s, rate: S::f32s) -> S::f32s;
@@ -41,13 +41,13 @@ pub(crate) struct Quadratic {
 }
 
 impl Stages for Quadratic {
-    const DERIVED: bool = true;
+    const LINEARIZED: bool = true;
 
-    fn held(_: &Law) -> f32 {
+    fn held(_: &Coefficients) -> f32 {
         0.0
     }
 
-    fn ground(_: &Law) -> f32 {
+    fn below_plate(_: &Coefficients) -> f32 {
         0.0
     }
 
@@ -75,14 +75,14 @@ pub(crate) struct TwoSteps {
 }
 
 impl Stages for TwoSteps {
-    const DERIVED: bool = false;
+    const LINEARIZED: bool = false;
 
-    fn held(law: &Law) -> f32 {
-        law.birth
+    fn held(coefficients: &Coefficients) -> f32 {
+        coefficients.birth_theta
     }
 
-    fn ground(law: &Law) -> f32 {
-        law.ghost
+    fn below_plate(coefficients: &Coefficients) -> f32 {
+        coefficients.plate_ghost
     }
 
     #[inline(always)]

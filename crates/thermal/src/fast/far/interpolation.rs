@@ -10,10 +10,10 @@ use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
+use crate::block_grid::BlockGrid;
+use crate::coefficients::Coefficients;
 use crate::kernel::dispatch;
-use crate::law::Law;
 use crate::patch::Patch;
-use crate::tally::Tally;
 
 use super::Region;
 
@@ -32,7 +32,7 @@ pub(super) struct Lines {
 
 /// A number for each block, to be spread over voxels.
 #[derive(Clone, Copy)]
-pub(super) struct Spread<'a> {
+pub(super) struct Prolongation<'a> {
     pub(super) blocks: &'a [f32],
     /// 1 over the number of voxels; 0 for blocks without any.
     pub(super) share: &'a [f32],
@@ -42,25 +42,31 @@ pub(super) struct Spread<'a> {
 
 /// The part of a number that comes from the next block, for one voxel of so many in a block, and
 /// whether that is the block after it.
-fn weight(within: usize, fold: usize) -> (f32, bool) {
-    let off = (within as f32 + 0.5) / fold as f32 - 0.5;
+fn weight(within: usize, coarsening: usize) -> (f32, bool) {
+    let off = (within as f32 + 0.5) / coarsening as f32 - 0.5;
     (off.abs(), off > 0.0)
 }
 
-impl Spread<'_> {
+impl Prolongation<'_> {
     /// Adds the numbers of a region to the temperatures of its voxels, which are the whole inside
     /// of a patch.
-    pub(super) fn add(self, patch: &mut Patch, region: Region, tally: &Tally, lines: &mut Lines) {
-        dispatch(Add { spread: self, patch, region, tally, lines });
+    pub(super) fn add(
+        self,
+        patch: &mut Patch,
+        region: Region,
+        block_grid: &BlockGrid,
+        lines: &mut Lines,
+    ) {
+        dispatch(Add { spread: self, patch, region, block_grid, lines });
     }
 }
 
-/// What [`Spread::add`] does.
+/// What [`Prolongation::add`] does.
 struct Add<'a> {
-    spread: Spread<'a>,
+    spread: Prolongation<'a>,
     patch: &'a mut Patch,
     region: Region,
-    tally: &'a Tally,
+    block_grid: &'a BlockGrid,
     lines: &'a mut Lines,
 }
 
@@ -69,15 +75,20 @@ impl WithSimd for Add<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { spread: Spread { blocks: numbers, share, times }, patch, region, tally, lines } =
-            self;
-        let (coarse, [fold, deep, high]) = (tally.shape, tally.fold);
+        let Self {
+            spread: Prolongation { blocks: numbers, share, times },
+            patch,
+            region,
+            block_grid,
+            lines,
+        } = self;
+        let (coarse, [coarsening, deep, high]) = (block_grid.shape, block_grid.coarsening);
         let row = patch.shape.row;
         // Blocks of a patch's row, with one more at each end.
-        let (first_x, blocks) = (patch.origin[0] / fold, row / fold + 1);
+        let (first_x, blocks) = (patch.origin[0] / coarsening, row / coarsening + 1);
         let Lines { mixed, spread, rows, sums } = lines;
         mixed.resize(blocks, 0.0);
-        spread.resize(blocks * fold, 0.0);
+        spread.resize(blocks * coarsening, 0.0);
         rows.resize(deep * high * row, 0.0);
         sums.resize(row, 0.0);
         let at = |y: usize, z: usize| &numbers[coarse.index([first_x, y, z])..][..blocks];
@@ -94,22 +105,24 @@ impl WithSimd for Add<'_> {
                     (weight(plane - own_planes.start, deep), weight(voxels - own_rows.start, high));
                 let (ny, nz) = (next(y, after_y), next(z, after_z));
                 let corners = [at(y, z), at(ny, z), at(y, nz), at(ny, nz)];
-                let damping =
-                    &patch.activity.damping[patch.shape.index([0, plane, voxels])..][..row];
+                let diagonal =
+                    &patch.arrays.diagonal[patch.shape.index([0, plane, voxels])..][..row];
                 mix(mixed, corners, by_y, by_z);
                 repeat(spread, mixed);
-                smooth(line, spread, damping, sums);
+                smooth(line, spread, diagonal, sums);
             }
             let start = coarse.index([first_x + 1, y, z]);
             let lacking = numbers[start..].iter().zip(&share[start..]);
-            for (sums, (number, share)) in sums[1..row - 1].chunks_exact_mut(fold).zip(lacking) {
+            for (sums, (number, share)) in
+                sums[1..row - 1].chunks_exact_mut(coarsening).zip(lacking)
+            {
                 sums.fill(number - sums.iter().sum::<f32>() * share);
             }
             for ((plane, voxels), line) in starts().zip(rows.chunks_exact(row)) {
                 let start = patch.shape.index([0, plane, voxels]);
-                let damping = &patch.activity.damping[start..][..row];
+                let diagonal = &patch.arrays.diagonal[start..][..row];
                 let theta = &mut patch.theta[start..][..row];
-                add(theta, line, damping, sums, times);
+                add(theta, line, diagonal, sums, times);
             }
         }
     }
@@ -139,24 +152,24 @@ fn repeat(spread: &mut [f32], blocks: &[f32]) {
 /// `i + 1` there.
 /// Gives 0 where none is active, and adds all to the sums.
 #[inline(always)]
-fn smooth(line: &mut [f32], spread: &[f32], damping: &[f32], sums: &mut [f32]) {
+fn smooth(line: &mut [f32], spread: &[f32], diagonal: &[f32], sums: &mut [f32]) {
     let n = line.len();
     let (before, here, after) = (&spread[..n], &spread[1..][..n], &spread[2..][..n]);
-    let (damping, sums) = (&damping[..n], &mut sums[..n]);
+    let (diagonal, sums) = (&diagonal[..n], &mut sums[..n]);
     for i in 0..n {
         let number = 0.5 * here[i] + 0.25 * (before[i] + after[i]);
-        line[i] = if damping[i] < 0.0 { number } else { 0.0 };
+        line[i] = if diagonal[i] < 0.0 { number } else { 0.0 };
         sums[i] += line[i];
     }
 }
 
 /// Adds so many times a line's numbers, and what its blocks still lack.
 #[inline(always)]
-fn add(theta: &mut [f32], line: &[f32], damping: &[f32], lacking: &[f32], times: f32) {
+fn add(theta: &mut [f32], line: &[f32], diagonal: &[f32], lacking: &[f32], times: f32) {
     let n = theta.len();
-    let (line, damping, lacking) = (&line[..n], &damping[..n], &lacking[..n]);
+    let (line, diagonal, lacking) = (&line[..n], &diagonal[..n], &lacking[..n]);
     for i in 0..n {
-        theta[i] += times * (line[i] + if damping[i] < 0.0 { lacking[i] } else { 0.0 });
+        theta[i] += times * (line[i] + if diagonal[i] < 0.0 { lacking[i] } else { 0.0 });
     }
 }
 
@@ -167,10 +180,10 @@ pub(super) fn extend(
     blocks: &mut [f32],
     known: &mut [bool],
     region: Region,
-    tally: &Tally,
-    law: &Law,
+    block_grid: &BlockGrid,
+    coefficients: &Coefficients,
 ) {
-    let (shape, strides) = (tally.shape, tally.strides());
+    let (shape, strides) = (block_grid.shape, block_grid.strides());
     let ends = [shape.row, shape.planes, shape.rows];
     // Each pass below reaches one block farther.
     let around = Region {
@@ -181,7 +194,7 @@ pub(super) fn extend(
     // Three times: across faces, edges and corners.
     for _ in 0..3 {
         let begin = all.len();
-        for line in around.lines(tally) {
+        for line in around.lines(block_grid) {
             beside_known(&mut edge, known, line.clone(), strides);
             for (i, _) in line.zip(&edge).filter(|&(_, edge)| *edge) {
                 let beside =
@@ -202,7 +215,7 @@ pub(super) fn extend(
     for (i, _) in all {
         known[i] = false;
     }
-    if law.plate && around.low[2] == 0 {
+    if coefficients.plate_conducts && around.low[2] == 0 {
         for y in around.low[1]..around.high[1] {
             for x in around.low[0]..around.high[0] {
                 blocks[shape.index([x, y, 0])] = -blocks[shape.index([x, y, 1])];

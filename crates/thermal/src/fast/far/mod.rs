@@ -14,55 +14,61 @@
 //! What crosses the region's border by the blocks' means is what its voxels are given and what the
 //! blocks outside take up: all heat is kept, wherever the border lies.
 
-mod border;
-mod conduction;
-mod evolution;
+mod block_stepper;
+mod conductances;
+mod flux_halo;
 mod interpolation;
-mod look;
 mod region;
+mod restriction;
 
-use crate::aligned::Aligned;
-use crate::law::Law;
+use crate::aligned::AlignedBuffer;
+use crate::block_grid::BlockGrid;
+use crate::coefficients::Coefficients;
 use crate::patch::Patch;
-use crate::tally::Tally;
 
-use self::conduction::Conduction;
-use self::evolution::{Crossing, Evolution};
-use self::interpolation::{Lines, Spread};
-use self::look::Sums;
+use self::block_stepper::{BlockStepper, BorderFlow};
+use self::conductances::BlockConductances;
+use self::interpolation::{Lines, Prolongation};
+use self::restriction::BlockSums;
 
-pub(super) use self::border::{Flows, Rim};
-pub(super) use self::region::{Border, Region};
+pub(super) use self::flux_halo::{BorderFluxes, FluxHalo};
+pub(super) use self::region::{BorderPair, Region};
 
 /// What the blocks of a part know.
 #[derive(Debug, Default)]
 pub(super) struct FarField {
     /// Whether there is a change that voxels do not show yet.
     goes_on: bool,
-    conduction: Conduction,
-    evolution: Evolution,
-    sums: Sums,
+    conduction: BlockConductances,
+    evolution: BlockStepper,
+    sums: BlockSums,
     /// Mean temperatures of the blocks above the air, U, K.
-    theta: Aligned,
+    theta: AlignedBuffer,
     /// What they are without the change that their voxels do not show yet, K.
-    shown: Aligned,
+    shown: AlignedBuffer,
     /// Rates of the blocks that their voxels know better, s, K/s.
-    rates: Aligned,
+    rates: AlignedBuffer,
     /// Whether a block has voxels that were looked at.
     known: Vec<bool>,
     /// Change of the blocks, K.
-    change: Aligned,
+    change: AlignedBuffer,
     lines: Lines,
 }
 
 impl FarField {
     /// Looks at all voxels of a part, unless it goes on from an earlier step.
-    pub(super) fn begin(&mut self, part: &Patch, tally: &Tally, law: &Law, top: usize) {
+    pub(super) fn begin(
+        &mut self,
+        part: &Patch,
+        block_grid: &BlockGrid,
+        coefficients: &Coefficients,
+        top: usize,
+    ) {
         if std::mem::replace(&mut self.goes_on, true) {
             return;
         }
         let Self { conduction, sums, theta, shown, rates, known, change, .. } = self;
-        let len = tally.shape.len();
+        let len = block_grid.shape.len();
         for numbers in [theta, shown, rates, change] {
             numbers.reset(len);
         }
@@ -70,36 +76,42 @@ impl FarField {
         known.resize(len, false);
         conduction.reset(len);
         sums.reset(len);
-        self.look(part, Region::whole(tally, top), tally, law, top);
+        self.restrict(part, Region::whole(block_grid, top), block_grid, coefficients, top);
     }
 
     /// Gives the voxels of a part what they do not show yet.
-    pub(super) fn end(&mut self, part: &mut Patch, tally: &Tally, law: &Law, top: usize) {
+    pub(super) fn end(
+        &mut self,
+        part: &mut Patch,
+        block_grid: &BlockGrid,
+        coefficients: &Coefficients,
+        top: usize,
+    ) {
         if std::mem::take(&mut self.goes_on) {
-            self.add(1.0, part, Region::whole(tally, top), tally, law);
+            self.add(1.0, part, Region::whole(block_grid, top), block_grid, coefficients);
         }
     }
 
     /// Looks at the voxels of a region, which are the inside of a patch with nothing beyond its
     /// border.
-    pub(super) fn look(
+    pub(super) fn restrict(
         &mut self,
         patch: &Patch,
         region: Region,
-        tally: &Tally,
-        law: &Law,
+        block_grid: &BlockGrid,
+        coefficients: &Coefficients,
         top: usize,
     ) {
-        self.sums.take(patch, region, tally, law, top);
+        self.sums.take(patch, region, block_grid, coefficients, top);
         let Self { conduction, sums, theta, shown, rates, known, .. } = self;
-        for i in region.blocks(tally).filter(|&i| tally.blocks[i].voxels > 0) {
-            theta[i] = sums.theta[i] / f32::from(tally.blocks[i].voxels);
+        for i in region.blocks(block_grid).filter(|&i| block_grid.blocks[i].voxels > 0) {
+            theta[i] = sums.theta[i] / f32::from(block_grid.blocks[i].voxels);
             if !std::mem::replace(&mut known[i], true) {
                 shown[i] = theta[i];
             }
         }
-        conduction.weigh(region, tally, law, theta);
-        for i in region.blocks(tally) {
+        conduction.weigh(region, block_grid, coefficients, theta);
+        for i in region.blocks(block_grid) {
             rates[i] = conduction.share[i] * (sums.gains[i] + conduction.losses[i] * theta[i]);
         }
     }
@@ -121,28 +133,28 @@ impl FarField {
     pub(super) fn step(
         &mut self,
         seconds: f64,
-        border: &[Border],
-        tally: &Tally,
-        law: &Law,
+        border: &[BorderPair],
+        block_grid: &BlockGrid,
+        coefficients: &Coefficients,
         top: usize,
-    ) -> Flows {
+    ) -> BorderFluxes {
         let Self { conduction, evolution, theta, rates, .. } = self;
-        let crossing = |border: &Border| {
+        let crossing = |border: &BorderPair| {
             let link = conduction.links[border.axis][border.first()];
-            Crossing { from: border.inside, to: border.outside, link, sum: 0.0 }
+            BorderFlow { from: border.inside, to: border.outside, link, sum: 0.0 }
         };
-        let mut crossings: Vec<Crossing> = border.iter().map(crossing).collect();
+        let mut crossings: Vec<BorderFlow> = border.iter().map(crossing).collect();
         evolution.advance(
             conduction,
             theta,
             rates,
             seconds,
-            tally,
-            tally.layers(top),
+            block_grid,
+            block_grid.layers(top),
             &mut crossings,
         );
         let crossed = crossings.iter().map(|crossing| crossing.sum);
-        Flows::new(border.iter().zip(crossed), seconds, tally, law)
+        BorderFluxes::new(border.iter().zip(crossed), seconds, block_grid, coefficients)
     }
 
     /// Adds the change to the voxels of a region, which are the inside of a patch, so many times.
@@ -151,18 +163,18 @@ impl FarField {
         times: f32,
         patch: &mut Patch,
         region: Region,
-        tally: &Tally,
-        law: &Law,
+        block_grid: &BlockGrid,
+        coefficients: &Coefficients,
     ) {
         let Self { theta, shown, change, known, conduction, lines, .. } = self;
-        for line in region.grown(4, tally).lines(tally) {
+        for line in region.grown(4, block_grid).lines(block_grid) {
             let numbers =
                 change[line.clone()].iter_mut().zip(&theta[line.clone()]).zip(&shown[line]);
             numbers.for_each(|((change, theta), shown)| *change = theta - shown);
         }
-        interpolation::extend(change, known, region, tally, law);
-        let spread = Spread { blocks: change, share: &conduction.share, times };
-        spread.add(patch, region, tally, lines);
+        interpolation::extend(change, known, region, block_grid, coefficients);
+        let spread = Prolongation { blocks: change, share: &conduction.share, times };
+        spread.add(patch, region, block_grid, lines);
     }
 }
 

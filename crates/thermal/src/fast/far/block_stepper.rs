@@ -15,16 +15,16 @@ use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
-use crate::aligned::Aligned;
+use crate::aligned::AlignedBuffer;
+use crate::block_grid::BlockGrid;
 use crate::kernel::dispatch;
-use crate::tally::Tally;
 
 use super::super::chebyshev::Polynomial;
-use super::conduction::Conduction;
+use super::conductances::BlockConductances;
 
 /// What has crossed from a block to another one.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Crossing {
+pub(super) struct BorderFlow {
     pub(super) from: usize,
     pub(super) to: usize,
     /// Conductance, 1/s in voxels.
@@ -35,35 +35,36 @@ pub(super) struct Crossing {
 
 /// Memory for the stages.
 #[derive(Debug, Default)]
-pub(super) struct Evolution {
+pub(super) struct BlockStepper {
     /// Rates of change, K/s: of the last three planes that each pair of stages has come to.
-    slopes: Aligned,
+    slopes: AlignedBuffer,
     /// The crossings in the order of the first plane that they touch, and where those of each plane
     /// begin.
     crossings: Vec<usize>,
     starts: Vec<usize>,
 }
 
-impl Evolution {
+impl BlockStepper {
     /// Takes the temperatures of all blocks below some layers through a time, in which they also
     /// change by rates of their own, K/s, and adds what crosses between some of them.
     #[expect(clippy::too_many_arguments, reason = "what is stepped, how, and what is asked of it")]
     pub(super) fn advance(
         &mut self,
-        conduction: &Conduction,
+        conduction: &BlockConductances,
         w: &mut [f32],
         rates: &[f32],
         seconds: f64,
-        tally: &Tally,
+        block_grid: &BlockGrid,
         layers: usize,
-        crossings: &mut [Crossing],
+        crossings: &mut [BorderFlow],
     ) {
-        let factors = Polynomial::reaching(seconds * f64::from(conduction.fastest)).factors;
+        let factors = Polynomial::reaching(seconds * f64::from(conduction.max_rate)).factors;
         let factors =
             factors.iter().map(|factor| [factor.a * seconds, factor.b * seconds * seconds]);
         let factors: Vec<_> = factors.map(|factor| factor.map(|number| number as f32)).collect();
-        let (row, plane, inner) = (tally.shape.row, tally.shape.plane(), tally.shape.planes - 2);
-        self.sort(crossings, tally);
+        let (row, plane, inner) =
+            (block_grid.shape.row, block_grid.shape.plane(), block_grid.shape.planes - 2);
+        self.sort(crossings, block_grid);
         let Self { slopes, crossings: order, starts } = self;
         slopes.resize(3 * plane * factors.len());
         let blocks = row..(layers + 1) * row;
@@ -93,7 +94,7 @@ impl Evolution {
                         next => slopes[y % 3][next - plane],
                     };
                     for &i in &order[starts[y - 1]..starts[y]] {
-                        let Crossing { from, to, link, sum } = &mut crossings[i];
+                        let BorderFlow { from, to, link, sum } = &mut crossings[i];
                         *sum += *link * (a * (w[*from] - w[*to]) + b * (slope(*from) - slope(*to)));
                     }
                     let field = [y - 2, y - 1, y].map(|y| &*slopes[y % 3]);
@@ -106,13 +107,14 @@ impl Evolution {
     }
 
     /// Sorts crossings by their planes.
-    fn sort(&mut self, crossings: &[Crossing], tally: &Tally) {
+    fn sort(&mut self, crossings: &[BorderFlow], block_grid: &BlockGrid) {
         let Self { crossings: order, starts, .. } = self;
-        let plane = |crossing: &Crossing| crossing.from.min(crossing.to) / tally.shape.plane();
+        let plane =
+            |crossing: &BorderFlow| crossing.from.min(crossing.to) / block_grid.shape.plane();
         // First how many there are, then where they end; and once all are in their places, where
         // they start.
         starts.clear();
-        starts.resize(tally.shape.planes + 1, 0);
+        starts.resize(block_grid.shape.planes + 1, 0);
         crossings.iter().for_each(|crossing| starts[plane(crossing)] += 1);
         let mut sum = 0;
         for start in starts.iter_mut() {
@@ -138,7 +140,7 @@ fn thirds(planes: &mut [f32]) -> [&mut [f32]; 3] {
 
 /// For some blocks of a plane: so many times what it is, what flows in, and what is added.
 struct Flow<'a> {
-    conduction: &'a Conduction,
+    conduction: &'a BlockConductances,
     /// Temperatures of the plane behind, of its own and of the one before it.
     field: [&'a [f32]; 3],
     added: &'a [f32],

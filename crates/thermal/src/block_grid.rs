@@ -5,11 +5,11 @@ use crate::patch::Shape;
 /// What the blocks of a part hold: numbers of voxels and of faces.
 ///
 /// A block is `fold` voxels wide, deep and high: about a cube.
-/// Blocks have a rim, as voxels have, and the same order.
+/// Blocks have a halo, as voxels have, and the same order.
 #[derive(Clone, Debug)]
-pub(crate) struct Tally {
+pub(crate) struct BlockGrid {
     /// Voxels of a block along x, y and z.
-    pub(crate) fold: [usize; 3],
+    pub(crate) coarsening: [usize; 3],
     pub(crate) shape: Shape,
     pub(crate) blocks: Vec<Block>,
 }
@@ -20,11 +20,11 @@ pub(crate) struct Block {
     /// Active voxels.
     pub(crate) voxels: u16,
     /// Pairs of active voxels with the next block along x, y and z.
-    pub(crate) links: [u16; 3],
+    pub(crate) shared_faces: [u16; 3],
     /// Sides open to the air.
     pub(crate) sides: u16,
     /// Tops and bottoms open to the air.
-    pub(crate) caps: u16,
+    pub(crate) top_bottom: u16,
     /// Bottoms on the build plate.
     pub(crate) plate: u16,
 }
@@ -35,26 +35,26 @@ const FOLD: usize = 2;
 /// The tallest block, in layers: higher ones would blur what happens below the nozzle.
 const TALLEST: usize = 8;
 
-impl Tally {
+impl BlockGrid {
     /// Of a part whose voxels are so many times as wide as high.
     pub(crate) fn none(shape: Shape, width_by_height: f64) -> Self {
         let layers = (FOLD as f64 * width_by_height).round().clamp(1.0, TALLEST as f64);
-        let fold = [FOLD, FOLD, layers as usize];
-        let blocks = |axis: usize, voxels: usize| (voxels - 2).div_ceil(fold[axis]);
+        let coarsening = [FOLD, FOLD, layers as usize];
+        let blocks = |axis: usize, voxels: usize| (voxels - 2).div_ceil(coarsening[axis]);
         let shape =
             Shape::around(blocks(0, shape.row), blocks(1, shape.planes), blocks(2, shape.rows));
-        Self { fold, shape, blocks: vec![Block::default(); shape.len()] }
+        Self { coarsening, shape, blocks: vec![Block::default(); shape.len()] }
     }
 
-    /// Layers of blocks that lie, at least in part, below a row of voxels; both count the rim.
+    /// Layers of blocks that lie, at least in part, below a row of voxels; both count the halo.
     pub(crate) fn layers(&self, top: usize) -> usize {
-        (top - 1).div_ceil(self.fold[2])
+        (top - 1).div_ceil(self.coarsening[2])
     }
 
     /// A block full of voxels amid others.
     pub(crate) fn whole(&self) -> Block {
-        let [x, y, z] = self.fold.map(|fold| fold as u16);
-        Block { voxels: x * y * z, links: [y * z, x * z, x * y], ..Block::default() }
+        let [x, y, z] = self.coarsening.map(|coarsening| coarsening as u16);
+        Block { voxels: x * y * z, shared_faces: [y * z, x * z, x * y], ..Block::default() }
     }
 
     /// From a block to the next along x, y and z.
@@ -63,9 +63,9 @@ impl Tally {
     }
 
     /// The block of a voxel: its index.
-    /// Both count the rim.
+    /// Both count the halo.
     pub(crate) fn block(&self, at: [usize; 3]) -> usize {
-        self.shape.index([0, 1, 2].map(|axis: usize| (at[axis] - 1) / self.fold[axis] + 1))
+        self.shape.index([0, 1, 2].map(|axis: usize| (at[axis] - 1) / self.coarsening[axis] + 1))
     }
 
     /// Counts a new voxel, given which of its neighbours are active: their axes, and whether they
@@ -76,30 +76,30 @@ impl Tally {
         neighbours: impl Iterator<Item = (usize, bool)>,
     ) {
         let own = self.block(at);
-        let place = [0, 1, 2].map(|axis: usize| (at[axis] - 1) % self.fold[axis]);
+        let place = [0, 1, 2].map(|axis: usize| (at[axis] - 1) % self.coarsening[axis]);
         let strides = self.strides();
         let on_plate = u16::from(at[2] == 1);
         let block = &mut self.blocks[own];
         block.voxels += 1;
         block.sides += 4;
-        block.caps += 2 - on_plate;
+        block.top_bottom += 2 - on_plate;
         block.plate += on_plate;
         for (axis, ahead) in neighbours {
             let other = match ahead {
-                true if place[axis] == self.fold[axis] - 1 => own + strides[axis],
+                true if place[axis] == self.coarsening[axis] - 1 => own + strides[axis],
                 false if place[axis] == 0 => own - strides[axis],
                 _ => own,
             };
             for index in [own, other] {
                 let block = &mut self.blocks[index];
                 if axis == 2 {
-                    block.caps -= 1;
+                    block.top_bottom -= 1;
                 } else {
                     block.sides -= 1;
                 }
             }
             if own != other {
-                self.blocks[own.min(other)].links[axis] += 1;
+                self.blocks[own.min(other)].shared_faces[axis] += 1;
             }
         }
     }
@@ -113,21 +113,27 @@ mod tests {
     use super::*;
 
     /// Counted anew, from what is active.
-    fn counted(tally: &Tally, size: [usize; 3], active: &dyn Fn([usize; 3]) -> bool) -> Vec<Block> {
-        let mut blocks = vec![Block::default(); tally.blocks.len()];
+    fn counted(
+        block_grid: &BlockGrid,
+        size: [usize; 3],
+        active: &dyn Fn([usize; 3]) -> bool,
+    ) -> Vec<Block> {
+        let mut blocks = vec![Block::default(); block_grid.blocks.len()];
         for at in places(size).filter(|&at| active(at)) {
-            let own = tally.block(at);
+            let own = block_grid.block(at);
             blocks[own].voxels += 1;
             for axis in 0..3 {
                 for step in [-1, 1] {
                     let mut neighbour = at;
                     neighbour[axis] = neighbour[axis].wrapping_add_signed(step);
-                    let other = tally.block(neighbour.map(|i| i.max(1)));
+                    let other = block_grid.block(neighbour.map(|i| i.max(1)));
                     match (active(neighbour), axis, neighbour[2]) {
-                        (true, ..) if step == 1 && other != own => blocks[own].links[axis] += 1,
+                        (true, ..) if step == 1 && other != own => {
+                            blocks[own].shared_faces[axis] += 1
+                        }
                         (true, ..) => {}
                         (false, 2, 0) => blocks[own].plate += 1,
-                        (false, 2, _) => blocks[own].caps += 1,
+                        (false, 2, _) => blocks[own].top_bottom += 1,
                         (false, ..) => blocks[own].sides += 1,
                     }
                 }
@@ -150,7 +156,7 @@ mod tests {
         for _ in 0..200 {
             let size = [0; 3].map(|_: usize| random.random_range(1..10_usize));
             let shape = Shape::around(size[0], size[1], size[2]);
-            let mut tally = Tally::none(shape, random.random_range(0.3..5.0));
+            let mut block_grid = BlockGrid::none(shape, random.random_range(0.3..5.0));
             let mut active = vec![false; shape.len()];
             for at in places(size) {
                 if random.random_bool(0.4) {
@@ -162,10 +168,13 @@ mod tests {
                         [0, 1, 2].map(|axis: usize| at[axis].wrapping_add_signed(step[axis]));
                     active[shape.index(other)].then_some((i / 2, i % 2 == 1))
                 });
-                tally.birth(at, neighbours);
+                block_grid.birth(at, neighbours);
                 active[shape.index(at)] = true;
             }
-            assert_eq!(tally.blocks, counted(&tally, size, &|at| active[shape.index(at)]));
+            assert_eq!(
+                block_grid.blocks,
+                counted(&block_grid, size, &|at| active[shape.index(at)])
+            );
         }
     }
 }
