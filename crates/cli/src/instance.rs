@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use beadwork_dataset::Size;
-use beadwork_grid::{Layout, LayoutSpec, Region, Shape, Zones};
+use beadwork_grid::{Layout, LayoutSpec, Region, RegionShape, Zones};
 use beadwork_part::Picture;
 
 /// Flags that name one instance.
@@ -20,7 +20,7 @@ pub(crate) struct InstanceArgs {
     /// Outline of the region: disc, ring, blob, rotated_rectangle, star or l; the whole plane if
     /// not given.
     #[arg(long, value_name = "NAME", conflicts_with = "image")]
-    shape: Option<Shape>,
+    shape: Option<RegionShape>,
     /// Number of zones; the layout's own if not given.
     #[arg(long, value_name = "K", conflicts_with = "image")]
     zones: Option<u8>,

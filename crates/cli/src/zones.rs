@@ -7,6 +7,7 @@ use std::str::FromStr;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+use beadwork_base::Control;
 use beadwork_console::learned::{self, Fusion};
 use beadwork_console::output::usage_error;
 use beadwork_console::search::{Breeding, Choice, MethodName, Row, Search};
@@ -158,7 +159,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     args.check(method);
     let instance = args.instance.load(args.seed)?;
     let Instance { region, zones, .. } = &instance;
-    let (chosen, start) = args.start.path(region, || cover(region))?;
+    let (chosen, start) = args.start.path(region, || cover(region, &Control::default()))?;
     let costs = args.costs.as_ref().map(read_costs).transpose()?;
     let begin = Instant::now();
     let time_is_up = || args.time.is_some_and(|time| begin.elapsed() >= time);

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use beadwork_base::{Control, Interrupted};
 use beadwork_grid::{Layout, LayoutSpec, Path, Region, Start, StartError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -143,14 +144,14 @@ impl StartChoice {
     pub fn path(
         self,
         region: &Region,
-        cover: impl FnOnce() -> Path,
+        cover: impl FnOnce() -> Result<Path, Interrupted>,
     ) -> Result<(Start, Path), StartError> {
         match self {
-            Self::Given(Start::Cover) => Ok((Start::Cover, cover())),
-            Self::Given(start) => Ok((start, start.path(region)?)),
-            Self::Auto => Ok(match Start::RowZigzag.path(region) {
+            Self::Given(Start::Cover) => Ok((Start::Cover, cover()?)),
+            Self::Given(start) => Ok((start, start.path(region, &Control::default())?)),
+            Self::Auto => Ok(match Start::RowZigzag.path(region, &Control::default()) {
                 Ok(path) => (Start::RowZigzag, path),
-                Err(_) => (Start::Cover, cover()),
+                Err(_) => (Start::Cover, cover()?),
             }),
         }
     }
@@ -330,7 +331,8 @@ mod tests {
         assert!(error(&|text| format!("colour = 1\n{text}")).contains("unknown field `colour`"));
         assert!(error(&|text| text.replace("zones", "zone")).contains("unknown field `zone`"));
         assert!(
-            error(&|text| text.replace("'voronoi'", "'vornoi'")).contains("'vornoi' is no layout")
+            error(&|text| text.replace("'voronoi'", "'vornoi'"))
+                .contains("unknown layout 'vornoi'")
         );
         assert!(
             error(&|text| text.replace("'short'", "'shor'"))
@@ -338,7 +340,7 @@ mod tests {
         );
         assert!(error(&|text| text.replace("30x100", "30x")).contains("'30x' is no size"));
         assert!(error(&|text| text.replace("30x100", "0x9")).contains("'0x9' is no size"));
-        assert!(error(&|text| format!("starts = ['up']\n{text}")).contains("'up' is no start"));
+        assert!(error(&|text| format!("starts = ['up']\n{text}")).contains("unknown start 'up'"));
         assert_eq!(
             error(&|text| text.replace("count = 3", "count = 0")),
             "'count' must be at least 1"

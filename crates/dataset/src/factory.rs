@@ -4,6 +4,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use beadwork_base::{Control, Interrupted};
 use beadwork_grid::{Crossings, LayoutError, LayoutSpec, Path, Region, Start, StartError, Zones};
 use beadwork_part::{Picture, PictureError};
 use beadwork_search::{Move, Settings, Stop, anneal, bound, chains, genetic};
@@ -103,6 +104,9 @@ pub enum FactoryError {
         /// Where it breaks.
         cause: StartError,
     },
+    /// The control ended the call.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 impl Factory {
@@ -316,8 +320,8 @@ impl Stratum {
 
     fn start(&self, region: &Region) -> Result<(Start, Path), FactoryError> {
         let cover = || match &self.drawn {
-            Drawn::Picture(picture) => picture.cover.clone(),
-            Drawn::Layout(..) => beadwork_grid::cover(region),
+            Drawn::Picture(picture) => Ok(picture.cover.clone()),
+            Drawn::Layout(..) => beadwork_grid::cover(region, &Control::default()),
         };
         let start = self.start.path(region, cover);
         start.map_err(|cause| FactoryError::Start { stratum: self.name.clone(), cause })
@@ -327,7 +331,7 @@ impl Stratum {
 fn picture(name: &str, bytes: &[u8]) -> Result<PictureSource, FactoryError> {
     let Picture { region, zones, .. } = Picture::from_png(bytes)
         .map_err(|source| FactoryError::Picture { name: name.to_owned(), source })?;
-    let cover = beadwork_grid::cover(&region);
+    let cover = beadwork_grid::cover(&region, &Control::default())?;
     Ok(PictureSource { name: name.to_owned(), region, zones, cover })
 }
 

@@ -1,7 +1,8 @@
 //! The record of one search, from its start to the best path it found.
 
+use beadwork_base::Control;
 use beadwork_grid::{
-    Crossings, Layout, LayoutSpec, Path, Placed, Region, Start, Switch, Variant, Zones,
+    Crossings, Layout, LayoutSpec, Path, PlacedVariant, Region, Start, Switch, Variant, Zones,
 };
 use beadwork_search::Move;
 use serde::{Deserialize, Serialize};
@@ -172,7 +173,7 @@ impl Moves {
             Move::Variant(placed) => *placed,
             Move::Pair(_) => panic!("a search records one sort of moves"),
         });
-        let placed: Vec<Placed> = placed.collect();
+        let placed: Vec<PlacedVariant> = placed.collect();
         Self::Variants {
             class: placed.iter().map(|placed| placed.variant.class()).collect(),
             x: placed.iter().map(|placed| placed.x).collect(),
@@ -196,7 +197,7 @@ impl Moves {
         match self {
             Self::Variants { class, x, y, .. } => {
                 let variant = Variant::from_class(*class.get(index)?)?;
-                Some(Move::Variant(Placed { variant, x: *x.get(index)?, y: *y.get(index)? }))
+                Some(Move::Variant(PlacedVariant { variant, x: *x.get(index)?, y: *y.get(index)? }))
             }
             Self::Pairs { first, second, .. } => {
                 Some(Move::Pair([*first.get(index)?, *second.get(index)?].map(Switch::from_code)))
@@ -249,7 +250,7 @@ impl Trajectory {
     /// Costs a pass over the plane and what its moves cost.
     pub fn replay(&self) -> Result<Path, ReplayError> {
         let (region, zones) = self.draw()?;
-        let mut path = self.start.path(&region)?;
+        let mut path = self.start.path(&region, &Control::default())?;
         let crossings = Crossings::new(&region, &zones);
         let expect = |what, expected: u32, got: u32| {
             if expected == got { Ok(()) } else { Err(ReplayError::Number { what, expected, got }) }

@@ -1,5 +1,7 @@
 //! Connected components of a region and of its zones.
 
+use ndarray::ArrayView2;
+
 use crate::{Cell, Region, Zones};
 
 /// Cells grouped by connection: two neighbours of one kind belong to one component.
@@ -26,6 +28,15 @@ impl Components {
     pub fn label(&self, cell: Cell) -> u32 {
         self.label[cell as usize]
     }
+
+    /// Labels of all cells of the grid of the region they were made for, as an array with the axes
+    /// `[y, x]`; [`Components::OUTSIDE`] outside the region.
+    ///
+    /// # Panics
+    /// If the region's grid has another number of cells.
+    pub fn view(&self, region: &Region) -> ArrayView2<'_, u32> {
+        region.as_rows(&self.label)
+    }
 }
 
 /// The connected components of the region.
@@ -41,7 +52,7 @@ pub fn zone_components(region: &Region, zones: &Zones) -> Components {
 }
 
 fn flood(region: &Region, same: impl Fn(Cell, Cell) -> bool) -> Components {
-    let mut label = vec![Components::OUTSIDE; region.plane_len()];
+    let mut label = vec![Components::OUTSIDE; region.grid_len()];
     let mut count = 0;
     let mut open = Vec::new();
     for first in region.cells() {

@@ -2,12 +2,17 @@
 
 use std::ops::Range;
 
+use beadwork_base::{Control, Interrupted};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::matching::TwoMatching;
+use crate::orders::{first_jump, row_zigzag};
 use crate::path::{link, square};
-use crate::{Cell, Path, Region, Start, region_components};
+use crate::{Cell, Path, Region, region_components};
+
+/// Cells worked on between two looks at the control: about a millisecond.
+const POLL_INTERVAL: u64 = 1 << 16;
 
 /// A lower bound on the pieces of any cover.
 ///
@@ -16,8 +21,9 @@ use crate::{Cell, Path, Region, Start, region_components};
 /// at least n minus its size, and at least 1. The bound is the sum over the components.
 /// It counts what colours cost: a component with d more black cells than white needs d pieces.
 /// Cost as for the matching: nearly linear in the cells on usual parts.
-pub fn piece_bound(region: &Region) -> u32 {
-    TwoMatching::maximum(region).pieces(&region_components(region)).iter().sum()
+pub fn piece_bound(region: &Region, control: &Control<'_>) -> Result<u32, Interrupted> {
+    let matching = TwoMatching::maximum(region, control, region.cell_count() as usize)?;
+    Ok(matching.pieces(&region_components(region)).iter().sum())
 }
 
 /// A path in few pieces through any region; of one piece wherever the row zigzag is.
@@ -29,17 +35,31 @@ pub fn piece_bound(region: &Region) -> u32 {
 /// neighbours, until two of them meet or the work, in cells rewritten, exceeds a fixed multiple of
 /// the region's.
 /// The number of pieces is small but not always the smallest.
-pub fn cover(region: &Region) -> Path {
-    if let Ok(zigzag) = Start::RowZigzag.path(region) {
-        return zigzag;
-    }
-    let matching = TwoMatching::maximum(region);
-    let bound = matching.pieces(&region_components(region)).iter().sum();
-    let mut strands = Strands::new(region, matching);
-    strands.join();
-    let mut ends = Ends::new(region, strands.into_pieces());
-    ends.wander(region, bound);
-    Path::in_pieces(region, ends.into_order()).expect("the pieces hold every cell once")
+pub fn cover(region: &Region, control: &Control<'_>) -> Result<Path, Interrupted> {
+    control.check()?;
+    let rows = row_zigzag(region);
+    let order = if first_jump(region, &rows).is_none() {
+        rows
+    } else {
+        let total = region.cell_count() as usize + work_limit(region) as usize;
+        let matching = TwoMatching::maximum(region, control, total)?;
+        let bound = matching.pieces(&region_components(region)).iter().sum();
+        let mut strands = Strands::new(region, matching);
+        strands.join(control)?;
+        let mut ends = Ends::new(region, strands.into_pieces());
+        ends.wander(region, bound, control)?;
+        control.report(total, total);
+        ends.into_order()
+    };
+    Ok(Path::in_pieces(region, order).expect("the pieces hold every cell once"))
+}
+
+/// Cells that [`Ends::wander`] may rewrite.
+/// Ends drift together like random walks, so small regions get quadratic work; large ones must stay
+/// within seconds.
+fn work_limit(region: &Region) -> u64 {
+    let cells = u64::from(region.cell_count());
+    (6_000 * cells).min(60_000_000 + 64 * cells)
 }
 
 /// The paths and cycles of a 2-matching.
@@ -54,7 +74,7 @@ struct Strands<'a> {
 
 impl<'a> Strands<'a> {
     fn new(region: &'a Region, matching: TwoMatching<'a>) -> Self {
-        let cells = region.plane_len();
+        let cells = region.grid_len();
         let towards_root = (0..cells as Cell).collect();
         let mut strands = Self { region, matching, towards_root, is_cycle: vec![true; cells] };
         for cell in region.cells() {
@@ -96,15 +116,18 @@ impl<'a> Strands<'a> {
 
     /// Joins cycles to other strands until none can be: by switches, and by ends that take a cycle
     /// in.
-    fn join(&mut self) {
+    fn join(&mut self, control: &Control<'_>) -> Result<(), Interrupted> {
         let cells: Vec<Cell> = self.region.cells().collect();
         loop {
             let mut joined = false;
-            for &cell in &cells {
-                joined |= self.switch(cell) || self.take_in(cell);
+            for cells in cells.chunks(POLL_INTERVAL as usize) {
+                control.check()?;
+                for &cell in cells {
+                    joined |= self.switch(cell) || self.take_in(cell);
+                }
             }
             if !joined {
-                return;
+                return Ok(());
             }
         }
     }
@@ -150,7 +173,7 @@ impl<'a> Strands<'a> {
 
     /// The cells of each strand in order, cycles opened at their first cell.
     fn into_pieces(self) -> Vec<Vec<Cell>> {
-        let mut seen = vec![false; self.region.plane_len()];
+        let mut seen = vec![false; self.region.grid_len()];
         let mut pieces = Vec::new();
         let ends = self.region.cells().filter(|&cell| self.matching.deficit(cell) > 0);
         for first in ends.chain(self.region.cells()) {
@@ -179,7 +202,7 @@ struct Ends {
 
 impl Ends {
     fn new(region: &Region, pieces: Vec<Vec<Cell>>) -> Self {
-        let mut ends = Self { pieces, home: vec![(0, 0); region.plane_len()] };
+        let mut ends = Self { pieces, home: vec![(0, 0); region.grid_len()] };
         for piece in 0..ends.pieces.len() {
             ends.settle(piece, 0..ends.pieces[piece].len());
         }
@@ -188,14 +211,23 @@ impl Ends {
 
     /// Rotation and extension after Pósa, "Hamiltonian circuits in random graphs" (1976), until so
     /// many pieces are left or the work is done.
-    fn wander(&mut self, region: &Region, pieces: u32) {
-        // Ends drift together like random walks, so small regions get quadratic work; large ones
-        // must stay within seconds.
-        let cells = u64::from(region.cell_count());
-        let mut work_left = (6_000 * cells).min(60_000_000 + 64 * cells);
+    fn wander(
+        &mut self,
+        region: &Region,
+        pieces: u32,
+        control: &Control<'_>,
+    ) -> Result<(), Interrupted> {
+        let limit = work_limit(region);
+        let cells = region.cell_count() as usize;
+        let (mut work_left, mut poll_at) = (limit, limit);
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         let mut neighbours = Vec::with_capacity(4);
         while self.pieces.len() as u32 > pieces && work_left > 0 {
+            if work_left <= poll_at {
+                control.check()?;
+                control.report(cells + (limit - work_left) as usize, cells + limit as usize);
+                poll_at = work_left.saturating_sub(POLL_INTERVAL);
+            }
             let piece = rng.random_range(0..self.pieces.len());
             if rng.random() {
                 self.pieces[piece].reverse();
@@ -211,6 +243,7 @@ impl Ends {
             };
             work_left = work_left.saturating_sub(work);
         }
+        Ok(())
     }
 
     /// Links the last cell of a piece to a neighbour; gives the number of cells rewritten.

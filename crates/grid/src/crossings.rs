@@ -24,7 +24,7 @@ impl Crossings {
         let crosses = |a: Cell, b: Cell| {
             region.contains(a) && region.contains(b) && zones.id(a) != zones.id(b)
         };
-        let across = (0..region.plane_len() as Cell).map(|cell| {
+        let across = (0..region.grid_len() as Cell).map(|cell| {
             let (x, y) = region.xy(cell);
             let right = x + 1 < width && crosses(cell, cell + 1);
             let below = y + 1 < region.height() && crosses(cell, cell + width);
@@ -34,7 +34,7 @@ impl Crossings {
         let bit = |cell: Cell, bit: u8| {
             across.get(cell as usize).map_or(0, |bits| i8::from(bits & bit != 0))
         };
-        let gain = (0..region.plane_len() as Cell).map(|corner| {
+        let gain = (0..region.grid_len() as Cell).map(|corner| {
             let vertical = bit(corner, link::BELOW) + bit(corner + 1, link::BELOW);
             let horizontal = bit(corner, link::RIGHT) + bit(corner + width, link::RIGHT);
             vertical - horizontal
@@ -76,6 +76,8 @@ impl Crossings {
 
 #[cfg(test)]
 mod tests {
+    use beadwork_base::Control;
+
     use super::*;
     use crate::{Layout, LayoutSpec, Start};
 
@@ -86,7 +88,7 @@ mod tests {
             let mut spec = LayoutSpec::new(layout);
             spec.side = 3;
             let zones = spec.zones(&region, 5).unwrap();
-            let path = Start::RowZigzag.path(&region).unwrap();
+            let path = Start::RowZigzag.path(&region, &Control::default()).unwrap();
             let walked = path
                 .order()
                 .windows(2)

@@ -1,8 +1,5 @@
 //! Drawn zone layouts: the four of Aali et al. and two more.
 
-use std::fmt;
-use std::str::FromStr;
-
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use thiserror::Error;
@@ -83,59 +80,23 @@ pub enum LayoutError {
     },
 }
 
-/// A name that is no [`Layout`].
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error(
-    "'{0}' is no layout: choose left_right, stripes, islands, voronoi, checkerboard or top_bottom"
-)]
-pub struct UnknownLayout(pub String);
+beadwork_base::named_enum! {
+    Layout, "layout":
+    LeftRight = "left_right",
+    Stripes = "stripes",
+    Islands = "islands",
+    Voronoi = "voronoi",
+    Checkerboard = "checkerboard",
+    TopBottom = "top_bottom",
+}
 
 impl Layout {
-    /// All families, those of the paper first.
-    pub const ALL: [Self; 6] = [
-        Self::LeftRight,
-        Self::Stripes,
-        Self::Islands,
-        Self::Voronoi,
-        Self::Checkerboard,
-        Self::TopBottom,
-    ];
-
     /// The four families of the paper, in the order of its tables.
     pub const PAPER: [Self; 4] = [Self::LeftRight, Self::Stripes, Self::Islands, Self::Voronoi];
-
-    /// Its name in configurations and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::LeftRight => "left_right",
-            Self::Stripes => "stripes",
-            Self::Islands => "islands",
-            Self::Voronoi => "voronoi",
-            Self::Checkerboard => "checkerboard",
-            Self::TopBottom => "top_bottom",
-        }
-    }
 
     /// Whether the seed matters.
     pub fn is_random(self) -> bool {
         matches!(self, Self::Islands | Self::Voronoi)
-    }
-}
-
-impl fmt::Display for Layout {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for Layout {
-    type Err = UnknownLayout;
-
-    fn from_str(name: &str) -> Result<Self, UnknownLayout> {
-        Self::ALL
-            .into_iter()
-            .find(|layout| layout.name() == name)
-            .ok_or_else(|| UnknownLayout(name.to_owned()))
     }
 }
 
@@ -226,7 +187,7 @@ fn islands(
 }
 
 fn voronoi(region: &Region, zones: u8, rng: &mut ChaCha8Rng) -> Result<Vec<u8>, LayoutError> {
-    let cells = region.plane_len();
+    let cells = region.grid_len();
     if usize::from(zones) > cells {
         return Err(LayoutError::TooManyZones { zones, cells });
     }

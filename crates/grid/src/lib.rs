@@ -19,16 +19,17 @@
 //!
 //! # Example
 //! ```
-//! use beadwork_grid::{Crossings, Layout, LayoutSpec, Placed, Region, Start, Variant};
+//! use beadwork_base::Control;
+//! use beadwork_grid::{Crossings, Layout, LayoutSpec, PlacedVariant, Region, Start, Variant};
 //!
 //! let region = Region::rectangle(30, 30)?;
 //! let zones = LayoutSpec::new(Layout::LeftRight).zones(&region, 0)?;
 //! let crossings = Crossings::new(&region, &zones);
-//! let mut path = Start::RowZigzag.path(&region)?;
+//! let mut path = Start::RowZigzag.path(&region, &Control::default())?;
 //! assert_eq!(crossings.count(&path), 30);
 //!
 //! // A turn at the right edge widens by one row: both ends of it move one column inwards.
-//! let wider = Placed { variant: Variant::Sr, x: 27, y: 0 };
+//! let wider = PlacedVariant { variant: Variant::Sr, x: 27, y: 0 };
 //! assert!(path.apply_variant(wider));
 //! assert_eq!(path.pieces(), 1);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -51,9 +52,10 @@ mod crossings;
 mod layout;
 mod links;
 mod matching;
+mod orders;
 mod path;
 mod region;
-mod shape;
+mod region_shape;
 mod splice;
 mod start;
 mod switch;
@@ -65,15 +67,15 @@ mod zones;
 pub use components::{Components, region_components, zone_components};
 pub use cover::{cover, piece_bound};
 pub use crossings::Crossings;
-pub use layout::{Layout, LayoutError, LayoutSpec, UnknownLayout};
+pub use layout::{Layout, LayoutError, LayoutSpec};
 pub use links::Links;
 pub use path::{Path, PathError};
 pub use region::{Cell, Region, RegionError};
-pub use shape::{Shape, UnknownShape};
+pub use region_shape::RegionShape;
 pub use splice::Cuts;
-pub use start::{Start, StartError, UnknownStart};
+pub use start::{Start, StartError};
 pub use switch::{Sides, Switch};
 pub use symmetry::Symmetry;
-pub use variant::{Kind, Placed, UnknownVariant, Variant};
+pub use variant::{PlacedVariant, Variant, VariantKind};
 pub use verify::{VerifyError, verify};
 pub use zones::{Zones, ZonesError};

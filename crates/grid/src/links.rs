@@ -2,7 +2,7 @@
 
 use crate::path::link;
 use crate::variant::{RULES, below, matches, right};
-use crate::{Path, Placed, Variant};
+use crate::{Path, PlacedVariant, Variant};
 
 /// Which neighbours a path links: all that the variants of Aali et al. look at.
 ///
@@ -99,7 +99,7 @@ impl Links {
     /// Whether the cell at (x, y) is linked to its right neighbour, and to the one below; neither
     /// outside the plane.
     #[inline]
-    pub fn of_cell(&self, x: u32, y: u32) -> (bool, bool) {
+    pub fn right_and_below(&self, x: u32, y: u32) -> (bool, bool) {
         if x >= self.width || y >= self.height {
             return (false, false);
         }
@@ -119,13 +119,13 @@ impl Links {
 
     /// Whether a variant applies here, as [`Path::allows_variant`] tells.
     #[inline]
-    pub fn allows_variant(&self, placed: Placed) -> bool {
+    pub fn allows_variant(&self, placed: PlacedVariant) -> bool {
         self.matching(placed).is_some()
     }
 
     /// Applies a variant; where it does not apply it changes nothing and gives false.
     #[inline]
-    pub fn apply_variant(&mut self, placed: Placed) -> bool {
+    pub fn apply_variant(&mut self, placed: PlacedVariant) -> bool {
         let Some(rows) = self.matching(placed) else { return false };
         let pattern = &PATTERNS[usize::from(placed.variant.class())];
         for (y, (row, changed)) in rows.into_iter().zip(pattern.changed).enumerate() {
@@ -140,7 +140,7 @@ impl Links {
     /// # Panics
     /// If its first cell lies outside the plane.
     #[inline]
-    pub fn undo_variant(&mut self, placed: Placed) {
+    pub fn undo_variant(&mut self, placed: PlacedVariant) {
         let pattern = &PATTERNS[usize::from(placed.variant.class())];
         for (y, changed) in pattern.changed.into_iter().enumerate() {
             let at = self.place(placed) + y * self.stride();
@@ -154,7 +154,7 @@ impl Links {
     /// outside the plane.
     /// O(1).
     #[inline]
-    pub fn for_each_variant_at(&self, x: u16, y: u16, mut visit: impl FnMut(Placed)) {
+    pub fn for_each_variant_at(&self, x: u16, y: u16, mut visit: impl FnMut(PlacedVariant)) {
         if u32::from(x) >= self.width || u32::from(y) >= self.height {
             return;
         }
@@ -167,13 +167,13 @@ impl Links {
             let class = classes.trailing_zeros() as u8;
             classes &= classes - 1;
             let variant = Variant::from_class(class).expect("the table holds classes");
-            visit(Placed { variant, x, y });
+            visit(PlacedVariant { variant, x, y });
         }
     }
 
     /// Visits all variants that apply, by their windows row by row.
     /// Linear in the plane's cells.
-    pub fn for_each_variant(&self, mut visit: impl FnMut(Placed)) {
+    pub fn for_each_variant(&self, mut visit: impl FnMut(PlacedVariant)) {
         for y in 0..self.height as u16 {
             for x in 0..self.width as u16 {
                 self.for_each_variant_at(x, y, &mut visit);
@@ -183,7 +183,7 @@ impl Links {
 
     /// The rows of a variant's window, if it applies.
     #[inline]
-    fn matching(&self, placed: Placed) -> Option<[Row; 3]> {
+    fn matching(&self, placed: PlacedVariant) -> Option<[Row; 3]> {
         if u32::from(placed.x) >= self.width || u32::from(placed.y) >= self.height {
             return None;
         }
@@ -202,7 +202,7 @@ impl Links {
         (differs(0) | differs(1) | differs(2) == 0).then_some(rows)
     }
 
-    fn place(&self, placed: Placed) -> usize {
+    fn place(&self, placed: PlacedVariant) -> usize {
         usize::from(placed.y) * self.stride() + usize::from(placed.x)
     }
 

@@ -9,6 +9,8 @@
 
 use std::collections::VecDeque;
 
+use beadwork_base::{Control, Interrupted};
+
 use crate::path::link;
 use crate::{Cell, Components, Region};
 
@@ -24,22 +26,32 @@ impl<'a> TwoMatching<'a> {
     ///
     /// O(cells) for each end of a row in the worst case; on parts nearly linear, for ends find each
     /// other nearby.
-    pub(crate) fn maximum(region: &'a Region) -> Self {
-        let mut matching = Self { region, links: vec![0; region.plane_len()] };
+    pub(crate) fn maximum(
+        region: &'a Region,
+        control: &Control<'_>,
+        total: usize,
+    ) -> Result<Self, Interrupted> {
+        let mut matching = Self { region, links: vec![0; region.grid_len()] };
         for cell in region.cells() {
             let (x, _) = region.xy(cell);
             if x + 1 < region.width() && region.contains(cell + 1) {
                 matching.toggle(cell, cell + 1);
             }
         }
-        let mut search = Search::new(region.plane_len());
-        for cell in region.cells() {
+        let mut search = Search::new(region.grid_len());
+        let mut row = None;
+        for (done, cell) in region.cells().enumerate() {
             let (x, y) = region.xy(cell);
+            if row.replace(y) != Some(y) {
+                control.check()?;
+                control.report(done, total);
+            }
             if (x + y).is_multiple_of(2) {
                 while matching.deficit(cell) > 0 && search.augment(&mut matching, cell) {}
             }
         }
-        matching
+        control.report(region.cell_count() as usize, total);
+        Ok(matching)
     }
 
     /// How many links the cell lacks to have two.

@@ -59,14 +59,14 @@ impl Path {
     /// The path that visits the cells in this order, in as many pieces as it takes.
     pub fn in_pieces(region: &Region, order: Vec<Cell>) -> Result<Self, VerifyError> {
         let pieces = verify(region, &order)?;
-        let mut position = vec![Self::NOWHERE; region.plane_len()];
+        let mut position = vec![Self::NOWHERE; region.grid_len()];
         for (place, &cell) in (0..).zip(&order) {
             position[cell as usize] = place;
         }
         let (width, height) = (region.width(), region.height());
         let linked = |a: Cell, b: Cell| position[a as usize].abs_diff(position[b as usize]) == 1;
-        let mut links = vec![0; region.plane_len()];
-        for cell in 0..region.plane_len() as Cell {
+        let mut links = vec![0; region.grid_len()];
+        for cell in 0..region.grid_len() as Cell {
             let (x, y) = region.xy(cell);
             if x + 1 < width && linked(cell, cell + 1) {
                 links[cell as usize] |= link::RIGHT;

@@ -1,5 +1,6 @@
 //! The set of cells of a layer.
 
+use ndarray::{ArrayView2, aview1};
 use thiserror::Error;
 
 /// The number of a cell in the plane: `y * width + x`, row by row, x fastest.
@@ -75,6 +76,42 @@ impl Region {
         Ok(Self { width, height, inside, cells })
     }
 
+    /// The cells for which an array with the axes `[y, x]` is true: of a grid as many cells high as
+    /// the first axis is long, and as wide as the second.
+    ///
+    /// ```
+    /// use beadwork_grid::Region;
+    /// use ndarray::array;
+    ///
+    /// let mask = array![[true, true, false], [true, true, true]];
+    /// let region = Region::from_array(mask.view())?;
+    /// assert_eq!((region.width(), region.height(), region.cell_count()), (3, 2, 5));
+    /// assert_eq!(region.view(), mask);
+    /// # Ok::<(), beadwork_grid::RegionError>(())
+    /// ```
+    pub fn from_array(inside: ArrayView2<'_, bool>) -> Result<Self, RegionError> {
+        let (height, width) = inside.dim();
+        let side = |length: usize| u32::try_from(length).unwrap_or(u32::MAX);
+        let (width, height) = (side(width), side(height));
+        check_size(width, height)?;
+        Self::from_mask(width, height, inside.iter().copied().collect())
+    }
+
+    /// Which cells belong to the region, as an array with the axes `[y, x]`.
+    pub fn view(&self) -> ArrayView2<'_, bool> {
+        self.as_rows(&self.inside)
+    }
+
+    /// An array indexed by [`Cell`] as one with the axes `[y, x]`.
+    ///
+    /// # Panics
+    /// If the array does not have one element for each cell of the grid.
+    pub(crate) fn as_rows<'a, T>(&self, values: &'a [T]) -> ArrayView2<'a, T> {
+        aview1(values)
+            .into_shape_with_order((self.height as usize, self.width as usize))
+            .expect("one value for each cell of this region's grid")
+    }
+
     /// Width of the plane, in cells.
     pub fn width(&self) -> u32 {
         self.width
@@ -92,7 +129,7 @@ impl Region {
 
     /// Number of cells in the plane around it, `width * height`: the length of an array indexed by
     /// [`Cell`].
-    pub fn plane_len(&self) -> usize {
+    pub fn grid_len(&self) -> usize {
         self.inside.len()
     }
 

@@ -60,7 +60,7 @@ impl Switch {
     /// Links are told by the unit cells that were switched an odd number of times, so the exclusive
     /// or of these numbers is the same, and hardly ever but then, for equal links reached from one
     /// path (Zobrist 1970).
-    pub fn mixed(self) -> u64 {
+    pub fn zobrist_key(self) -> u64 {
         // The finaliser of SplitMix64 (Steele, Lea and Flood 2014).
         let mut z = (u64::from(self.corner()) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);

@@ -1,7 +1,7 @@
 //! The eight symmetries of the plane's grid, for layers, paths and moves.
 
 use crate::variant::{RULES, below, right};
-use crate::{Placed, Variant};
+use crate::{PlacedVariant, Variant};
 
 /// A reflection, a rotation by right angles, or both: what maps a grid of cells onto one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -50,14 +50,14 @@ impl Symmetry {
     }
 
     /// Columns and rows of the plane that a plane of so many becomes.
-    pub const fn size(self, (width, height): (u32, u32)) -> (u32, u32) {
+    pub const fn map_size(self, (width, height): (u32, u32)) -> (u32, u32) {
         if self.transposed { (height, width) } else { (width, height) }
     }
 
     /// Where a cell of a plane of this size comes to lie.
-    pub const fn cell(self, (x, y): (u32, u32), size: (u32, u32)) -> (u32, u32) {
+    pub const fn map_cell(self, (x, y): (u32, u32), size: (u32, u32)) -> (u32, u32) {
         let (x, y) = if self.transposed { (y, x) } else { (x, y) };
-        let (width, height) = self.size(size);
+        let (width, height) = self.map_size(size);
         (
             if self.flipped_x { width - 1 - x } else { x },
             if self.flipped_y { height - 1 - y } else { y },
@@ -66,14 +66,14 @@ impl Symmetry {
 
     /// What a move in a plane of this size becomes: it applies to the mapped path exactly where the
     /// move applies to the path, and the results are mapped onto each other.
-    pub fn placed(self, placed: Placed, size: (u32, u32)) -> Placed {
+    pub fn map_variant(self, placed: PlacedVariant, size: (u32, u32)) -> PlacedVariant {
         let (x, y) = (u32::from(placed.x), u32::from(placed.y));
         let (columns, rows) = placed.variant.window();
-        let one = self.cell((x, y), size);
-        let other = self.cell((x + columns - 1, y + rows - 1), size);
+        let one = self.map_cell((x, y), size);
+        let other = self.map_cell((x + columns - 1, y + rows - 1), size);
         let class = CLASSES[self.number()][usize::from(placed.variant.class())];
         let variant = Variant::from_class(class).expect("the table holds classes");
-        Placed { variant, x: one.0.min(other.0) as u16, y: one.1.min(other.1) as u16 }
+        PlacedVariant { variant, x: one.0.min(other.0) as u16, y: one.1.min(other.1) as u16 }
     }
 }
 
@@ -99,12 +99,18 @@ const fn mapped_links(symmetry: Symmetry, links: u16, size: (u32, u32)) -> u16 {
     while cell < 9 {
         let (x, y) = (cell % 3, cell / 3);
         if x + 1 < size.0 && y < size.1 && links >> right(x, y) & 1 != 0 {
-            mapped |=
-                1 << link_between(symmetry.cell((x, y), size), symmetry.cell((x + 1, y), size));
+            mapped |= 1
+                << link_between(
+                    symmetry.map_cell((x, y), size),
+                    symmetry.map_cell((x + 1, y), size),
+                );
         }
         if x < size.0 && y + 1 < size.1 && links >> below(x, y) & 1 != 0 {
-            mapped |=
-                1 << link_between(symmetry.cell((x, y), size), symmetry.cell((x, y + 1), size));
+            mapped |= 1
+                << link_between(
+                    symmetry.map_cell((x, y), size),
+                    symmetry.map_cell((x, y + 1), size),
+                );
         }
         cell += 1;
     }
@@ -123,6 +129,7 @@ mod tests {
 
     use std::collections::HashSet;
 
+    use beadwork_base::Control;
     use proptest::prelude::*;
 
     use super::*;
@@ -130,10 +137,10 @@ mod tests {
 
     fn mapped(symmetry: Symmetry, path: &Path) -> Path {
         let size = (path.width(), path.height());
-        let (width, height) = symmetry.size(size);
+        let (width, height) = symmetry.map_size(size);
         let region = Region::rectangle(width, height).unwrap();
         let order = path.order().iter().map(|cell| {
-            let (x, y) = symmetry.cell((cell % size.0, cell / size.0), size);
+            let (x, y) = symmetry.map_cell((cell % size.0, cell / size.0), size);
             y * width + x
         });
         Path::hamiltonian(&region, order.collect()).unwrap()
@@ -142,12 +149,12 @@ mod tests {
     #[test]
     fn they_are_eight_and_map_cells_one_to_one() {
         let images = Symmetry::ALL.map(|symmetry| {
-            let cells = (0..3 * 5).map(|cell| symmetry.cell((cell % 3, cell / 3), (3, 5)));
+            let cells = (0..3 * 5).map(|cell| symmetry.map_cell((cell % 3, cell / 3), (3, 5)));
             cells.collect::<Vec<_>>()
         });
         assert_eq!(images.iter().collect::<HashSet<_>>().len(), 8);
         for (symmetry, cells) in Symmetry::ALL.into_iter().zip(&images) {
-            let (width, height) = symmetry.size((3, 5));
+            let (width, height) = symmetry.map_size((3, 5));
             assert!(cells.iter().all(|&(x, y)| x < width && y < height));
             assert_eq!(cells.iter().collect::<HashSet<_>>().len(), 15);
         }
@@ -165,17 +172,17 @@ mod tests {
             choices in prop::collection::vec(any::<usize>(), 0..30),
         ) {
             let region = Region::rectangle(width, height).unwrap();
-            let mut path = Start::RowZigzag.path(&region).unwrap();
+            let mut path = Start::RowZigzag.path(&region, &Control::default()).unwrap();
             for choice in choices {
                 let mut all = Vec::new();
-                path.for_each_variant(&[crate::Kind::Transpose, crate::Kind::Flip], |placed| all.push(placed));
+                path.for_each_variant(&[crate::VariantKind::Transpose, crate::VariantKind::Flip], |placed| all.push(placed));
                 for symmetry in Symmetry::ALL {
                     let image = mapped(symmetry, &path);
                     let mut theirs = HashSet::new();
-                    image.for_each_variant(&[crate::Kind::Transpose, crate::Kind::Flip], |placed| {
+                    image.for_each_variant(&[crate::VariantKind::Transpose, crate::VariantKind::Flip], |placed| {
                         theirs.insert(placed);
                     });
-                    let ours: HashSet<_> = all.iter().map(|&placed| symmetry.placed(placed, (width, height))).collect();
+                    let ours: HashSet<_> = all.iter().map(|&placed| symmetry.map_variant(placed, (width, height))).collect();
                     prop_assert_eq!(ours, theirs);
                 }
                 let Some(&placed) = all.get(choice.checked_rem(all.len()).unwrap_or(0)) else { break };
@@ -183,7 +190,7 @@ mod tests {
                 prop_assert!(moved.apply_variant(placed));
                 for symmetry in Symmetry::ALL {
                     let mut image = mapped(symmetry, &path);
-                    prop_assert!(image.apply_variant(symmetry.placed(placed, (width, height))));
+                    prop_assert!(image.apply_variant(symmetry.map_variant(placed, (width, height))));
                     let after = mapped(symmetry, &moved);
                     for cell in 0..width * height {
                         prop_assert_eq!(image.linked_right(cell), after.linked_right(cell));

@@ -12,11 +12,6 @@
 //! Outside the window nothing changes, so one path stays one path, and looking at the window is
 //! enough.
 
-use std::fmt;
-use std::str::FromStr;
-
-use thiserror::Error;
-
 use crate::path::link;
 use crate::{Path, Sides, Switch};
 
@@ -41,7 +36,7 @@ pub enum Variant {
 
 /// The two families of variants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum VariantKind {
     /// Window of 3 x 3 cells; switches two unit cells that touch at a corner.
     Transpose,
     /// Window of 3 x 2 or 2 x 3 cells; switches two unit cells side by side.
@@ -50,7 +45,7 @@ pub enum Kind {
 
 /// A variant at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Placed {
+pub struct PlacedVariant {
     /// The move.
     pub variant: Variant,
     /// Column of the window's top-left cell.
@@ -59,10 +54,27 @@ pub struct Placed {
     pub y: u16,
 }
 
-/// A name that is no [`Variant`].
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("'{0}' is none of the variants nl, nr, sl, sr, eb, ea, wa, wb, n, s, e and w")]
-pub struct UnknownVariant(pub String);
+beadwork_base::named_enum! {
+    Variant, "variant":
+    Nl = "nl",
+    Nr = "nr",
+    Sl = "sl",
+    Sr = "sr",
+    Eb = "eb",
+    Ea = "ea",
+    Wa = "wa",
+    Wb = "wb",
+    N = "n",
+    S = "s",
+    E = "e",
+    W = "w",
+}
+
+beadwork_base::named_enum! {
+    VariantKind, "variant kind":
+    Transpose = "transpose",
+    Flip = "flip",
+}
 
 /// A row of the paper's tables, as masks of the twelve links of a 3 x 3 window.
 pub(crate) struct Rule {
@@ -171,22 +183,6 @@ const FLIPS_OF_TWO_COLUMNS: u16 = 0x300;
 const FLIPS_OF_TWO_ROWS: u16 = 0xC00;
 
 impl Variant {
-    /// All of them, in the order of their classes; the transposes come first.
-    pub const ALL: [Self; 12] = [
-        Self::Nl,
-        Self::Nr,
-        Self::Sl,
-        Self::Sr,
-        Self::Eb,
-        Self::Ea,
-        Self::Wa,
-        Self::Wb,
-        Self::N,
-        Self::S,
-        Self::E,
-        Self::W,
-    ];
-
     /// Its class number, 0..12.
     pub fn class(self) -> u8 {
         self as u8
@@ -198,8 +194,8 @@ impl Variant {
     }
 
     /// Transpose or flip.
-    pub fn kind(self) -> Kind {
-        if self.class() < 8 { Kind::Transpose } else { Kind::Flip }
+    pub fn kind(self) -> VariantKind {
+        if self.class() < 8 { VariantKind::Transpose } else { VariantKind::Flip }
     }
 
     /// Columns and rows of its window.
@@ -208,35 +204,12 @@ impl Variant {
         (rule.columns, rule.rows)
     }
 
-    /// The paper's name.
-    pub fn name(self) -> &'static str {
-        ["nl", "nr", "sl", "sr", "eb", "ea", "wa", "wb", "n", "s", "e", "w"]
-            [usize::from(self.class())]
-    }
-
     fn rule(self) -> &'static Rule {
         &RULES[usize::from(self.class())]
     }
 }
 
-impl fmt::Display for Variant {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for Variant {
-    type Err = UnknownVariant;
-
-    fn from_str(name: &str) -> Result<Self, UnknownVariant> {
-        Self::ALL
-            .into_iter()
-            .find(|variant| variant.name() == name)
-            .ok_or_else(|| UnknownVariant(name.to_owned()))
-    }
-}
-
-impl Placed {
+impl PlacedVariant {
     /// The two switches it stands for, in the order in which they apply, in a plane so many cells
     /// wide.
     #[inline]
@@ -272,7 +245,7 @@ impl Path {
     /// The result is then a path of as many pieces.
     /// O(1).
     #[inline]
-    pub fn allows_variant(&self, placed: Placed) -> bool {
+    pub fn allows_variant(&self, placed: PlacedVariant) -> bool {
         let (x, y) = (usize::from(placed.x), usize::from(placed.y));
         let (width, height) = (self.width() as usize, self.height() as usize);
         if x >= width || y >= height {
@@ -287,18 +260,18 @@ impl Path {
     }
 
     /// Applies a variant; where it does not apply it changes nothing and gives false.
-    pub fn apply_variant(&mut self, placed: Placed) -> bool {
+    pub fn apply_variant(&mut self, placed: PlacedVariant) -> bool {
         self.allows_variant(placed) && self.apply(&placed.switches(self.width()))
     }
 
     /// Visits all variants of these kinds that apply, by their windows row by row; the result of
     /// each is a path of as many pieces.
     /// Linear in the plane's cells, at a few nanoseconds each.
-    pub fn for_each_variant(&self, kinds: &[Kind], mut visit: impl FnMut(Placed)) {
+    pub fn for_each_variant(&self, kinds: &[VariantKind], mut visit: impl FnMut(PlacedVariant)) {
         let (width, height) = (self.width() as usize, self.height() as usize);
         let asked = kinds.iter().fold(0, |classes, kind| match kind {
-            Kind::Transpose => classes | TRANSPOSES,
-            Kind::Flip => classes | FLIPS_OF_TWO_COLUMNS | FLIPS_OF_TWO_ROWS,
+            VariantKind::Transpose => classes | TRANSPOSES,
+            VariantKind::Flip => classes | FLIPS_OF_TWO_COLUMNS | FLIPS_OF_TWO_ROWS,
         });
         // Rows are packed as a whole, since each is part of three windows.
         // What the last windows of a row see of the next one is of no account: only variants that
@@ -321,7 +294,7 @@ impl Path {
                     let class = classes.trailing_zeros() as u8;
                     classes &= classes - 1;
                     let variant = Variant::from_class(class).expect("the table holds classes");
-                    visit(Placed { variant, x: x as u16, y: y as u16 });
+                    visit(PlacedVariant { variant, x: x as u16, y: y as u16 });
                 }
             }
         }

@@ -45,7 +45,7 @@ pub fn verify(region: &Region, order: &[Cell]) -> Result<u32, VerifyError> {
     if order.len() != expected {
         return Err(VerifyError::Length { expected, got: order.len() });
     }
-    let mut seen = vec![false; region.plane_len()];
+    let mut seen = vec![false; region.grid_len()];
     let mut pieces = 1;
     for (position, &cell) in order.iter().enumerate() {
         if !region.contains(cell) {

@@ -1,5 +1,6 @@
 //! The materials of a layer.
 
+use ndarray::ArrayView2;
 use thiserror::Error;
 
 use crate::{Cell, Region};
@@ -25,6 +26,17 @@ pub enum ZonesError {
         /// Zones given.
         got: usize,
     },
+    /// The array has not the shape of the grid.
+    #[error(
+        "zone array is {} x {} cells, the region's grid {} x {}",
+        got.0, got.1, expected.0, expected.1
+    )]
+    Shape {
+        /// Width and height of the grid in cells.
+        expected: (usize, usize),
+        /// Width and height of the array.
+        got: (usize, usize),
+    },
     /// A cell of the region has the number that means "outside".
     #[error("cell ({x}, {y}) belongs to the region but has no zone")]
     Missing {
@@ -45,8 +57,8 @@ impl Zones {
     /// Zones from one number for each cell of the plane, row by row; numbers of cells outside the
     /// region are ignored.
     pub fn new(region: &Region, mut ids: Vec<u8>) -> Result<Self, ZonesError> {
-        if ids.len() != region.plane_len() {
-            return Err(ZonesError::Length { expected: region.plane_len(), got: ids.len() });
+        if ids.len() != region.grid_len() {
+            return Err(ZonesError::Length { expected: region.grid_len(), got: ids.len() });
         }
         let mut count = 0;
         for (cell, id) in (0..).zip(&mut ids) {
@@ -60,6 +72,38 @@ impl Zones {
             }
         }
         Ok(Self { ids, count })
+    }
+
+    /// Zones from an array with the axes `[y, x]`, of the shape of the region's grid; numbers of
+    /// cells outside the region are ignored.
+    ///
+    /// ```
+    /// use beadwork_grid::{Region, Zones};
+    /// use ndarray::array;
+    ///
+    /// let region = Region::rectangle(3, 2)?;
+    /// let ids = array![[0, 0, 1], [0, 2, 1]];
+    /// let zones = Zones::from_array(&region, ids.view())?;
+    /// assert_eq!(zones.count(), 3);
+    /// assert_eq!(zones.view(&region)[[1, 1]], 2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn from_array(region: &Region, ids: ArrayView2<'_, u8>) -> Result<Self, ZonesError> {
+        let expected = (region.width() as usize, region.height() as usize);
+        let got = (ids.ncols(), ids.nrows());
+        if got != expected {
+            return Err(ZonesError::Shape { expected, got });
+        }
+        Self::new(region, ids.iter().copied().collect())
+    }
+
+    /// Zones of all cells of the grid of these zones' region, as an array with the axes `[y, x]`;
+    /// [`Zones::OUTSIDE`] outside the region.
+    ///
+    /// # Panics
+    /// If the region's grid has another number of cells.
+    pub fn view(&self, region: &Region) -> ArrayView2<'_, u8> {
+        region.as_rows(&self.ids)
     }
 
     /// Zone of a cell; [`Zones::OUTSIDE`] outside the region.

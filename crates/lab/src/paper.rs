@@ -1,6 +1,7 @@
 //! The figures of Aali et al., to stand beside ours.
 
 use anyhow::bail;
+use beadwork_base::Control;
 use beadwork_dataset::Size;
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
 use beadwork_search::Preset;
@@ -85,7 +86,7 @@ impl Cell {
             return Ok(vec![0]);
         }
         let region = Region::rectangle(self.size.width, self.size.height)?;
-        let start = Start::RowZigzag.path(&region)?;
+        let start = Start::RowZigzag.path(&region, &Control::default())?;
         let spec = LayoutSpec::new(self.layout);
         let matches = |seed: &u64| {
             let zones = spec.zones(&region, *seed).ok();

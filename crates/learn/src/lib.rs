@@ -13,6 +13,7 @@
 //! ```no_run
 //! use std::path::Path;
 //!
+//! use beadwork_base::Control;
 //! use beadwork_grid::{Layout, LayoutSpec, Region, Start};
 //! use beadwork_learn::Device;
 //! use beadwork_learn::fusion::layer::Layer;
@@ -22,7 +23,8 @@
 //!
 //! let region = Region::rectangle(30, 30)?;
 //! let zones = LayoutSpec::new(Layout::Islands).zones(&region, 0)?;
-//! let (layer, start) = (Layer::new(&region, &zones), Start::RowZigzag.path(&region)?);
+//! let layer = Layer::new(&region, &zones);
+//! let start = Start::RowZigzag.path(&region, &Control::default())?;
 //! let model = Model::open(Path::new("models/fusion-small"), Device::Cpu)?;
 //! let task = Task { layer: &layer, start: &start, target: 30, seed: 0 };
 //! let walked = walk(&[task], &mut Asked::new(&model.network, Device::Cpu), &WalkSettings::default());

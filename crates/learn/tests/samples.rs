@@ -4,8 +4,9 @@
 
 mod common;
 
+use beadwork_base::Control;
 use beadwork_dataset::{Config, Factory, Trajectory};
-use beadwork_grid::{Kind as MoveKind, Links, Region, Start, Symmetry, Zones};
+use beadwork_grid::{Links, Region, Start, Symmetry, VariantKind, Zones};
 use beadwork_learn::Device;
 use beadwork_learn::fusion::CHANNELS;
 use beadwork_learn::fusion::episode::Episode;
@@ -59,12 +60,12 @@ fn images_are_those_of_the_mapped_layer() {
     for seed in 0..40 {
         let (region, zones, layer) = layer(7 + seed as u32 % 5, 9, seed);
         let size = layer.size();
-        let mut path = Start::RowZigzag.path(&region).unwrap();
+        let mut path = Start::RowZigzag.path(&region, &Control::default()).unwrap();
         let initial = layer.crossings().count(&path);
         let mut made = Vec::new();
         for turn in 0..seed {
             let mut all = Vec::new();
-            path.for_each_variant(&[MoveKind::Transpose, MoveKind::Flip], |placed| {
+            path.for_each_variant(&[VariantKind::Transpose, VariantKind::Flip], |placed| {
                 all.push(placed)
             });
             let placed = all[(turn * 7919) as usize % all.len()];
@@ -76,7 +77,7 @@ fn images_are_those_of_the_mapped_layer() {
         let crossings = layer.crossings().count(&path);
         let state = State { layer: &layer, links: &links, crossings, initial, made: &made };
         for symmetry in Symmetry::ALL {
-            let (width, height) = symmetry.size(size);
+            let (width, height) = symmetry.map_size(size);
             let canvas = Canvas::holding((width, height));
             let mut inputs = Inputs::new(canvas, 3);
             inputs.push(&state, symmetry);
@@ -88,11 +89,11 @@ fn images_are_those_of_the_mapped_layer() {
             let image =
                 Vec::<f32>::try_from(image.permute([0, 2, 3, 1]).contiguous().view([-1])).unwrap();
             let mapped = |cell: u32| {
-                let (x, y) = symmetry.cell(region.xy(cell), size);
+                let (x, y) = symmetry.map_cell(region.xy(cell), size);
                 y * width + x
             };
             let mapped_region = Region::rectangle(width, height).unwrap();
-            let mut ids = vec![0; region.plane_len()];
+            let mut ids = vec![0; region.grid_len()];
             region.cells().for_each(|cell| ids[mapped(cell) as usize] = zones.id(cell));
             let mapped_zones = Zones::new(&mapped_region, ids).unwrap();
             let order: Vec<u32> = path.order().iter().map(|&cell| mapped(cell)).collect();
@@ -104,7 +105,7 @@ fn images_are_those_of_the_mapped_layer() {
             assert_eq!(mask.iter().sum::<f32>() as usize, made.len().min(3));
             let last = made.len().saturating_sub(3);
             for (at, made) in made[last..].iter().enumerate() {
-                let placed = symmetry.placed(made.placed, size);
+                let placed = symmetry.map_variant(made.placed, size);
                 let told = |tensor: &Tensor| tensor.int64_value(&[0, at as i64]);
                 assert_eq!(told(&history.action), i64::from(placed.variant.class()));
                 assert_eq!(
@@ -120,7 +121,7 @@ fn images_are_those_of_the_mapped_layer() {
 #[should_panic(expected = "do not fit on")]
 fn a_canvas_that_is_too_small_is_refused() {
     let (region, _, layer) = layer(20, 9, 0);
-    let path = Start::RowZigzag.path(&region).unwrap();
+    let path = Start::RowZigzag.path(&region, &Control::default()).unwrap();
     let state =
         State { layer: &layer, links: &Links::new(&path), crossings: 1, initial: 1, made: &[] };
     Inputs::new(Canvas { height: 16, width: 16 }, 3).push(&state, Symmetry::ALL[0]);

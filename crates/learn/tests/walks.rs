@@ -6,6 +6,7 @@ mod common;
 
 use std::sync::atomic::AtomicBool;
 
+use beadwork_base::Control;
 use beadwork_grid::{Links, Start, verify};
 use beadwork_learn::Device;
 use beadwork_learn::fusion::layer::State;
@@ -24,8 +25,10 @@ fn walks_make_better_paths_and_count_every_move() {
     let variables = VarStore::new(Device::Cpu);
     let network = FusionNet::new(&variables.root(), training.network());
     let layers: Vec<_> = (0..6).map(|seed| layer(12 + seed as u32 % 3, 10, seed)).collect();
-    let starts: Vec<_> =
-        layers.iter().map(|(region, ..)| Start::RowZigzag.path(region).unwrap()).collect();
+    let starts: Vec<_> = layers
+        .iter()
+        .map(|(region, ..)| Start::RowZigzag.path(region, &Control::default()).unwrap())
+        .collect();
     let mut tasks = Vec::new();
     for ((_, _, layer), start) in layers.iter().zip(&starts) {
         tasks.push(Task { layer, start, target: 5, seed: 7 });
@@ -76,7 +79,9 @@ fn proposals_do_not_depend_on_the_company() {
     let layers: Vec<_> = (0..5).map(|seed| layer(12 + 6 * (seed as u32 % 2), 10, seed)).collect();
     let links: Vec<_> = layers
         .iter()
-        .map(|(region, ..)| Links::new(&Start::RowZigzag.path(region).unwrap()))
+        .map(|(region, ..)| {
+            Links::new(&Start::RowZigzag.path(region, &Control::default()).unwrap())
+        })
         .collect();
     let states: Vec<_> = layers
         .iter()

@@ -15,6 +15,7 @@
 //!
 //! # Example
 //! ```
+//! use beadwork_base::Control;
 //! use beadwork_grid::{Layout, LayoutSpec, Region, Start};
 //! use beadwork_part::{Panel, Picture, svg};
 //!
@@ -24,7 +25,7 @@
 //! let back = Picture::from_png(&picture.to_png())?;
 //! assert_eq!(back, picture);
 //!
-//! let path = Start::RowZigzag.path(&back.region)?;
+//! let path = Start::RowZigzag.path(&back.region, &Control::default())?;
 //! let panel = Panel { title: "row zigzag", region: &back.region, zones: &back.zones, path: Some(&path), links: &[] };
 //! assert!(svg(&[panel], Some(&back.colours)).starts_with("<svg"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())

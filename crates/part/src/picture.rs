@@ -57,7 +57,7 @@ impl Picture {
     pub fn from_png(bytes: &[u8]) -> Result<Self, PictureError> {
         let (width, height) = size(bytes)?;
         let plane = Region::rectangle(width, height)?;
-        let limits = Limits { bytes: 8 * plane.plane_len() + EXTRA_BYTES };
+        let limits = Limits { bytes: 8 * plane.grid_len() + EXTRA_BYTES };
         let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
         // Either may be larger than the pixels, and neither says anything about the layer.
         decoder.set_ignore_text_chunk(true);
@@ -65,13 +65,13 @@ impl Picture {
         decoder
             .set_transformations(Transformations::normalize_to_color8() | Transformations::ALPHA);
         let mut reader = decoder.read_info().map_err(PictureError::Damaged)?;
-        let mut pixels = vec![0; 4 * plane.plane_len()];
+        let mut pixels = vec![0; 4 * plane.grid_len()];
         let frame = reader.next_frame(&mut pixels).map_err(PictureError::Damaged)?;
         let channels = frame.color_type.samples();
 
         let mut zone_of: HashMap<[u8; 3], u8> = HashMap::new();
         let mut colours = Vec::new();
-        let mut ids = vec![Zones::OUTSIDE; plane.plane_len()];
+        let mut ids = vec![Zones::OUTSIDE; plane.grid_len()];
         for (id, pixel) in ids.iter_mut().zip(pixels.chunks_exact(channels)) {
             if pixel[channels - 1] < OPAQUE {
                 continue;
@@ -105,7 +105,7 @@ impl Picture {
                 self.colours.get(usize::from(self.zones.id(cell))).copied().unwrap_or_default();
             [red, green, blue, u8::MAX]
         };
-        let pixels: Vec<u8> = (0..self.region.plane_len() as Cell).flat_map(pixel).collect();
+        let pixels: Vec<u8> = (0..self.region.grid_len() as Cell).flat_map(pixel).collect();
         let mut bytes = Vec::new();
         let mut encoder = Encoder::new(&mut bytes, self.region.width(), self.region.height());
         encoder.set_color(ColorType::Rgba);

@@ -278,13 +278,14 @@ fn escape(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use beadwork_base::Control;
     use beadwork_grid::{Crossings, Layout, LayoutSpec, Start};
 
     #[test]
     fn a_small_layer() {
         let region = Region::rectangle(2, 2).unwrap();
         let zones = Zones::new(&region, vec![0, 1, 0, 1]).unwrap();
-        let path = Start::RowZigzag.path(&region).unwrap();
+        let path = Start::RowZigzag.path(&region, &Control::default()).unwrap();
         let panel =
             Panel { title: "a < b", region: &region, zones: &zones, path: Some(&path), links: &[] };
         let expected = r##"<svg xmlns="http://www.w3.org/2000/svg" width="128" height="140" viewBox="0 0 128 140">
@@ -310,7 +311,7 @@ mod tests {
             let zones = LayoutSpec { zones: 20, ..LayoutSpec::new(Layout::Voronoi) }
                 .zones(&region, seed)
                 .unwrap();
-            let path = Start::Spiral.path(&region).unwrap();
+            let path = Start::Spiral.path(&region, &Control::default()).unwrap();
             let panel =
                 Panel { title: "", region: &region, zones: &zones, path: Some(&path), links: &[] };
             let drawing = svg(&[panel, Panel { path: None, ..panel }], None);
@@ -324,7 +325,7 @@ mod tests {
     fn thin_layers_and_many_pieces() {
         let column = Region::rectangle(1, 5).unwrap();
         let zones = LayoutSpec::new(Layout::TopBottom).zones(&column, 0).unwrap();
-        let path = Start::RowZigzag.path(&column).unwrap();
+        let path = Start::RowZigzag.path(&column, &Control::default()).unwrap();
         let drawing = svg(
             &[Panel { title: "", region: &column, zones: &zones, path: Some(&path), links: &[] }],
             None,
@@ -332,7 +333,7 @@ mod tests {
         assert!(drawing.contains(r#"d="M0.5 0.5v4""#), "{drawing}");
         let apart = Region::from_mask(2, 2, vec![true, false, false, true]).unwrap();
         let zones = Zones::new(&apart, vec![0; 4]).unwrap();
-        let path = Start::Cover.path(&apart).unwrap();
+        let path = Start::Cover.path(&apart, &Control::default()).unwrap();
         let drawing = svg(
             &[Panel { title: "", region: &apart, zones: &zones, path: Some(&path), links: &[] }],
             Some(&[[0; 3]]),
@@ -366,7 +367,7 @@ mod tests {
     fn any_title_is_well_formed() {
         let region = Region::rectangle(3, 2).unwrap();
         let zones = LayoutSpec::new(Layout::Stripes).zones(&region, 0).unwrap();
-        let path = Start::Spiral.path(&region).unwrap();
+        let path = Start::Spiral.path(&region, &Control::default()).unwrap();
         for title in
             ["", "</text><g>", "a > b & c", "\"quoted\" 'twice'", "bell\u{7}, \0 and \u{ffff}"]
         {
@@ -384,7 +385,7 @@ mod tests {
     fn panels_keep_their_places_and_sizes() {
         let size = |width: u32, height: u32, title: &str| {
             let region = Region::rectangle(width, height).unwrap();
-            let zones = Zones::new(&region, vec![0; region.plane_len()]).unwrap();
+            let zones = Zones::new(&region, vec![0; region.grid_len()]).unwrap();
             let panel = Panel { title, region: &region, zones: &zones, path: None, links: &[] };
             let drawing = svg(&[panel, panel], None);
             let view = drawing.split("viewBox=\"0 0 ").nth(1).unwrap().split('"').next().unwrap();

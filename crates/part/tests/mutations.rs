@@ -35,6 +35,7 @@ use std::path::Path as FilePath;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use beadwork_base::Control;
 use beadwork_gcode::{Event, Program};
 use beadwork_grid::{Layout, LayoutSpec, Path, Region, Zones, cover};
 use beadwork_mesh::{Format, Limits, Materials, Mesh, Model, Placement, Shape, Transform};
@@ -316,7 +317,7 @@ impl Plan {
     fn new() -> Self {
         let region = Region::rectangle(8, 5).unwrap();
         let zones = LayoutSpec::new(Layout::LeftRight).zones(&region, 0).unwrap();
-        let path = cover(&region);
+        let path = cover(&region, &Control::default()).unwrap();
         let frame = Frame {
             left_mm: 100.0,
             back_mm: 100.0,

@@ -2,6 +2,7 @@
 
 use std::hint::black_box;
 
+use beadwork_base::Control;
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Links, Path, Region, Start, Switch};
 use beadwork_search::{Free, Method, Move, Preset, Settings, anneal};
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
@@ -9,7 +10,8 @@ use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, 
 fn instance(side: u32) -> (Path, Crossings) {
     let region = Region::rectangle(side, side).expect("the sides are in range");
     let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, 0).expect("three zones fit");
-    let start = Start::RowZigzag.path(&region).expect("a rectangle has a zigzag");
+    let start =
+        Start::RowZigzag.path(&region, &Control::default()).expect("a rectangle has a zigzag");
     (start, Crossings::new(&region, &zones))
 }
 

@@ -16,12 +16,13 @@
 //!
 //! # Example
 //! ```
+//! use beadwork_base::Control;
 //! use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
 //! use beadwork_search::{Preset, Settings, anneal};
 //!
 //! let region = Region::rectangle(30, 30)?;
 //! let zones = LayoutSpec::new(Layout::Stripes).zones(&region, 0)?;
-//! let start = Start::RowZigzag.path(&region)?;
+//! let start = Start::RowZigzag.path(&region, &Control::default())?;
 //! let outcome = anneal(start, &Crossings::new(&region, &zones), &Settings::preset(Preset::Paper, 7));
 //! assert!(outcome.cost < outcome.initial);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

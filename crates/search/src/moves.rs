@@ -1,12 +1,12 @@
 //! The moves that a search records.
 
-use beadwork_grid::{Path, Placed, Switch};
+use beadwork_grid::{Path, PlacedVariant, Switch};
 
 /// One move of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Move {
     /// A variant of Aali et al., which needs exactly its links in its window.
-    Variant(Placed),
+    Variant(PlacedVariant),
     /// Any two switches.
     Pair([Switch; 2]),
 }

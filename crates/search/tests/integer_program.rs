@@ -9,7 +9,7 @@
 
 use std::collections::BTreeMap;
 
-use beadwork_grid::{Cell, Layout, LayoutSpec, Region, Shape, Zones, verify};
+use beadwork_grid::{Cell, Layout, LayoutSpec, Region, RegionShape, Zones, verify};
 use beadwork_search::exact::{Settings, solve};
 use good_lp::{
     Expression, Solution, SolverModel, Variable, constraint, highs, variable, variables,
@@ -118,7 +118,7 @@ fn the_integer_program_finds_no_better_cover() {
     let mut count = 0;
     for number in 0..36_u64 {
         let side = 12 + (number % 9) as u32;
-        let region = match Shape::ALL.get(number as usize % 12) {
+        let region = match RegionShape::ALL.get(number as usize % 12) {
             Some(shape) if number >= 12 => shape.region(side, side, number).unwrap(),
             _ => Region::rectangle(side, side).unwrap(),
         };

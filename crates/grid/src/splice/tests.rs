@@ -2,12 +2,13 @@
 
 use std::collections::HashSet;
 
+use beadwork_base::Control;
 use proptest::prelude::*;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::{Links, Placed, Region, Start, Variant, cover, verify};
+use crate::{Links, PlacedVariant, Region, Start, Variant, cover, verify};
 
 /// A path as a set of links, changed and checked by definition.
 struct Walker {
@@ -103,8 +104,8 @@ fn random_region(rng: &mut ChaCha8Rng) -> Region {
 }
 
 fn random_path(region: &Region, rng: &mut ChaCha8Rng) -> Path {
-    let starts = Start::ALL[rng.random_range(0..4)].path(region);
-    let mut path = starts.unwrap_or_else(|_| cover(region));
+    let starts = Start::ALL[rng.random_range(0..4)].path(region, &Control::default());
+    let mut path = starts.unwrap_or_else(|_| cover(region, &Control::default()).unwrap());
     for _ in 0..rng.random_range(0..200) {
         let pair = random_pair(&path, rng);
         path.apply(&pair);
@@ -195,10 +196,10 @@ fn sweep(seed: u64, sites: usize, met: &mut Met) {
             rng.random_range(0..region.width()) as u16,
             rng.random_range(0..region.height()) as u16,
         );
-        let blind = Placed { variant: Variant::ALL[rng.random_range(0..12)], x, y };
+        let blind = PlacedVariant { variant: Variant::ALL[rng.random_range(0..12)], x, y };
         let matching = Variant::ALL
             .into_iter()
-            .map(|variant| Placed { variant, x, y })
+            .map(|variant| PlacedVariant { variant, x, y })
             .find(|&at| path.allows_variant(at));
         let placed = matching.unwrap_or(blind);
         met.variants[usize::from(placed.variant.class())] +=
@@ -208,7 +209,7 @@ fn sweep(seed: u64, sites: usize, met: &mut Met) {
 
 /// The paper's rule, read off its table text: exactly the needed links in the window, and one path
 /// afterwards.
-fn check_variant(path: &Path, region: &Region, placed: Placed) -> bool {
+fn check_variant(path: &Path, region: &Region, placed: PlacedVariant) -> bool {
     let (columns, rows) = placed.variant.window();
     let (x, y) = (u32::from(placed.x), u32::from(placed.y));
     let fits = x + columns <= region.width() && y + rows <= region.height();
@@ -295,7 +296,7 @@ proptest! {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let region = random_region(&mut rng);
         let path = random_path(&region, &mut rng);
-        let cells = region.plane_len() as Cell;
+        let cells = region.grid_len() as Cell;
         // Each switch applies to the links that the ones before left, unless it is drawn blindly.
         let mut switches = Vec::new();
         let mut walker = Walker::new(&path);
@@ -326,13 +327,13 @@ fn the_sweep_meets_every_case() {
 #[test]
 fn switches_outside_the_plane_are_refused() {
     let region = Region::rectangle(3, 3).unwrap();
-    let path = Start::RowZigzag.path(&region).unwrap();
+    let path = Start::RowZigzag.path(&region, &Control::default()).unwrap();
     for corner in [2, 5, 6, 8, 9, 1_000_000] {
         let switch = Switch::new(corner, Sides::Horizontal);
         assert!(!path.allows(&[switch]));
         assert!(!path.allows_pair(switch, switch));
     }
     let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let placed = Placed { variant: Variant::Sr, x: rng.next_u32() as u16 | 4, y: 0 };
+    let placed = PlacedVariant { variant: Variant::Sr, x: rng.next_u32() as u16 | 4, y: 0 };
     assert!(!path.allows_variant(placed));
 }

@@ -3,8 +3,9 @@
 use std::fmt::Write;
 use std::hint::black_box;
 
+use beadwork_base::Control;
 use beadwork_console::{machine, output};
-use beadwork_grid::{Crossings, Kind, Layout, LayoutSpec, Path, Region, Start, Switch};
+use beadwork_grid::{Crossings, Layout, LayoutSpec, Path, Region, Start, Switch, VariantKind};
 use beadwork_search::{Preset, Settings, anneal};
 use serde::Serialize;
 use serde_json::json;
@@ -78,7 +79,7 @@ fn grid_row(side: u32, repeats: u64) -> anyhow::Result<GridRow> {
     let region = Region::rectangle(side, side)?;
     let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, 0)?;
     let crossings = Crossings::new(&region, &zones);
-    let start = Start::RowZigzag.path(&region)?;
+    let start = Start::RowZigzag.path(&region, &Control::default())?;
     let paper = median(repeats, |seed| {
         drop(anneal(start.clone(), &crossings, &Settings::preset(Preset::Paper, seed)));
     });
@@ -94,7 +95,7 @@ fn grid_row(side: u32, repeats: u64) -> anyhow::Result<GridRow> {
         assert!(black_box(valid) > 0, "some pairs are valid");
     });
     let windows = median(repeats, |_| {
-        let kinds = [Kind::Transpose, Kind::Flip];
+        let kinds = [VariantKind::Transpose, VariantKind::Flip];
         let mut found = 0;
         fast.path.for_each_variant(&kinds, |_| found += 1);
         black_box(found);

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::Context;
+use beadwork_base::Control;
 use beadwork_console::plan::printed_layers;
 use beadwork_console::{control, machine, output};
 use beadwork_gcode::Program;
@@ -261,7 +262,9 @@ fn gcode(repeats: u64) -> anyhow::Result<Value> {
     };
     Placement::default().apply(&mut model)?;
     let sliced = slice(&model, &Settings::default())?;
-    let covers: Vec<_> = sliced.layers.iter().flatten().map(|layer| cover(&layer.region)).collect();
+    let covers = sliced.layers.iter().flatten();
+    let covers = covers.map(|layer| cover(&layer.region, &Control::default()));
+    let covers: Vec<_> = covers.collect::<Result<_, _>>()?;
     let layers = printed_layers(&sliced, covers.iter());
     let settings =
         print::Settings { tools: vec![print::Tool::default()], ..print::Settings::default() };

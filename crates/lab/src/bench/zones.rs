@@ -5,9 +5,10 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use anyhow::bail;
+use beadwork_base::Control;
 use beadwork_console::progress::ProgressBar;
 use beadwork_console::{cancel, control, machine, output, progress};
-use beadwork_grid::{Crossings, Layout, LayoutSpec, Links, Path, Placed, Region, Start};
+use beadwork_grid::{Crossings, Layout, LayoutSpec, Links, Path, PlacedVariant, Region, Start};
 use beadwork_search::genetic::{self, Settings};
 use beadwork_search::{Cost, Move, Stop};
 use serde::Serialize;
@@ -107,9 +108,9 @@ fn row(side: u32, layout: Layout, repeats: u64, bar: &ProgressBar) -> anyhow::Re
     let region = Region::rectangle(side, side)?;
     let zones = LayoutSpec::new(layout).zones(&region, 0)?;
     let crossings = Crossings::new(&region, &zones);
-    let start = Start::RowZigzag.path(&region)?;
+    let start = Start::RowZigzag.path(&region, &Control::default())?;
     let mut runs = Vec::new();
-    let mut lists: Vec<Vec<Placed>> = Vec::new();
+    let mut lists: Vec<Vec<PlacedVariant>> = Vec::new();
     for preset in PRESETS {
         let (mut seeding, mut evolving) = ([Vec::new(), Vec::new()], [Vec::new(), Vec::new()]);
         let (mut genes, mut spared, mut replayed) = (0, 0, 0);
@@ -142,7 +143,7 @@ fn row(side: u32, layout: Layout, repeats: u64, bar: &ProgressBar) -> anyhow::Re
                         Move::Pair(_) => None,
                     });
                     placed
-                        .collect::<Option<Vec<Placed>>>()
+                        .collect::<Option<Vec<PlacedVariant>>>()
                         .expect("the paper's annealers use variants")
                 };
                 bar.inc(1);
@@ -158,8 +159,9 @@ fn row(side: u32, layout: Layout, repeats: u64, bar: &ProgressBar) -> anyhow::Re
             replayed,
         });
     }
-    let (links, change) =
-        (Links::new(&start), |placed: Placed| Cost::change(&crossings, placed.switches(side)));
+    let (links, change) = (Links::new(&start), |placed: PlacedVariant| {
+        Cost::change(&crossings, placed.switches(side))
+    });
     Ok(Row {
         layout: layout.name().to_owned(),
         size: format!("{side}x{side}"),
@@ -186,11 +188,11 @@ fn row(side: u32, layout: Layout, repeats: u64, bar: &ProgressBar) -> anyhow::Re
 /// Millions of moves a second, each list replayed from the start, with the changes of those that
 /// apply.
 fn replays<S: Clone>(
-    lists: &[Vec<Placed>],
+    lists: &[Vec<PlacedVariant>],
     start: &S,
     copy: fn(&mut S, &S),
-    apply: impl Fn(&mut S, Placed) -> bool,
-    change: impl Fn(Placed) -> i64,
+    apply: impl Fn(&mut S, PlacedVariant) -> bool,
+    change: impl Fn(PlacedVariant) -> i64,
     repeats: u64,
 ) -> f64 {
     let mut state = start.clone();

@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::sync::atomic::Ordering;
 
 use anyhow::bail;
+use beadwork_base::Control;
 use beadwork_console::search::{Choice, MethodName, Row, Search};
 use beadwork_console::{cancel, machine, output, progress};
 use beadwork_grid::{LayoutSpec, Region, Start};
@@ -89,7 +90,7 @@ fn search(job: Job) -> anyhow::Result<Run> {
     let start = Start::RowZigzag;
     let choice = job.preset.map_or(Choice::Zigzag, Choice::Anneal);
     let search = Search { region, zones, choice, seed: job.seed, start, bounds: None };
-    let (_, row) = search.run(layout.name(), &start.path(region)?)?;
+    let (_, row) = search.run(layout.name(), &start.path(region, &Control::default())?)?;
     Ok(Run { job, row })
 }
 

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use beadwork_base::Control;
 use beadwork_console::{cancel, machine, output};
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
 use beadwork_search::bound::Bounds;
@@ -98,7 +99,7 @@ fn compare(cell: &Cell, seed: u64, preset: Preset) -> anyhow::Result<Run> {
     let region = Region::rectangle(cell.size.width, cell.size.height)?;
     let zones = LayoutSpec::new(cell.layout).zones(&region, seed)?;
     let crossings = Crossings::new(&region, &zones);
-    let start = Start::RowZigzag.path(&region)?;
+    let start = Start::RowZigzag.path(&region, &Control::default())?;
     let cancel = cancel::token()?.as_flag();
     let settings = Settings {
         bound: Some(i64::from(Bounds::new(&region, &zones).crossings())),

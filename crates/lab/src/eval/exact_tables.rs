@@ -5,9 +5,10 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use anyhow::bail;
+use beadwork_base::Control;
 use beadwork_console::search::{Choice, Row, Search};
 use beadwork_console::{cancel, machine, output, progress};
-use beadwork_grid::{Layout, LayoutSpec, Region, Shape, Start, Zones};
+use beadwork_grid::{Layout, LayoutSpec, Region, RegionShape, Start, Zones};
 use beadwork_search::{Preset, exact};
 use serde_json::{Value, json};
 
@@ -20,7 +21,7 @@ pub(super) struct Case {
     pub(super) spec: LayoutSpec,
     pub(super) width: u32,
     pub(super) height: u32,
-    shape: Option<Shape>,
+    shape: Option<RegionShape>,
     pub(super) seeds: u64,
     group: &'static str,
 }
@@ -40,18 +41,19 @@ impl Case {
 /// fewer of the largest.
 fn cases(seeds: u64) -> Vec<Case> {
     let mut cases = Vec::new();
-    let mut add = |group, spec: LayoutSpec, (width, height), shape: Option<Shape>, seeds: u64| {
-        let zones = spec.zones;
-        let name = match (shape, spec.layout) {
-            (Some(shape), layout) => format!("{shape} {layout}"),
-            (None, Layout::Voronoi) => format!("voronoi {zones}"),
-            (None, Layout::Islands) => {
-                format!("{} islands of {side}x{side}", zones - 1, side = spec.side)
-            }
-            (None, layout) => layout.name().to_owned(),
+    let mut add =
+        |group, spec: LayoutSpec, (width, height), shape: Option<RegionShape>, seeds: u64| {
+            let zones = spec.zones;
+            let name = match (shape, spec.layout) {
+                (Some(shape), layout) => format!("{shape} {layout}"),
+                (None, Layout::Voronoi) => format!("voronoi {zones}"),
+                (None, Layout::Islands) => {
+                    format!("{} islands of {side}x{side}", zones - 1, side = spec.side)
+                }
+                (None, layout) => layout.name().to_owned(),
+            };
+            cases.push(Case { name, spec, width, height, shape, seeds, group });
         };
-        cases.push(Case { name, spec, width, height, shape, seeds, group });
-    };
     for cell in paper::cells() {
         // A layout that is not drawn has one instance; it is solved with as many seeds of the
         // search.
@@ -73,7 +75,7 @@ fn cases(seeds: u64) -> Vec<Case> {
     for (side, share) in [(200, 1), (500, 2), (1000, 5)] {
         add("large planes", voronoi(3), (side, side), None, seeds.div_ceil(share));
     }
-    for shape in Shape::ALL {
+    for shape in RegionShape::ALL {
         for layout in [Layout::LeftRight, Layout::Islands, Layout::Voronoi] {
             add("masks", LayoutSpec::new(layout), (60, 60), Some(shape), seeds.div_ceil(10));
         }
@@ -137,9 +139,12 @@ impl Runs {
 
         let (region, zones) = &self.case.instance(seed)?;
         let layout = self.case.spec.layout.name();
-        let start =
-            if Start::RowZigzag.path(region).is_ok() { Start::RowZigzag } else { Start::Cover };
-        let start_path = start.path(region)?;
+        let start = if Start::RowZigzag.path(region, &Control::default()).is_ok() {
+            Start::RowZigzag
+        } else {
+            Start::Cover
+        };
+        let start_path = start.path(region, &Control::default())?;
         let search = |choice| {
             Search { region, zones, choice, seed, start, bounds: None }.run(layout, &start_path)
         };

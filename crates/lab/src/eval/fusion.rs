@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::ensure;
+use beadwork_base::Control;
 use beadwork_console::learned::check_size;
 use beadwork_console::{machine, output, progress};
 use beadwork_dataset::Dataset;
@@ -134,7 +135,7 @@ impl Instance {
     ) -> anyhow::Result<Self> {
         let region = Region::rectangle(width, height)?;
         let zones = LayoutSpec::new(layout).zones(&region, seed)?;
-        let start = Start::RowZigzag.path(&region)?;
+        let start = Start::RowZigzag.path(&region, &Control::default())?;
         let crossings = Crossings::new(&region, &zones);
         let initial = crossings.count(&start);
         let mut best: Option<Taken> = None;

@@ -1,7 +1,8 @@
 //! A recorded search as examples to learn from.
 
+use beadwork_base::Control;
 use beadwork_dataset::{ReplayError, Trajectory};
-use beadwork_grid::{Links, Placed};
+use beadwork_grid::{Links, PlacedVariant};
 use beadwork_search::Move;
 
 use super::layer::{Layer, Made};
@@ -28,7 +29,7 @@ impl Episode {
     /// The record itself is taken as checked: see [`Trajectory::replay`].
     pub fn new(trajectory: &Trajectory) -> Result<Option<Self>, ReplayError> {
         let (region, zones) = trajectory.draw()?;
-        let start = Links::new(&trajectory.start.path(&region)?);
+        let start = Links::new(&trajectory.start.path(&region, &Control::default())?);
         let mut made = Vec::with_capacity(trajectory.moves.len());
         let mut best = Vec::with_capacity(trajectory.moves.len());
         for step in trajectory.steps() {
@@ -88,7 +89,7 @@ fn needed(made: &[Made], best: &[bool], (width, height): (u32, u32)) -> Vec<usiz
 
 /// How many cells a move lies from the layer's sides, as a share of the most that any can, in
 /// quarters: 0 to 3.
-pub(super) fn depth_quarter(placed: Placed, (width, height): (u32, u32)) -> usize {
+pub(super) fn depth_quarter(placed: PlacedVariant, (width, height): (u32, u32)) -> usize {
     let (columns, rows) = placed.variant.window();
     let (x, y) = (u32::from(placed.x), u32::from(placed.y));
     let depth =

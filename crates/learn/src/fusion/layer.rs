@@ -1,6 +1,6 @@
 //! A layer and a state of its path as the network sees them.
 
-use beadwork_grid::{Crossings, Links, Placed, Region, Symmetry, Zones};
+use beadwork_grid::{Crossings, Links, PlacedVariant, Region, Symmetry, Zones};
 use tch::{Device, Kind, Tensor};
 
 use super::{CHANNELS, History};
@@ -43,7 +43,7 @@ impl Canvas {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Made {
     /// The move.
-    pub placed: Placed,
+    pub placed: PlacedVariant,
     /// Crossings before it.
     pub before: u32,
     /// Crossings after it.
@@ -70,7 +70,7 @@ impl Layer {
     /// Linear in the plane's cells.
     pub fn new(region: &Region, zones: &Zones) -> Self {
         let inside = |cell: u32| region.contains(cell).then(|| zones.id(cell));
-        let cells = 0..region.plane_len() as u32;
+        let cells = 0..region.grid_len() as u32;
         let boundary = cells.map(|cell| {
             let own = inside(cell);
             own.is_some() && region.neighbours(cell).any(|other| inside(other) != own)
@@ -96,7 +96,7 @@ impl Layer {
     }
 
     /// By how much a move changes the crossings.
-    pub fn change(&self, placed: Placed) -> i32 {
+    pub fn change(&self, placed: PlacedVariant) -> i32 {
         placed.switches(self.size.0).iter().map(|&switch| self.crossings.change(switch)).sum()
     }
 
@@ -162,7 +162,7 @@ impl Inputs {
     /// If the canvas does not hold it.
     pub fn push(&mut self, state: &State<'_>, symmetry: Symmetry) {
         let size = state.layer.size;
-        let (width, height) = symmetry.size(size);
+        let (width, height) = symmetry.map_size(size);
         assert!(
             width <= self.canvas.width && height <= self.canvas.height,
             "{width} x {height} cells do not fit on {:?}",
@@ -173,7 +173,7 @@ impl Inputs {
         let made = &state.made[state.made.len().saturating_sub(self.history)..];
         for at in 0..self.history {
             let made = made.get(at);
-            let placed = made.map(|made| symmetry.placed(made.placed, size));
+            let placed = made.map(|made| symmetry.map_variant(made.placed, size));
             self.action.push(placed.map_or(0, |placed| i64::from(placed.variant.class())));
             self.y.push(placed.map_or(0, |placed| i64::from(placed.y)));
             self.x.push(placed.map_or(0, |placed| i64::from(placed.x)));
@@ -190,7 +190,7 @@ impl Inputs {
         let begin = self.state.len();
         self.state.resize(begin + self.canvas.cells() * FEATURES, 0.0);
         let image = &mut self.state[begin..];
-        let (width, height) = symmetry.size(*size);
+        let (width, height) = symmetry.map_size(*size);
         let columns = self.canvas.width;
         let place = move |(x, y): (u32, u32)| (y * columns + x) as usize * FEATURES;
         let zone_scale = 1.0 / f32::from(*greatest_zone);
@@ -205,7 +205,7 @@ impl Inputs {
                 if zone == Zones::OUTSIDE {
                     continue;
                 }
-                let here = symmetry.cell((x, y), *size);
+                let here = symmetry.map_cell((x, y), *size);
                 let pixel = &mut image[place(here)..][..FEATURES];
                 pixel[0] = f32::from(zone) * zone_scale;
                 pixel[3] = 1.0;
@@ -213,7 +213,7 @@ impl Inputs {
                 pixel[6] = share;
                 pixel[7] = here.1 as f32 * step_y;
                 pixel[8] = here.0 as f32 * step_x;
-                let (right, below) = state.links.of_cell(x, y);
+                let (right, below) = state.links.right_and_below(x, y);
                 let links = [
                     (right, (x + 1, y), right && crossings.right(cell)),
                     (below, (x, y + 1), below && crossings.below(cell)),
@@ -222,7 +222,7 @@ impl Inputs {
                     if !linked {
                         continue;
                     }
-                    let there = symmetry.cell(neighbour, *size);
+                    let there = symmetry.map_cell(neighbour, *size);
                     let first = (here.0.min(there.0), here.1.min(there.1));
                     image[place(first) + if here.1 == there.1 { 1 } else { 2 }] = 1.0;
                     if crosses {

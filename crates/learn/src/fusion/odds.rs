@@ -2,7 +2,7 @@
 
 use super::layer::State;
 
-use beadwork_grid::Placed;
+use beadwork_grid::PlacedVariant;
 
 /// Chances on one example, or their sums over several.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,7 +21,7 @@ pub struct Odds {
 
 impl Odds {
     /// Of a state with the move that was made there.
-    pub fn of(state: &State<'_>, truth: Placed) -> Self {
+    pub fn of(state: &State<'_>, truth: PlacedVariant) -> Self {
         // The least change at each place; moves come place by place.
         let mut places: Vec<((u16, u16), i32)> = Vec::new();
         let mut variants = 0;

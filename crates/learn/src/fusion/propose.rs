@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use beadwork_grid::{Placed, Symmetry};
+use beadwork_grid::{PlacedVariant, Symmetry};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tch::{Device, Tensor};
@@ -14,7 +14,7 @@ use super::{FusionNet, Precision, ask};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proposal {
     /// The move.
-    pub placed: Placed,
+    pub placed: PlacedVariant,
     /// By how much it changes the crossings.
     pub change: i32,
     /// The more the better; only differences count.
@@ -109,7 +109,7 @@ impl<'a> Asked<'a> {
         scores: &[f32],
         logits: &[f32],
     ) -> Vec<Proposal> {
-        let mut places: Vec<(usize, Vec<Placed>)> = Vec::new();
+        let mut places: Vec<(usize, Vec<PlacedVariant>)> = Vec::new();
         state.links.for_each_variant(|placed| {
             let cell = usize::from(placed.y) * canvas.width as usize + usize::from(placed.x);
             match places.last_mut() {
@@ -121,8 +121,9 @@ impl<'a> Asked<'a> {
         places.truncate(self.places.max(1));
         let mut proposals = Vec::new();
         for (cell, moves) in places {
-            let logit =
-                |placed: &Placed| logits[usize::from(placed.variant.class()) * scores.len() + cell];
+            let logit = |placed: &PlacedVariant| {
+                logits[usize::from(placed.variant.class()) * scores.len() + cell]
+            };
             let most = moves.iter().map(logit).fold(f32::NEG_INFINITY, f32::max);
             let sum: f32 = moves.iter().map(|placed| (logit(placed) - most).exp()).sum();
             proposals.extend(moves.iter().map(|&placed| Proposal {

@@ -192,18 +192,18 @@ impl Batch {
         let marked = &mut self.rivals[begin..];
         match settings.rivals {
             Rivals::Applicable => links.for_each_variant(|placed| {
-                let placed = symmetry.placed(placed, size);
+                let placed = symmetry.map_variant(placed, size);
                 marked[cell(placed.x.into(), placed.y.into())] = true;
             }),
             Rivals::Boundary => {
                 let places = (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y)));
                 for (x, y) in places.filter(|&(x, y)| episode.layer.is_boundary(x, y)) {
-                    let (column, row) = symmetry.cell((x, y), size);
+                    let (column, row) = symmetry.map_cell((x, y), size);
                     marked[cell(column, row)] = true;
                 }
             }
         }
-        let placed = symmetry.placed(made.placed, size);
+        let placed = symmetry.map_variant(made.placed, size);
         let position = cell(placed.x.into(), placed.y.into());
         marked[position] = false;
         self.position.push(position as i64);
@@ -342,7 +342,7 @@ impl<'a> Batches<'a> {
             let move_index = from[self.rng.random_range(0..from.len())];
             let symmetry = if self.settings.held_out { 0 } else { self.rng.random_range(0..8) };
             let symmetry = Symmetry::ALL[symmetry];
-            let canvas = Canvas::holding(symmetry.size(size));
+            let canvas = Canvas::holding(symmetry.map_size(size));
             let example = Example {
                 episode: Arc::clone(&episode),
                 layout: Arc::clone(&layout),

@@ -11,7 +11,7 @@
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use beadwork_grid::{Links, Path, Placed};
+use beadwork_grid::{Links, Path, PlacedVariant};
 use beadwork_search::{Move, Stop};
 use rand::SeedableRng;
 use rand::distr::Distribution;
@@ -243,7 +243,7 @@ impl<'a> Walk<'a> {
 
     /// A move that applies: drawn as if any were tried until one is accepted, whatever it adds to
     /// the crossings with a chance of e to the power of that, negative, by the temperature.
-    fn draw(&mut self, temperature: f64) -> Option<(Placed, i32)> {
+    fn draw(&mut self, temperature: f64) -> Option<(PlacedVariant, i32)> {
         let mut all = Vec::new();
         self.links.for_each_variant(|placed| all.push((placed, self.task.layer.change(placed))));
         // The least that any adds is taken from all, which changes no ratio, so that not all
@@ -267,7 +267,7 @@ impl<'a> Walk<'a> {
         self.crossings = self.best;
     }
 
-    fn make(&mut self, placed: Placed, change: i32) {
+    fn make(&mut self, placed: PlacedVariant, change: i32) {
         assert!(self.links.apply_variant(placed), "a proposed move applies");
         let before = self.crossings;
         self.crossings = before.saturating_add_signed(change);
@@ -311,8 +311,8 @@ impl<'a> Walk<'a> {
 
 /// A number by which states are told apart: exclusive or of those of all unit cells switched an odd
 /// number of times.
-fn key(placed: Placed, width: u32) -> u64 {
-    placed.switches(width).iter().fold(0, |key, switch| key ^ switch.mixed())
+fn key(placed: PlacedVariant, width: u32) -> u64 {
+    placed.switches(width).iter().fold(0, |key, switch| key ^ switch.zobrist_key())
 }
 
 #[cfg(test)]
@@ -321,6 +321,7 @@ mod tests {
 
     use std::collections::BTreeMap;
 
+    use beadwork_base::Control;
     use beadwork_grid::{Layout, LayoutSpec, Region, Start};
     use rand::RngExt;
 
@@ -332,7 +333,7 @@ mod tests {
         let region = Region::rectangle(12, 11).unwrap();
         let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, 4).unwrap();
         let layer = Layer::new(&region, &zones);
-        let start = Start::RowZigzag.path(&region).unwrap();
+        let start = Start::RowZigzag.path(&region, &Control::default()).unwrap();
         let task = Task { layer: &layer, start: &start, target: 0, seed: 3 };
         let mut walk = Walk::new(&task);
         (0..10).for_each(|_| {

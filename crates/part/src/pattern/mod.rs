@@ -191,7 +191,7 @@ impl Pattern {
         let mut taken = Vec::new();
         if spec.contour {
             order = outlines(region, &view);
-            taken = vec![false; region.plane_len()];
+            taken = vec![false; region.grid_len()];
             order.iter().for_each(|&cell| taken[cell as usize] = true);
         }
         sweep(spec.sweep, view.width, view.height, |u, v| {

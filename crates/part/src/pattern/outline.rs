@@ -29,7 +29,7 @@ pub(super) fn outlines(region: &Region, view: &View) -> Vec<Cell> {
     // Stable: of a wall one cell wide, the outer outline was found before that of the hole, and
     // stays so.
     walks.sort_by_key(|walk| nearness(&walk[0]));
-    let mut taken = vec![false; region.plane_len()];
+    let mut taken = vec![false; region.grid_len()];
     let cells = walks.into_iter().flatten().map(|(u, v)| view.cell(u, v));
     cells.filter(|&cell| !std::mem::replace(&mut taken[cell as usize], true)).collect()
 }
@@ -38,7 +38,7 @@ pub(super) fn outlines(region: &Region, view: &View) -> Vec<Cell> {
 fn walks(region: &Region, view: &View) -> Vec<Vec<Place>> {
     // For each cell, one bit for each direction in which the crack on that direction's right was
     // walked.
-    let mut walked = vec![0_u8; region.plane_len()];
+    let mut walked = vec![0_u8; region.grid_len()];
     let mut walks = Vec::new();
     for v in 0..view.height {
         for u in 0..view.width {

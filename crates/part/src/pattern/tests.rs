@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use beadwork_grid::Shape;
+use beadwork_grid::RegionShape;
 use proptest::prelude::*;
 
 use super::*;
@@ -32,14 +32,14 @@ fn seen(pattern: Pattern, region: &Region, cell: Cell) -> (i64, i64) {
 
 /// The place's cell: the reverse of [`seen`].
 fn shown(pattern: Pattern, region: &Region, place: (i64, i64)) -> Option<Cell> {
-    let cells = 0..region.plane_len() as Cell;
+    let cells = 0..region.grid_len() as Cell;
     cells.into_iter().find(|&cell| seen(pattern, region, cell) == place)
 }
 
 /// Lines, spirals and diagonals of the cells that are not taken, without a thought for speed.
 fn slow_sweep(pattern: Pattern, region: &Region, taken: &BTreeSet<Cell>) -> Vec<Cell> {
     let (family, _, _) = words(pattern);
-    let mut cells: Vec<Cell> = (0..region.plane_len() as Cell).collect();
+    let mut cells: Vec<Cell> = (0..region.grid_len() as Cell).collect();
     let place = |cell: Cell| seen(pattern, region, cell);
     match family {
         "zigzag" | "contour-zigzag" => cells.sort_by_key(|&cell| {
@@ -223,9 +223,9 @@ fn any_region() -> impl Strategy<Value = Region> {
             Region::from_mask(width, height, mask).unwrap()
         })
     });
-    let shape = (0..Shape::ALL.len(), 8..=14_u32, 8..=14_u32, any::<u64>());
+    let shape = (0..RegionShape::ALL.len(), 8..=14_u32, 8..=14_u32, any::<u64>());
     let shape = shape.prop_map(|(shape, width, height, seed)| {
-        Shape::ALL[shape]
+        RegionShape::ALL[shape]
             .region(width, height, seed)
             .unwrap_or(Region::rectangle(width, height).unwrap())
     });
@@ -288,7 +288,7 @@ proptest! {
 
 #[test]
 fn shapes_of_parts() {
-    for shape in Shape::ALL {
+    for shape in RegionShape::ALL {
         for seed in 0..20 {
             check(&shape.region(40, 30, seed).unwrap());
         }

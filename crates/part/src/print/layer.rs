@@ -120,7 +120,7 @@ pub(super) fn check(
         if (region.width(), region.height()) != (frame.width, frame.height) {
             return odd("the plane of its region");
         }
-        if zones.ids().len() != region.plane_len()
+        if zones.ids().len() != region.grid_len()
             || region.cells().any(|cell| zones.id(cell) == Zones::OUTSIDE)
         {
             return odd("the plane of its zones");

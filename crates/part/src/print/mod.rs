@@ -14,6 +14,7 @@
 //!
 //! # Example
 //! ```
+//! use beadwork_base::Control;
 //! use beadwork_gcode::Program;
 //! use beadwork_grid::{Layout, LayoutSpec, Region, cover};
 //! use beadwork_part::Frame;
@@ -21,7 +22,7 @@
 //!
 //! let region = Region::rectangle(20, 10)?;
 //! let zones = LayoutSpec::new(Layout::LeftRight).zones(&region, 0)?;
-//! let path = cover(&region);
+//! let path = cover(&region, &Control::default())?;
 //! let layer = |number| Layer { number, region: &region, zones: &zones, path: &path };
 //! let layers = [layer(0), layer(1)];
 //!

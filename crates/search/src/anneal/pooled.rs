@@ -1,7 +1,7 @@
 //! The annealer of Aali et al., section "Simulated annealing": variants drawn from a pool of
 //! feasible ones.
 
-use beadwork_grid::{Kind, Path, Placed};
+use beadwork_grid::{Path, PlacedVariant, VariantKind};
 
 use super::{Outcome, Run, Settings};
 use crate::random::{below, unit};
@@ -77,10 +77,10 @@ pub(super) fn run<C: Cost>(
             pool_age = pooled.pool_life;
         }
         if pool_age >= pooled.pool_life || iteration == first_flips {
-            let kinds: &[Kind] = if iteration < first_flips {
-                &[Kind::Transpose]
+            let kinds: &[VariantKind] = if iteration < first_flips {
+                &[VariantKind::Transpose]
             } else {
-                &[Kind::Transpose, Kind::Flip]
+                &[VariantKind::Transpose, VariantKind::Flip]
             };
             pool.fill(&run.path, kinds);
             pool_age = 0;
@@ -113,9 +113,9 @@ pub(super) fn run<C: Cost>(
 /// The moves to draw from.
 struct Pool {
     capacity: usize,
-    moves: Vec<Placed>,
+    moves: Vec<PlacedVariant>,
     /// Those of each ring of windows, the outermost first.
-    rings: Vec<Vec<Placed>>,
+    rings: Vec<Vec<PlacedVariant>>,
 }
 
 impl Pool {
@@ -125,7 +125,7 @@ impl Pool {
 
     /// Takes the moves that apply now, from the border of the plane inwards, ring by ring, row by
     /// row in each, as far as the capacity goes.
-    fn fill(&mut self, path: &Path, kinds: &[Kind]) {
+    fn fill(&mut self, path: &Path, kinds: &[VariantKind]) {
         let (columns, rows) = (path.width().saturating_sub(1), path.height().saturating_sub(1));
         self.rings.iter_mut().for_each(Vec::clear);
         self.rings.resize(columns.min(rows).div_ceil(2) as usize, Vec::new());

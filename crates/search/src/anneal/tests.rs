@@ -3,6 +3,7 @@
 use std::sync::Mutex;
 use std::sync::atomic::Ordering;
 
+use beadwork_base::Control;
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start, Switch, Zones, cover, verify};
 use proptest::prelude::*;
 
@@ -58,7 +59,7 @@ proptest! {
         layout in prop::sample::select(&[Layout::LeftRight, Layout::Checkerboard, Layout::TopBottom][..]),
     ) {
         let (region, zones, crossings) = instance(width, height, layout, seed);
-        let start = Start::RowZigzag.path(&region).unwrap();
+        let start = Start::RowZigzag.path(&region, &Control::default()).unwrap();
         let settings = Settings { method: shortened(preset), ..Settings::preset(preset, seed) };
         let outcome = anneal(start.clone(), &crossings, &settings);
         check(&outcome, &start, &region, &zones);
@@ -72,7 +73,7 @@ proptest! {
         holes.iter().for_each(|&hole| inside[hole] = false);
         let region = Region::from_mask(20, 15, inside).unwrap();
         let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, seed).unwrap();
-        let start = cover(&region);
+        let start = cover(&region, &Control::default()).unwrap();
         for preset in [Preset::Short, Preset::Fast] {
             let settings = Settings { method: shortened(preset), ..Settings::preset(preset, seed) };
             let outcome = anneal(start.clone(), &Crossings::new(&region, &zones), &settings);
@@ -85,7 +86,7 @@ proptest! {
 fn annealing_lowers_the_crossings() {
     for preset in Preset::ALL {
         let (region, _, crossings) = instance(30, 30, Layout::Stripes, 0);
-        let start = Start::RowZigzag.path(&region).unwrap();
+        let start = Start::RowZigzag.path(&region, &Control::default()).unwrap();
         let outcome = anneal(start, &crossings, &Settings::preset(preset, 0));
         assert_eq!((outcome.initial, outcome.stop), (60, Stop::Done));
         assert!(outcome.cost <= 50, "{preset}: {}", outcome.cost);
@@ -95,7 +96,7 @@ fn annealing_lowers_the_crossings() {
 #[test]
 fn the_bound_stops_a_run() {
     let (region, _, crossings) = instance(20, 20, Layout::LeftRight, 0);
-    let start = Start::RowZigzag.path(&region).unwrap();
+    let start = Start::RowZigzag.path(&region, &Control::default()).unwrap();
     for preset in Preset::ALL {
         let settings = Settings { bound: Some(19), ..Settings::preset(preset, 0) };
         let outcome = anneal(start.clone(), &crossings, &settings);
@@ -107,7 +108,7 @@ fn the_bound_stops_a_run() {
 #[test]
 fn the_cancel_token_stops_a_run_and_keeps_its_best() {
     let (region, zones, crossings) = instance(20, 20, Layout::LeftRight, 0);
-    let start = Start::RowZigzag.path(&region).unwrap();
+    let start = Start::RowZigzag.path(&region, &Control::default()).unwrap();
     for preset in Preset::ALL {
         let cancel = AtomicBool::new(false);
         let seen = Mutex::new(Vec::new());
@@ -162,7 +163,7 @@ fn another_cost_is_annealed() {
         (Steps(-1), Preset::Paper, Start::RowZigzag),
     ];
     for (steps, preset, start) in runs {
-        let start = start.path(&region).unwrap();
+        let start = start.path(&region, &Control::default()).unwrap();
         let outcome = anneal(start.clone(), &steps, &Settings::preset(preset, 0));
         assert!(
             outcome.cost < outcome.initial,
@@ -183,7 +184,7 @@ fn the_temperature_falls_from_hot_to_cold() {
     let observer = |progress: Progress| run.lock().unwrap().push(progress.temperature);
     let (region, _, crossings) = instance(12, 12, Layout::LeftRight, 0);
     let settings = Settings { observer: Some(&observer), ..Settings::preset(Preset::Short, 0) };
-    anneal(Start::RowZigzag.path(&region).unwrap(), &crossings, &settings);
+    anneal(Start::RowZigzag.path(&region, &Control::default()).unwrap(), &crossings, &settings);
     let temperatures = run.into_inner().unwrap();
     assert!(temperatures.is_sorted_by(|a, b| a >= b));
     assert!((temperatures[0] - 60.0).abs() < 1.0 && *temperatures.last().unwrap() < 10.0);
@@ -196,7 +197,7 @@ fn the_temperature_falls_from_hot_to_cold() {
 #[test]
 fn a_seed_names_one_run_on_every_machine() {
     let (region, _, crossings) = instance(30, 30, Layout::Voronoi, 1);
-    let start = Start::RowZigzag.path(&region).unwrap();
+    let start = Start::RowZigzag.path(&region, &Control::default()).unwrap();
     let digest = |preset| {
         let settings = Settings { method: shortened(preset), ..Settings::preset(preset, 9) };
         let outcome = anneal(start.clone(), &crossings, &settings);

@@ -1,6 +1,7 @@
 //! Bounds on layers whose answer is known, and under changes that keep it.
 
-use beadwork_grid::{Cell, Layout, LayoutSpec, Region, Shape, Zones};
+use beadwork_base::Control;
+use beadwork_grid::{Cell, Layout, LayoutSpec, Region, RegionShape, Zones};
 
 use super::*;
 
@@ -58,7 +59,7 @@ fn changed(region: &Region, zones: &Zones, change: u32) -> (Region, Zones) {
 fn layers() -> impl Iterator<Item = (Region, Zones)> {
     (0..60_u64).map(|seed| {
         let side = 10 + (seed % 13) as u32;
-        let region = match Shape::ALL.get(seed as usize % 9) {
+        let region = match RegionShape::ALL.get(seed as usize % 9) {
             Some(shape) => shape.region(side, side + 3, seed).unwrap(),
             None => Region::rectangle(side, side + 3).unwrap(),
         };
@@ -100,7 +101,7 @@ fn pieces_are_those_of_the_other_matching() {
     for (number, (region, zones)) in layers().enumerate() {
         assert_eq!(
             Bounds::new(&region, &zones).pieces,
-            beadwork_grid::piece_bound(&region),
+            beadwork_grid::piece_bound(&region, &Control::default()).unwrap(),
             "layer {number}"
         );
     }

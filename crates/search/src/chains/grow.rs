@@ -2,7 +2,7 @@
 
 use std::collections::{HashSet, VecDeque};
 
-use beadwork_grid::{Links, Path, Placed, Switch};
+use beadwork_grid::{Links, Path, PlacedVariant, Switch};
 
 use super::Settings;
 use crate::Cost;
@@ -17,7 +17,7 @@ const OVERLAP: u16 = 2;
 /// A chain that lowers the cost.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Found {
-    pub(super) moves: Vec<Placed>,
+    pub(super) moves: Vec<PlacedVariant>,
     /// By how much, positive.
     pub(super) gain: i64,
 }
@@ -25,7 +25,7 @@ pub(super) struct Found {
 impl Found {
     /// Whether it gains more for each move or, gaining the same, begins closer to the move made
     /// last.
-    pub(super) fn is_better_than(&self, other: &Self, last: Option<Placed>) -> bool {
+    pub(super) fn is_better_than(&self, other: &Self, last: Option<PlacedVariant>) -> bool {
         let rate = |a: &Self, b: &Self| a.gain * b.moves.len() as i64;
         let (own, others) = (rate(self, other), rate(other, self));
         let distance = |chain: &Self| {
@@ -45,7 +45,7 @@ pub(super) struct Reach {
 
 impl Reach {
     /// The cells of a window whose links a variant changes.
-    pub(super) fn window(placed: Placed) -> Self {
+    pub(super) fn window(placed: PlacedVariant) -> Self {
         Self { x: [placed.x, placed.x + 2], y: [placed.y, placed.y + 2] }
     }
 
@@ -56,7 +56,7 @@ impl Reach {
     }
 
     /// Takes in all windows that can overlap a variant's.
-    fn follow(&mut self, placed: Placed) {
+    fn follow(&mut self, placed: PlacedVariant) {
         let take = |range: &mut [u16; 2], at: u16| {
             range[0] = range[0].min(at.saturating_sub(OVERLAP));
             range[1] = range[1].max(at + OVERLAP + 2);
@@ -77,7 +77,7 @@ pub(super) struct Grower<'a, C> {
 
 /// The last move of a chain; the others are its ancestors.
 struct Node {
-    placed: Placed,
+    placed: PlacedVariant,
     parent: Option<usize>,
     /// Change of the cost by the whole chain.
     change: i64,
@@ -94,7 +94,7 @@ impl<'a, C: Cost> Grower<'a, C> {
     /// The best chain from a variant that applies, if one within the settings' limits lowers the
     /// cost, and all cells at which the search looked.
     /// The links are the same afterwards.
-    pub(super) fn grow(&self, links: &mut Links, first: Placed) -> (Option<Found>, Reach) {
+    pub(super) fn grow(&self, links: &mut Links, first: PlacedVariant) -> (Option<Found>, Reach) {
         let mut nodes = vec![self.node(first, None, 0, 0)];
         let mut front = vec![0];
         let mut seen = HashSet::from([0, nodes[0].key]);
@@ -144,13 +144,13 @@ impl<'a, C: Cost> Grower<'a, C> {
         (best.map(|(at, _, gain)| Found { moves: chain(&nodes, at), gain }), reach)
     }
 
-    fn node(&self, placed: Placed, parent: Option<usize>, change: i64, key: u64) -> Node {
+    fn node(&self, placed: PlacedVariant, parent: Option<usize>, change: i64, key: u64) -> Node {
         let switches = placed.switches(self.width);
         Node {
             placed,
             parent,
             change: change + self.cost.change(switches),
-            key: switches.iter().fold(key, |key, switch| key ^ switch.mixed()),
+            key: switches.iter().fold(key, |key, switch| key ^ switch.zobrist_key()),
         }
     }
 
@@ -164,7 +164,7 @@ impl<'a, C: Cost> Grower<'a, C> {
 }
 
 /// The moves of a chain, the first one first.
-fn chain(nodes: &[Node], last: usize) -> Vec<Placed> {
+fn chain(nodes: &[Node], last: usize) -> Vec<PlacedVariant> {
     let mut moves: Vec<_> = std::iter::successors(Some(last), |&at| nodes[at].parent)
         .map(|at| nodes[at].placed)
         .collect();

@@ -14,12 +14,13 @@
 //! For the lowest cost whatever the moves, see [`exact`](crate::exact).
 //!
 //! ```
+//! use beadwork_base::Control;
 //! use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
 //! use beadwork_search::chains::{self, Settings};
 //!
 //! let region = Region::rectangle(30, 30)?;
 //! let zones = LayoutSpec::new(Layout::Islands).zones(&region, 0)?;
-//! let start = Start::RowZigzag.path(&region)?;
+//! let start = Start::RowZigzag.path(&region, &Control::default())?;
 //! let outcome = chains::solve(&start, &Crossings::new(&region, &zones), &Settings { bound: Some(28), ..Settings::default() });
 //! assert!(outcome.cost <= 28 && outcome.moves.len() < 60);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -33,7 +34,7 @@ mod tests;
 use std::collections::HashMap;
 use std::sync::atomic::AtomicBool;
 
-use beadwork_grid::{Links, Path, Placed};
+use beadwork_grid::{Links, Path, PlacedVariant};
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -105,7 +106,7 @@ pub fn solve<C: Cost>(start: &Path, cost: &C, settings: &Settings<'_>) -> Outcom
     let initial = cost.total(start);
     let (mut present, mut best) = (initial, initial);
     let (mut moves, mut moves_to_best) = (Vec::new(), 0);
-    let mut known: HashMap<Placed, (Option<Found>, Reach)> = HashMap::new();
+    let mut known: HashMap<PlacedVariant, (Option<Found>, Reach)> = HashMap::new();
     let stop = 'search: loop {
         if settings.bound.is_some_and(|bound| best <= bound) {
             break Stop::Optimal;
@@ -156,7 +157,7 @@ pub fn solve<C: Cost>(start: &Path, cost: &C, settings: &Settings<'_>) -> Outcom
 }
 
 /// All variants that apply, row by row.
-fn applicable(links: &Links) -> Vec<Placed> {
+fn applicable(links: &Links) -> Vec<PlacedVariant> {
     let mut all = Vec::new();
     links.for_each_variant(|placed| all.push(placed));
     all

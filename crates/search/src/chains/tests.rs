@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use beadwork_base::Control;
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
 use proptest::prelude::*;
 
@@ -12,7 +13,7 @@ fn instance(width: u32, height: u32, layout: Layout, seed: u64) -> (Path, Crossi
     let mut spec = LayoutSpec::new(layout);
     spec.side = 3;
     let zones = spec.zones(&region, seed).unwrap();
-    (Start::RowZigzag.path(&region).unwrap(), Crossings::new(&region, &zones))
+    (Start::RowZigzag.path(&region, &Control::default()).unwrap(), Crossings::new(&region, &zones))
 }
 
 /// The greatest gain of all chains from a variant, for each length: breadth first over all links
@@ -21,12 +22,12 @@ fn best_gains(
     plane: &Path,
     start: &Links,
     cost: &Crossings,
-    first: Placed,
+    first: PlacedVariant,
     depth: usize,
 ) -> Vec<i64> {
     let mut links = start.clone();
     assert!(links.apply_variant(first));
-    let change = |placed: Placed| Cost::change(cost, placed.switches(plane.width()));
+    let change = |placed: PlacedVariant| Cost::change(cost, placed.switches(plane.width()));
     let mut front = vec![(links, first, change(first))];
     let mut gains = Vec::new();
     for _ in 0..depth {
@@ -125,7 +126,7 @@ proptest! {
         let known: Vec<_> = all.iter().map(|&first| (first, grower.grow(&mut links, first))).collect();
         let changed = all[below(&mut rng, all.len())];
         links.apply_variant(changed);
-        let still: HashSet<Placed> = applicable(&links).into_iter().collect();
+        let still: HashSet<PlacedVariant> = applicable(&links).into_iter().collect();
         for (first, (found, reach)) in known {
             if !reach.meets(Reach::window(changed)) {
                 prop_assert!(still.contains(&first));
@@ -150,8 +151,10 @@ fn it_stops_at_the_bound_and_when_cancelled() {
 fn a_seed_names_one_search_on_every_machine() {
     let region = Region::rectangle(30, 30).unwrap();
     let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, 1).unwrap();
-    let (start, crossings) =
-        (Start::RowZigzag.path(&region).unwrap(), Crossings::new(&region, &zones));
+    let (start, crossings) = (
+        Start::RowZigzag.path(&region, &Control::default()).unwrap(),
+        Crossings::new(&region, &zones),
+    );
     let digest = |preset| {
         let outcome = solve(&start, &crossings, &Settings::preset(preset, 9));
         let mix = |sum: u64, &cell: &u32| sum.wrapping_mul(0x100_0000_01b3) ^ u64::from(cell);

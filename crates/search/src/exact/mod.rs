@@ -260,8 +260,8 @@ pub fn solve(region: &Region, zones: &Zones, settings: &Settings<'_>) -> Result<
 }
 
 fn check(region: &Region, zones: &Zones, settings: &Settings<'_>) -> Result<(), SolveError> {
-    if zones.ids().len() != region.plane_len() {
-        return Err(SolveError::Zones { expected: region.plane_len(), got: zones.ids().len() });
+    if zones.ids().len() != region.grid_len() {
+        return Err(SolveError::Zones { expected: region.grid_len(), got: zones.ids().len() });
     }
     if let Some(cell) = region.cells().find(|&cell| zones.id(cell) == Zones::OUTSIDE) {
         let (x, y) = region.xy(cell);

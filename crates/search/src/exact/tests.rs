@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicU32;
 use std::sync::atomic::Ordering::Relaxed;
 
-use beadwork_grid::{Layout, LayoutSpec, Shape, verify};
+use beadwork_grid::{Layout, LayoutSpec, RegionShape, verify};
 use rand::{Rng, RngExt};
 
 use super::twin::{Problem, cheapest, fewest_and_cheapest};
@@ -218,7 +218,7 @@ fn merging_two_zones_raises_no_optimum() {
 fn layers() -> impl Iterator<Item = (Region, Zones)> {
     (0..40_u64).map(|seed| {
         let side = 12 + (seed % 19) as u32;
-        let region = match Shape::ALL.get(seed as usize % 8) {
+        let region = match RegionShape::ALL.get(seed as usize % 8) {
             Some(shape) => shape.region(side, side, seed).unwrap(),
             None => Region::rectangle(side, side + 1).unwrap(),
         };
@@ -390,7 +390,7 @@ fn a_path_through_two_blocks_is_not_refuted() {
 fn next_layer(region: &Region, zones: &Zones, rng: &mut impl Rng) -> Option<(Region, Zones)> {
     let flips = |rng: &mut _| Rng::next_u32(rng).is_multiple_of(12);
     let mask: Vec<bool> =
-        (0..region.plane_len() as Cell).map(|cell| region.contains(cell) != flips(rng)).collect();
+        (0..region.grid_len() as Cell).map(|cell| region.contains(cell) != flips(rng)).collect();
     let count = zones.count() as u8;
     let ids = zones.ids().iter().map(|&id| {
         if id == Zones::OUTSIDE || flips(rng) { rng.random_range(0..count) } else { id }

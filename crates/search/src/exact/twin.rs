@@ -27,7 +27,7 @@ pub(super) fn cheapest(problem: &Problem<'_>, pieces: u32) -> Option<u64> {
         problem,
         cells,
         links,
-        linked: vec![Vec::new(); problem.region.plane_len()],
+        linked: vec![Vec::new(); problem.region.grid_len()],
         best: None,
     };
     search.decide(0, 0, 0);

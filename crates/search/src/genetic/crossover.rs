@@ -1,6 +1,6 @@
 //! How children come from parents.
 
-use beadwork_grid::{Placed, Variant};
+use beadwork_grid::{PlacedVariant, Variant};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::individual::Gene;
@@ -97,7 +97,7 @@ impl Window {
 pub(super) fn mutate(
     genes: &mut [Gene],
     (width, height): (u32, u32),
-    write: impl Fn(Placed) -> Move,
+    write: impl Fn(PlacedVariant) -> Move,
     rng: &mut Xoshiro256PlusPlus,
 ) {
     if genes.is_empty() {
@@ -105,7 +105,7 @@ pub(super) fn mutate(
     }
     let variant = Variant::ALL[below(rng, Variant::ALL.len())];
     let (x, y) = (below(rng, width as usize) as u16, below(rng, height as usize) as u16);
-    genes[below(rng, genes.len())] = Some(write(Placed { variant, x, y }));
+    genes[below(rng, genes.len())] = Some(write(PlacedVariant { variant, x, y }));
 }
 
 /// Two numbers from 0 to `end`, the lower one first.

@@ -14,12 +14,13 @@
 //! state of that parent which was kept before the first gene that differs.
 //!
 //! ```
+//! use beadwork_base::Control;
 //! use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
 //! use beadwork_search::genetic::{self, Preset, Settings};
 //!
 //! let region = Region::rectangle(30, 30)?;
 //! let zones = LayoutSpec::new(Layout::Islands).zones(&region, 0)?;
-//! let start = Start::RowZigzag.path(&region)?;
+//! let start = Start::RowZigzag.path(&region, &Control::default())?;
 //! let outcome = genetic::solve(&start, &Crossings::new(&region, &zones), &Settings::preset(Preset::Short, 7));
 //! let annealed = outcome.generations[0].best;
 //! assert!(outcome.cost <= annealed && annealed < outcome.initial);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use beadwork_grid::{Links, Path, Placed};
+use beadwork_grid::{Links, Path, PlacedVariant};
 
 use super::individual::{Gene, Individual};
 use crate::{Cost, Move};
@@ -16,7 +16,7 @@ pub(super) trait State: Clone + Send + Sync {
     fn apply(&mut self, gene: Move) -> bool;
 
     /// A variant as a gene of the sort that is replayed here, in a plane so many cells wide.
-    fn gene(placed: Placed, width: u32) -> Move;
+    fn gene(placed: PlacedVariant, width: u32) -> Move;
 
     /// Bytes it takes, about.
     fn bytes(&self) -> usize;
@@ -36,7 +36,7 @@ impl State for Links {
         }
     }
 
-    fn gene(placed: Placed, _: u32) -> Move {
+    fn gene(placed: PlacedVariant, _: u32) -> Move {
         Move::Variant(placed)
     }
 
@@ -55,7 +55,7 @@ impl State for Path {
         gene.apply(self)
     }
 
-    fn gene(placed: Placed, width: u32) -> Move {
+    fn gene(placed: PlacedVariant, width: u32) -> Move {
         Move::Pair(placed.switches(width))
     }
 

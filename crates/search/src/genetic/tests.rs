@@ -3,8 +3,9 @@
 use std::sync::Mutex;
 use std::sync::atomic::Ordering;
 
+use beadwork_base::Control;
 use beadwork_grid::{
-    Crossings, Layout, LayoutSpec, Placed, Region, Start, Variant, Zones, cover, verify,
+    Crossings, Layout, LayoutSpec, PlacedVariant, Region, Start, Variant, Zones, cover, verify,
 };
 use proptest::prelude::*;
 
@@ -22,7 +23,9 @@ fn layer(region: Region, layout: Layout, seed: u64) -> Layer {
     let spec = LayoutSpec { side: 3, ..LayoutSpec::new(layout) };
     let zones = spec.zones(&region, seed).unwrap();
     let crossings = Crossings::new(&region, &zones);
-    let start = Start::RowZigzag.path(&region).unwrap_or_else(|_| cover(&region));
+    let start = Start::RowZigzag
+        .path(&region, &Control::default())
+        .unwrap_or_else(|_| cover(&region, &Control::default()).unwrap());
     Layer { region, zones, crossings, start }
 }
 
@@ -113,7 +116,10 @@ fn random_lists(layer: &Layer, count: u64, seed: u64) -> Vec<Vec<Move>> {
             let x = below(&mut rng, layer.region.width() as usize) as u16;
             let y = below(&mut rng, layer.region.height() as usize) as u16;
             let variant = Variant::ALL[below(&mut rng, 12)];
-            list.insert(below(&mut rng, list.len() + 1), Move::Variant(Placed { variant, x, y }));
+            list.insert(
+                below(&mut rng, list.len() + 1),
+                Move::Variant(PlacedVariant { variant, x, y }),
+            );
         }
     }
     lists
@@ -186,7 +192,7 @@ proptest! {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
         // All genes are different, and tell which parent they are of.
         let gene = |parent: u16, place: usize| {
-            let placed = Placed { variant: Variant::N, x: place as u16, y: 10 * parent + place as u16 % 10 };
+            let placed = PlacedVariant { variant: Variant::N, x: place as u16, y: 10 * parent + place as u16 % 10 };
             Some(Move::Variant(placed))
         };
         let filled = [below(&mut rng, length + 1), below(&mut rng, length + 1)];

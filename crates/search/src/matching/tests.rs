@@ -1,7 +1,7 @@
 //! Optima are judged by their certificate: no residual step of negative reduced cost means that
 //! nothing is cheaper.
 
-use beadwork_grid::{Layout, LayoutSpec, Region, Shape};
+use beadwork_grid::{Layout, LayoutSpec, Region, RegionShape};
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -12,7 +12,7 @@ use crate::ZoneCosts;
 fn boards() -> impl Iterator<Item = Board> {
     (0..200_u64).flat_map(|seed| {
         let side = 3 + (seed % 17) as u32;
-        let region = match Shape::ALL.get(seed as usize % 9) {
+        let region = match RegionShape::ALL.get(seed as usize % 9) {
             Some(shape) if side > 6 => shape.region(side, side + 1, seed).unwrap(),
             _ => Region::rectangle(side, side + 2).unwrap(),
         };

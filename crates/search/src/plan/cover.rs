@@ -95,7 +95,7 @@ impl Cover {
             let inside = zones.ids().iter().map(|&id| id == tool).collect();
             let zone = Region::from_mask(region.width(), region.height(), inside)
                 .expect("the zone has cells");
-            let alone = Zones::new(&zone, vec![0; zone.plane_len()]).expect("each cell has a zone");
+            let alone = Zones::new(&zone, vec![0; zone.grid_len()]).expect("each cell has a zone");
             let plan = exact::solve(&zone, &alone, &effort.settings(below))?;
             order.extend(plan.path.order());
             pieces += plan.pieces;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use beadwork_base::Control;
 use beadwork_grid::{Path, Region, Zones, cover};
 use beadwork_part::print::{self, Print, Purge, Settings, Title, Tool, Tower};
 use proptest::prelude::*;
@@ -33,7 +34,7 @@ impl Planned {
                 .zip(mask)
                 .map(|(cell, &inside)| if inside { side(cell) } else { Zones::OUTSIDE });
             let zones = Zones::new(&region, ids.collect()).unwrap();
-            let path = cover(&region);
+            let path = cover(&region, &Control::default()).unwrap();
             (region, zones, path)
         };
         Self { frame, layers: masks.iter().map(layer).collect() }

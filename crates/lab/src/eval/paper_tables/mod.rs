@@ -7,6 +7,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
 
+use beadwork_base::Control;
 use beadwork_console::search::{Breeding, Choice, Row, Search};
 use beadwork_console::{cancel, machine, output};
 use beadwork_grid::{Crossings, LayoutSpec, Region, Start};
@@ -165,7 +166,7 @@ fn every_method(
     let region = &Region::rectangle(cell.size.width, cell.size.height)?;
     let zones = &LayoutSpec::new(cell.layout).zones(region, instance_seed)?;
     let start = Start::RowZigzag;
-    let path = start.path(region)?;
+    let path = start.path(region, &Control::default())?;
     let bounds = Some(Bounds::new(region, zones));
     let cancel = cancel::token()?.as_flag();
     // Presets with the same annealing runs share them.

@@ -1,7 +1,8 @@
 //! Emitted prints pass; prints with a fault are turned away.
 
+use beadwork_base::Control;
 use beadwork_gcode::{Command, Heater, Line, Move, Number, TraceError, Wait};
-use beadwork_grid::{Layout, LayoutSpec, Path, Region, Shape, Zones, cover};
+use beadwork_grid::{Layout, LayoutSpec, Path, Region, RegionShape, Zones, cover};
 use proptest::prelude::*;
 
 use super::*;
@@ -55,8 +56,9 @@ fn regions() -> impl Strategy<Value = Region> {
             });
             Region::from_mask(width, height, mask.collect())
         });
-    let shapes = (prop::sample::select(Shape::ALL.to_vec()), 5_u32..24, 5_u32..24, any::<u64>())
-        .prop_map(|(shape, width, height, seed)| shape.region(width, height, seed));
+    let shapes =
+        (prop::sample::select(RegionShape::ALL.to_vec()), 5_u32..24, 5_u32..24, any::<u64>())
+            .prop_map(|(shape, width, height, seed)| shape.region(width, height, seed));
     let rectangles = sides().prop_map(|(width, height)| Region::rectangle(width, height));
     prop_oneof![2 => masks, 2 => shapes, 1 => rectangles].prop_filter_map("no cells", Result::ok)
 }
@@ -89,7 +91,7 @@ fn cases() -> impl Strategy<Value = Case> {
             )| {
                 let layers = layouts.into_iter().enumerate().map(|(number, (spec, seed))| {
                     let zones = spec.zones(&region, seed).unwrap();
-                    (number, region.clone(), zones, cover(&region))
+                    (number, region.clone(), zones, cover(&region, &Control::default()).unwrap())
                 });
                 let frame = Frame {
                     left_mm: 60.0 + left,

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use beadwork_base::Control;
 use beadwork_grid::{Path, Region, Zones, cover};
 
 use super::*;
@@ -166,7 +167,7 @@ fn marlin_gets_corners_it_accepts() {
 #[test]
 fn filament_does_not_drift() {
     let region = Region::rectangle(61, 47).unwrap();
-    let zones = Zones::new(&region, vec![0; region.plane_len()]).unwrap();
+    let zones = Zones::new(&region, vec![0; region.grid_len()]).unwrap();
     // Beads of a single cell: each of them is rounded.
     let order: Vec<u32> =
         (0..2).flat_map(|odd| region.cells().filter(move |cell| cell % 2 == odd)).collect();
@@ -251,7 +252,7 @@ fn layers_are_checked() {
     }
     let wide = Frame { width: 5, ..FRAME };
     assert!(matches!(error(&[first.layer(0)], &wide), SettingsError::Layer { layer: 0, .. }));
-    let path = cover(&second.region);
+    let path = cover(&second.region, &Control::default()).unwrap();
     let mixed = Layer { path: &path, ..first.layer(0) };
     assert!(matches!(error(&[mixed], &FRAME), SettingsError::Layer { layer: 0, .. }));
     let oval = Settings {

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use beadwork_grid::{Layout, LayoutSpec, Region, Shape, Zones, verify};
+use beadwork_grid::{Layout, LayoutSpec, Region, RegionShape, Zones, verify};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -222,12 +222,12 @@ fn one_order_for_all_layers_is_one_even_where_others_cost_as_little() {
 /// A disc that moves: layers that differ at their rims, of three zones.
 fn leaning(layers: u32) -> Sliced {
     let layer = |number: u32| {
-        let region = Shape::Disc.region(24, 24, 0).unwrap();
+        let region = RegionShape::Disc.region(24, 24, 0).unwrap();
         let shifted = |cell: u32| {
             let (x, y) = region.xy(cell);
             x >= number && region.contains(region.cell(x - number, y))
         };
-        let mask = (0..region.plane_len() as u32).map(shifted).collect();
+        let mask = (0..region.grid_len() as u32).map(shifted).collect();
         let region = Region::from_mask(24, 24, mask).unwrap();
         let zones =
             LayoutSpec::new(Layout::Voronoi).zones(&Region::rectangle(24, 24).unwrap(), 3).unwrap();

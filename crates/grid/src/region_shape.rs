@@ -1,11 +1,7 @@
 //! Drawn regions that are no rectangles: outlines like those of parts.
 
-use std::fmt;
-use std::str::FromStr;
-
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use thiserror::Error;
 
 use crate::{Region, RegionError};
 
@@ -13,7 +9,7 @@ use crate::{Region, RegionError};
 /// The seed of a drawing varies sizes, angles and the place, by a few per cent of the plane's
 /// sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Shape {
+pub enum RegionShape {
     /// All cells within a circle.
     Disc,
     /// A disc with a round hole in the middle.
@@ -28,28 +24,17 @@ pub enum Shape {
     L,
 }
 
-/// A name that is no [`Shape`].
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("'{0}' is no shape: choose disc, ring, blob, rotated_rectangle, star or l")]
-pub struct UnknownShape(pub String);
+beadwork_base::named_enum! {
+    RegionShape, "shape":
+    Disc = "disc",
+    Ring = "ring",
+    Blob = "blob",
+    RotatedRectangle = "rotated_rectangle",
+    Star = "star",
+    L = "l",
+}
 
-impl Shape {
-    /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Disc, Self::Ring, Self::Blob, Self::RotatedRectangle, Self::Star, Self::L];
-
-    /// Its name in configurations and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Disc => "disc",
-            Self::Ring => "ring",
-            Self::Blob => "blob",
-            Self::RotatedRectangle => "rotated_rectangle",
-            Self::Star => "star",
-            Self::L => "l",
-        }
-    }
-
+impl RegionShape {
     /// The cells of a plane `width` x `height` whose middles lie inside the outline.
     ///
     /// The same seed gives the same region on every machine.
@@ -132,29 +117,12 @@ impl Shape {
     }
 }
 
-impl fmt::Display for Shape {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for Shape {
-    type Err = UnknownShape;
-
-    fn from_str(name: &str) -> Result<Self, UnknownShape> {
-        Self::ALL
-            .into_iter()
-            .find(|shape| shape.name() == name)
-            .ok_or_else(|| UnknownShape(name.to_owned()))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     /// The share of the plane that it takes, and a digest of its cells.
-    fn draw(shape: Shape, seed: u64) -> (f64, u32) {
+    fn draw(shape: RegionShape, seed: u64) -> (f64, u32) {
         let region = shape.region(60, 60, seed).unwrap();
         let digest =
             region.cells().fold(0_u32, |sum, cell| sum.wrapping_mul(31).wrapping_add(cell));
@@ -163,7 +131,7 @@ mod tests {
 
     #[test]
     fn shapes_fill_their_part_of_the_plane() {
-        for shape in Shape::ALL {
+        for shape in RegionShape::ALL {
             for seed in 0..50 {
                 let (share, digest) = draw(shape, seed);
                 assert!((0.1..0.9).contains(&share), "{shape} of seed {seed} takes {share}");
@@ -175,15 +143,18 @@ mod tests {
 
     #[test]
     fn names_round_trip() {
-        for shape in Shape::ALL {
+        for shape in RegionShape::ALL {
             assert_eq!(shape.name().parse(), Ok(shape));
         }
-        assert_eq!("hexagon".parse::<Shape>(), Err(UnknownShape("hexagon".to_owned())));
+        assert_eq!(
+            "hexagon".parse::<RegionShape>().unwrap_err().to_string(),
+            "unknown shape 'hexagon': expected disc, ring, blob, rotated_rectangle, star or l"
+        );
     }
 
     #[test]
     fn planes_without_a_cell_inside_are_refused() {
-        assert_eq!(Shape::Ring.region(1, 1, 0), Err(RegionError::NoCells));
-        assert!(Shape::Disc.region(0, 4, 0).is_err());
+        assert_eq!(RegionShape::Ring.region(1, 1, 0), Err(RegionError::NoCells));
+        assert!(RegionShape::Disc.region(0, 4, 0).is_err());
     }
 }
