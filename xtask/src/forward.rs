@@ -1,38 +1,60 @@
-//! `cargo xtask WORD ...`: the binary `beadwork`, built in release, and with what learns where the
-//! words ask for it.
+//! `cargo xtask COMMAND ...`: builds the binary `beadwork` in release and runs it, with the feature
+//! `learn` where the command needs it.
 
 use std::ffi::OsString;
+use std::io::IsTerminal;
+use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::Result;
 
 use crate::{setup, workspace};
 
-/// Builds and runs the binary in the caller's folder, where relative paths among the words mean
-/// what they say.
+/// Builds the binary and runs it in the current folder, to which relative paths refer.
 pub(crate) fn run(words: &[OsString]) -> Result<()> {
-    let mut cargo = workspace::cargo();
-    cargo.args([
-        "run",
-        "--quiet",
-        "--release",
-        "--locked",
-        "-p",
-        "beadwork-cli",
-        "--bin",
-        "beadwork",
-    ]);
-    if learns(words) {
+    let learns = needs_libtorch(words);
+    if learns {
         setup::provide_any()?;
+    }
+    let mut cargo = workspace::cargo();
+    cargo.args(["run", "--release", "--locked", "-p", "beadwork-cli", "--bin", "beadwork"]);
+    if learns {
         cargo.args(["--features", "learn"]);
     }
+    // The first build takes minutes: cargo shows its progress.
+    // Later ones only take a moment.
+    if first_build(learns) {
+        let time = if learns { "some ten minutes" } else { "about two minutes" };
+        eprintln!("xtask: building beadwork for the first time, which takes {time}");
+        if !std::io::stderr().is_terminal() {
+            eprintln!("xtask: compiled packages are listed below");
+        }
+    } else {
+        cargo.arg("--quiet");
+    }
     cargo.arg("--").args(words);
-    become_it(cargo)
+    exec(cargo)
 }
 
-/// Whether words need the feature `learn`, with which the binary takes minutes longer to build for
-/// the first time.
-fn learns(words: &[OsString]) -> bool {
+/// Whether no release build of the binary was made yet, with or without libtorch.
+fn first_build(learns: bool) -> bool {
+    let target = std::env::var_os("CARGO_TARGET_DIR")
+        .map_or_else(|| workspace::root().join("target"), PathBuf::from);
+    let release = target.join("release");
+    let has_libtorch = || {
+        let packages = release.join("build").read_dir();
+        packages.is_ok_and(|mut entries| {
+            entries.any(|entry| {
+                entry.is_ok_and(|e| e.file_name().to_string_lossy().starts_with("torch-sys-"))
+            })
+        })
+    };
+    let binary = release.join("beadwork").with_extension(std::env::consts::EXE_EXTENSION);
+    !binary.exists() || learns && !has_libtorch()
+}
+
+/// Whether a command needs the feature `learn`, which takes minutes longer to build the first time.
+fn needs_libtorch(words: &[OsString]) -> bool {
     let word = |at: usize| words.get(at).and_then(|word| word.to_str()).unwrap_or_default();
     match word(0) {
         "train" => true,
@@ -46,20 +68,20 @@ fn learns(words: &[OsString]) -> bool {
     }
 }
 
-/// Cargo takes this process's place, and the binary cargo's: signals reach it and its end is ours,
-/// without anyone between.
+/// Replaces this process by cargo, and cargo replaces itself by the binary: signals and the exit
+/// code pass directly.
 #[cfg(unix)]
-fn become_it(mut cargo: Command) -> Result<()> {
+fn exec(mut cargo: Command) -> Result<()> {
     use std::os::unix::process::CommandExt;
 
-    Err(anyhow::Error::new(cargo.exec()).context("cargo could not be started"))
+    Err(anyhow::Error::new(cargo.exec()).context("cannot start cargo"))
 }
 
 #[cfg(not(unix))]
-fn become_it(mut cargo: Command) -> Result<()> {
+fn exec(mut cargo: Command) -> Result<()> {
     use anyhow::Context;
 
-    let status = cargo.status().context("cargo could not be started")?;
+    let status = cargo.status().context("cannot start cargo")?;
     std::process::exit(status.code().unwrap_or(1))
 }
 
@@ -68,9 +90,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_what_learns_needs_libtorch() {
-        let learns =
-            |line: &str| learns(&line.split_whitespace().map(OsString::from).collect::<Vec<_>>());
+    fn only_commands_with_networks_need_libtorch() {
+        let needs_libtorch = |line: &str| {
+            needs_libtorch(&line.split_whitespace().map(OsString::from).collect::<Vec<_>>())
+        };
         for line in [
             "train fusion --preset small",
             "train --help",
@@ -79,7 +102,7 @@ mod tests {
             "zones --size 30x30 --method fusion",
             "zones --method=fusion",
         ] {
-            assert!(learns(line), "{line}");
+            assert!(needs_libtorch(line), "{line}");
         }
         for line in [
             "eval zones",
@@ -89,7 +112,7 @@ mod tests {
             "zones --svg fusion",
             "plan fusion",
         ] {
-            assert!(!learns(line), "{line}");
+            assert!(!needs_libtorch(line), "{line}");
         }
     }
 }

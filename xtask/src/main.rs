@@ -1,12 +1,12 @@
-//! `cargo xtask`: the project's tasks by short names.
+//! `cargo xtask`: short names for the tasks of the project.
 //!
-//! Checks run here; every other word is the business of the binary `beadwork`, which is built in
-//! release and handed the words as they came.
-//! Nothing of the workspace is linked, so the runner itself builds in seconds.
+//! Checks and set-up run here.
+//! Every other command goes to the binary `beadwork`, which is built in release first.
+//! xtask links no crate of the workspace, so that it builds in seconds.
 //!
-//! Exit codes: 0 done, 1 failed, 2 wrong use; a forwarded word ends as the binary ends.
+//! Exit codes: 0 success, 1 failure, 2 usage error; a forwarded command ends with the binary's code.
 
-#![allow(clippy::print_stderr, reason = "a task runner talks to its terminal")]
+#![allow(clippy::print_stderr, reason = "a task runner reports to its terminal")]
 
 mod forward;
 mod setup;
@@ -21,26 +21,27 @@ use std::process::ExitCode;
 use crate::setup::Target;
 
 const HELP: &str = "\
-Usage: cargo xtask WORD [ARGUMENTS]
+Usage: cargo xtask COMMAND [ARGUMENTS]
 
 Checks:
   test       format, lints, tidy, tests and documentation; stops at the first failure
-  tidy       what review forgets: module docs, manifests, trailing blanks, leftovers
+  tidy       module docs, manifests, banned words, wide lines, leftovers
 
-Preparation:
-  setup      libtorch for what learns, once for each user; LIBTORCH, where it is set, is checked instead;
-             with --cuda one that computes on graphics cards too
+Set-up:
+  setup      download libtorch for networks, once per user; checks LIBTORCH instead if it is set;
+             with --cuda a libtorch that also computes on graphics cards
 
-Work; builds the binary `beadwork` in release and runs it with these words:
+Work: builds the binary `beadwork` in release and runs it
   gen-data   write training data
-  inspect    show and check what a dataset holds
-  zones      find a path of few crossings for one layer
-  plan       plan how a part is printed, and write its G-code
-  simulate   how warm a part gets while it is printed
-  train      train a network; the first time, libtorch is provided and built against, which takes minutes
-  eval       tables beside the papers' figures, and of whole parts
+  inspect    show and check a dataset
+  zones      find a path with few zone crossings for one layer
+  plan       plan a part and write its G-code
+  simulate   simulate the temperatures of a part while it is printed
+  train      train a network; the first time, downloads and builds libtorch, which takes minutes
+  eval       tables beside the papers' figures, and tables of whole parts
   bench      rates on this machine
-  Any other word goes to the binary too. `cargo xtask WORD --help` tells a word's arguments.
+  doctor     what is installed, what is missing, and how to get it
+  Any other command goes to the binary too. `cargo xtask COMMAND --help` lists its arguments.
 
 Examples:
   cargo xtask test
@@ -54,14 +55,14 @@ Examples:
   cargo xtask setup --cuda
 ";
 
-/// What the words on the command line ask for.
+/// A task, as given on the command line.
 #[derive(Debug, PartialEq, Eq)]
 enum Task {
     Help,
     Setup(Target),
     Test,
     Tidy,
-    /// All words, for the binary.
+    /// A command of the binary, with its arguments.
     Forward(Vec<OsString>),
 }
 
@@ -69,13 +70,13 @@ fn main() -> ExitCode {
     let task = match parse(std::env::args_os().skip(1).collect()) {
         Ok(task) => task,
         Err(error) => {
-            eprintln!("xtask: {error}\nxtask: 'cargo xtask --help' lists the tasks");
+            eprintln!("xtask: {error}\nxtask: 'cargo xtask --help' lists the commands");
             return ExitCode::from(2);
         }
     };
     let done = match task {
         Task::Help => {
-            // A reader that closes the pipe early has seen enough.
+            // A closed pipe is not a failure.
             let _ = std::io::stdout().write_all(HELP.as_bytes());
             Ok(())
         }
@@ -129,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn own_words_take_no_arguments() {
+    fn own_commands_take_no_arguments() {
         assert_eq!(parse(words("test")), Ok(Task::Test));
         assert_eq!(parse(words("tidy")), Ok(Task::Tidy));
         assert_eq!(parse(words("setup")), Ok(Task::Setup(Target::Cpu)));
@@ -141,14 +142,14 @@ mod tests {
     }
 
     #[test]
-    fn help_is_never_forwarded_for_own_words() {
+    fn help_of_own_commands_is_not_forwarded() {
         for line in ["", "help", "--help", "-h", "test --help", "tidy -h"] {
             assert_eq!(parse(words(line)), Ok(Task::Help), "'{line}'");
         }
     }
 
     #[test]
-    fn other_words_go_through_as_they_came() {
+    fn other_commands_are_forwarded_unchanged() {
         for line in ["gen-data --out x", "zones --help", "no-such-word -- --json"] {
             assert_eq!(parse(words(line)), Ok(Task::Forward(words(line))), "'{line}'");
         }

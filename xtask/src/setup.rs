@@ -1,12 +1,12 @@
-//! `cargo xtask setup`: libtorch, once for each user.
+//! `cargo xtask setup`: installs libtorch, once per user.
 //!
-//! tch is built against one version of libtorch, which the Python package index has as wheels.
-//! Pip fetches them, for it knows the user's proxies, mirrors and certificates; it keeps those that
-//! are whole, and compares checksums.
-//! What a build needs is unpacked into the user's cache, whole or not at all, and `.libtorch` in
-//! the checkout points there: that is where `.cargo/config.toml` has builds look, from a shell or
-//! from an editor.
-//! Who sets LIBTORCH has it used instead.
+//! tch requires one version of libtorch, which the Python package index offers as wheels. pip
+//! downloads them, since it knows the user's proxies, mirrors and certificates; it keeps complete
+//! downloads and verifies checksums.
+//! The files that a build needs are unpacked into the user's cache, completely or not at all.
+//! `.libtorch` in the checkout is a link to them; `.cargo/config.toml` sets LIBTORCH to that link,
+//! so that builds from a shell and from an editor find it.
+//! A LIBTORCH set by the user takes precedence.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -17,16 +17,15 @@ use anyhow::{Context, Result, ensure};
 
 use crate::workspace;
 
-/// The version that tch 0.26 is made for.
+/// The version that tch 0.26 requires.
 const VERSION: &str = "2.13.0";
 
-/// A wheel of the index: name, version and checksum.
+/// A wheel of the package index: name, version and SHA-256 checksum.
 type Wheel = (&'static str, &'static str, &'static str);
 
-/// What every build needs.
-/// All builds of torch hold the same libraries, whatever the Python that they are for; this one is
-/// for Python 3.12.
-/// The other two are asked for by libtorch even where no graphics card is.
+/// Wheels that every build needs.
+/// The wheel of torch for Python 3.12 serves all Python versions: its libraries are the same.
+/// libtorch links the other two even on machines without a graphics card.
 const WHEELS: [Wheel; 3] = [
     ("torch", VERSION, "796633c4cdf0fe2cdced72d8f88f22e73dbcfce83132763162f6d4bff13b820b"),
     (
@@ -41,8 +40,7 @@ const WHEELS: [Wheel; 3] = [
     ),
 ];
 
-/// What graphics cards need beside them: the libraries that torch's own wheel names as its
-/// dependencies.
+/// Additional wheels for graphics cards: the dependencies that the wheel of torch declares.
 const CUDA_WHEELS: [Wheel; 12] = [
     (
         "nvidia-cublas",
@@ -106,7 +104,7 @@ const CUDA_WHEELS: [Wheel; 12] = [
     ),
 ];
 
-/// What the wheels are built for, the narrowest first.
+/// Platform tags of the wheels, the most specific first.
 const PLATFORMS: [&str; 8] = [
     "manylinux_2_28_x86_64",
     "manylinux_2_27_x86_64",
@@ -118,7 +116,7 @@ const PLATFORMS: [&str; 8] = [
     "manylinux2010_x86_64",
 ];
 
-/// Files without which no build succeeds.
+/// Files that every build needs.
 const NEEDED: [&str; 4] = [
     "include/torch/csrc/api/include/torch/torch.h",
     "lib/libtorch.so",
@@ -126,15 +124,15 @@ const NEEDED: [&str; 4] = [
     "lib/libc10.so",
 ];
 
-/// What a build for graphics cards is known by.
+/// File that only a libtorch for graphics cards contains.
 const CUDA: &str = "lib/libtorch_cuda.so";
 
-const OWN: &str = "set LIBTORCH to a folder with libtorch 2.13.0 instead";
+const ALTERNATIVE: &str = "set LIBTORCH to a folder with libtorch 2.13.0 instead";
 
-/// What libtorch is to compute on.
+/// The hardware that libtorch computes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Target {
-    /// The processor.
+    /// The processor only.
     Cpu,
     /// The processor and graphics cards.
     Cuda,
@@ -163,50 +161,50 @@ impl Target {
         }
     }
 
-    /// Whether a folder holds the right libtorch for it.
+    /// Checks that a folder holds libtorch for this hardware.
     fn check(self, folder: &Path) -> Result<()> {
         let cuda = folder.join(CUDA);
-        ensure!(self == Self::Cpu || cuda.is_file(), "'{}' has no {CUDA}", folder.display());
+        ensure!(self == Self::Cpu || cuda.is_file(), "'{}': {CUDA} is missing", folder.display());
         check(folder)
     }
 }
 
-/// Provides libtorch for the processor, unless builds find one already, for whatever it is made.
+/// Installs libtorch for the processor, unless builds already find a libtorch of either kind.
 pub(crate) fn provide_any() -> Result<()> {
     let link = workspace::root().join(".libtorch");
-    if own(&link).is_none() && check(&link).is_ok() { Ok(()) } else { run(Target::Cpu) }
+    if user_folder(&link).is_none() && check(&link).is_ok() { Ok(()) } else { run(Target::Cpu) }
 }
 
-/// The folder that the user has chosen.
-/// Cargo itself sets the variable to the link, for what it runs.
-fn own(link: &Path) -> Option<PathBuf> {
+/// The folder that the user has set LIBTORCH to.
+/// Cargo sets the variable too, to the link in the checkout; that does not count.
+fn user_folder(link: &Path) -> Option<PathBuf> {
     std::env::var_os("LIBTORCH").map(PathBuf::from).filter(|own| own != link)
 }
 
-/// Provides libtorch, unless it is there.
+/// Installs libtorch, unless it is installed.
 pub(crate) fn run(target: Target) -> Result<()> {
     let link = workspace::root().join(".libtorch");
-    if let Some(own) = own(&link) {
+    if let Some(own) = user_folder(&link) {
         target.check(&own).with_context(|| format!("LIBTORCH is set to '{}'", own.display()))?;
-        eprintln!("xtask: libtorch {VERSION}: '{}', as LIBTORCH says", own.display());
+        eprintln!("xtask: libtorch {VERSION}: '{}', set by LIBTORCH", own.display());
         return Ok(());
     }
     ensure!(
         cfg!(all(target_os = "linux", target_arch = "x86_64")),
-        "only Linux on x86-64 is provided for: {OWN}"
+        "setup supports Linux on x86-64 only: {ALTERNATIVE}"
     );
     let cache = cache()?;
     let folder = cache.join(format!("libtorch-{VERSION}-{}", target.name()));
     if let Err(lack) = target.check(&folder) {
         if folder.exists() {
-            eprintln!("xtask: {lack:#}: it is made anew");
+            eprintln!("xtask: {lack:#}; installing it again");
             fs::remove_dir_all(&folder).with_context(|| format!("'{}'", folder.display()))?;
         }
-        provide(&cache, &folder, target, OsStr::new("python3"))?;
+        install(&cache, &folder, target, OsStr::new("python3"))?;
         target.check(&folder)?;
     }
-    if point(&link, &folder)? {
-        forget_builds()?;
+    if set_link(&link, &folder)? {
+        remove_builds()?;
     }
     eprintln!("xtask: libtorch {VERSION}: '{}'", folder.display());
     Ok(())
@@ -217,35 +215,34 @@ fn cache() -> Result<PathBuf> {
     let set =
         |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let cache = set("XDG_CACHE_HOME").or_else(|| set("HOME").map(|home| home.join(".cache")));
-    Ok(cache
-        .context("neither XDG_CACHE_HOME nor HOME tells where a cache could be")?
-        .join("beadwork"))
+    Ok(cache.context("no cache folder: neither XDG_CACHE_HOME nor HOME is set")?.join("beadwork"))
 }
 
-/// Whether a folder holds the right libtorch.
+/// Checks that a folder holds the required version of libtorch.
 fn check(folder: &Path) -> Result<()> {
     for file in NEEDED {
         ensure!(
             folder.join(file).is_file(),
-            "'{}' is no libtorch: it has no {file}",
+            "'{}' is not a libtorch: {file} is missing",
             folder.display()
         );
     }
     let file = folder.join("build-version");
-    let text = fs::read_to_string(&file)
-        .with_context(|| format!("'{}' tells no version", file.display()))?;
-    // Official packages add what they were built for, as in 2.13.0+cpu.
+    let text = fs::read_to_string(&file).with_context(|| {
+        format!("cannot read the version of libtorch from '{}'", file.display())
+    })?;
+    // Official packages append the hardware, as in 2.13.0+cpu.
     let version = text.trim().split('+').next().unwrap_or_default();
     ensure!(
         version == VERSION,
-        "'{}' holds libtorch {version}: {VERSION} is needed",
+        "'{}' holds libtorch {version}, but {VERSION} is required",
         folder.display()
     );
     Ok(())
 }
 
-/// Fetches and unpacks into a new folder of the cache.
-fn provide(cache: &Path, folder: &Path, target: Target, python: &OsStr) -> Result<()> {
+/// Downloads libtorch and unpacks it into a new folder of the cache.
+fn install(cache: &Path, folder: &Path, target: Target, python: &OsStr) -> Result<()> {
     let works = |words: &[&str]| {
         let mut python = Command::new(python);
         python.args(words).stdout(Stdio::null()).stderr(Stdio::null());
@@ -253,41 +250,38 @@ fn provide(cache: &Path, folder: &Path, target: Target, python: &OsStr) -> Resul
     };
     ensure!(
         works(&["-c", ""]),
-        "python3 is needed to fetch libtorch, and does not run: install it, or {OWN}"
+        "python3 is required to download libtorch, but does not run: install it, or {ALTERNATIVE}"
     );
     ensure!(
         works(&["-m", "pip", "--version"]),
-        "pip for python3 is needed to fetch libtorch: install it, or {OWN}"
+        "pip for python3 is required to download libtorch: install it, or {ALTERNATIVE}"
     );
     let wheels = cache.join("wheels");
-    fs::create_dir_all(&wheels)
-        .with_context(|| format!("'{}' could not be made", wheels.display()))?;
+    fs::create_dir_all(&wheels).with_context(|| format!("cannot create '{}'", wheels.display()))?;
     eprintln!(
-        "xtask: fetching libtorch {VERSION} ({}, once) into '{}'",
+        "xtask: downloading libtorch {VERSION} ({}, once) to '{}'",
         target.size(),
         cache.display()
     );
-    fetch(&wheels, target, python)?;
+    download(&wheels, target, python)?;
     eprintln!("xtask: unpacking");
     let part =
         cache.join(format!("libtorch-{VERSION}-{}.{}.part", target.name(), std::process::id()));
     let unpacked = unpack(&wheels, &part, target, python).and_then(|()| {
         fs::write(part.join("build-version"), format!("{VERSION}\n"))?;
-        fs::rename(&part, folder)
-            .with_context(|| format!("'{}' could not be made", folder.display()))
+        fs::rename(&part, folder).with_context(|| format!("cannot create '{}'", folder.display()))
     });
     if unpacked.is_err() {
-        // What is left of it is of no use; the error that led here is the one to tell.
+        // The partial folder is useless; a failure to remove it must not hide the first error.
         let _ = fs::remove_dir_all(&part);
         return unpacked;
     }
-    fs::remove_dir_all(&wheels)
-        .with_context(|| format!("'{}' could not be removed", wheels.display()))
+    fs::remove_dir_all(&wheels).with_context(|| format!("cannot remove '{}'", wheels.display()))
 }
 
-/// Fetches the wheels one by one, so that each that is whole stays, whatever becomes of the next.
-/// Pip knows those that are there already, and fetches anew what has another checksum.
-fn fetch(wheels: &Path, target: Target, python: &OsStr) -> Result<()> {
+/// Downloads the wheels one by one, so that complete ones are kept if a later download fails. pip
+/// skips wheels that are present and downloads those with a wrong checksum again.
+fn download(wheels: &Path, target: Target, python: &OsStr) -> Result<()> {
     for (name, version, sha256) in target.wheels() {
         let wanted = wheels.join("wanted.txt");
         fs::write(&wanted, format!("{name}=={version} --hash=sha256:{sha256}\n"))?;
@@ -305,19 +299,19 @@ fn fetch(wheels: &Path, target: Target, python: &OsStr) -> Result<()> {
         ]);
         pip.args(PLATFORMS.iter().flat_map(|platform| ["--platform", platform]));
         pip.arg("--dest").arg(wheels).arg("-r").arg(&wanted);
-        // Later versions take up a connection that broke; earlier ones would refuse the option.
+        // Recent versions of pip resume broken downloads; older ones ignore the variable, but would
+        // refuse an option.
         pip.env("PIP_RESUME_RETRIES", "20");
-        let status = pip.status().context("pip could not be started")?;
+        let status = pip.status().context("cannot start pip")?;
         ensure!(
             status.success(),
-            "pip did not fetch {name}, see above; run this again, what is whole is kept, or {OWN}"
+            "pip did not download {name}, see above; run this again (complete files are kept), or {ALTERNATIVE}"
         );
     }
     Ok(())
 }
 
-/// The wheels of a folder that are wanted: others may have been left there by a fetch of another
-/// version.
+/// The required wheels in a folder, which may also hold wheels of another version.
 fn wheels_of_target(wheels: &Path, target: Target) -> Result<Vec<PathBuf>> {
     let wanted: Vec<_> = target
         .wheels()
@@ -339,14 +333,14 @@ fn unpack(wheels: &Path, part: &Path, target: Target, python: &OsStr) -> Result<
     let files = wheels_of_target(wheels, target)?;
     let mut unpack = Command::new(python);
     unpack.args(["-c", include_str!("unpack.py"), target.name()]).arg(part).args(&files);
-    let status = unpack.status().context("python3 could not be started")?;
-    ensure!(status.success(), "the wheels in '{}' could not be unpacked", wheels.display());
+    let status = unpack.status().context("cannot start python3")?;
+    ensure!(status.success(), "cannot unpack the wheels in '{}'", wheels.display());
     Ok(())
 }
 
-/// Has the next build ask anew what there is to link: what LIBTORCH says is the same link, so cargo
-/// sees no change.
-fn forget_builds() -> Result<()> {
+/// Removes builds that link the previous libtorch: LIBTORCH still names the same link, so cargo
+/// would not notice the change.
+fn remove_builds() -> Result<()> {
     for profile in ["dev", "release"] {
         let mut clean = workspace::cargo();
         clean.current_dir(workspace::root()).args([
@@ -356,161 +350,42 @@ fn forget_builds() -> Result<()> {
             "--profile",
             profile,
         ]);
-        clean.args(["-p", "torch-sys", "-p", "beadwork-learn", "-p", "beadwork-cli"]);
-        let status = clean.status().context("cargo could not be started")?;
+        clean.args([
+            "-p",
+            "torch-sys",
+            "-p",
+            "beadwork-learn",
+            "-p",
+            "beadwork-lab",
+            "-p",
+            "beadwork-cli",
+        ]);
+        let status = clean.status().context("cannot start cargo")?;
         ensure!(
             status.success(),
-            "builds against another libtorch could not be removed: run 'cargo clean'"
+            "cannot remove builds against another libtorch: run 'cargo clean'"
         );
     }
     Ok(())
 }
 
-/// Has the link point to a folder; tells whether it pointed elsewhere before.
+/// Makes the link point to a folder; returns whether it pointed elsewhere before.
 #[cfg(unix)]
-fn point(link: &Path, folder: &Path) -> Result<bool> {
+fn set_link(link: &Path, folder: &Path) -> Result<bool> {
     let before = fs::read_link(link).ok();
     if before.as_deref() == Some(folder) {
         return Ok(false);
     }
     let new = link.with_extension(std::process::id().to_string());
     let made = std::os::unix::fs::symlink(folder, &new).and_then(|()| fs::rename(&new, link));
-    made.with_context(|| {
-        format!("'{}' could not be made to point to '{}'", link.display(), folder.display())
-    })?;
+    made.with_context(|| format!("cannot link '{}' to '{}'", link.display(), folder.display()))?;
     Ok(before.is_some())
 }
 
 #[cfg(not(unix))]
-fn point(_: &Path, _: &Path) -> Result<bool> {
-    anyhow::bail!("only Linux is provided for: {OWN}")
+fn set_link(_: &Path, _: &Path) -> Result<bool> {
+    anyhow::bail!("setup supports Linux only: {ALTERNATIVE}")
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A folder of a test's own, gone with it.
-    struct Folder(PathBuf);
-
-    impl Folder {
-        fn new(name: &str) -> Self {
-            let path =
-                std::env::temp_dir().join(format!("xtask-setup-{}-{name}", std::process::id()));
-            fs::create_dir_all(&path).unwrap();
-            Self(path)
-        }
-
-        fn with_libtorch(self, version: &str) -> Self {
-            for file in NEEDED {
-                let path = self.0.join(file);
-                fs::create_dir_all(path.parent().unwrap()).unwrap();
-                fs::write(path, "").unwrap();
-            }
-            fs::write(self.0.join("build-version"), version).unwrap();
-            self
-        }
-    }
-
-    impl Drop for Folder {
-        fn drop(&mut self) {
-            fs::remove_dir_all(&self.0).unwrap();
-        }
-    }
-
-    #[test]
-    fn the_right_libtorch_is_known() {
-        for version in ["2.13.0\n", "2.13.0+cpu\n", "2.13.0+cu130"] {
-            check(&Folder::new("right").with_libtorch(version).0).unwrap();
-        }
-    }
-
-    #[test]
-    fn another_version_is_named() {
-        let folder = Folder::new("other").with_libtorch("2.6.0+cpu\n");
-        let error = format!("{:#}", check(&folder.0).unwrap_err());
-        assert!(error.contains("holds libtorch 2.6.0: 2.13.0 is needed"), "{error}");
-    }
-
-    #[test]
-    fn what_is_made_for_the_processor_is_not_for_graphics_cards() {
-        let folder = Folder::new("cuda").with_libtorch("2.13.0");
-        Target::Cpu.check(&folder.0).unwrap();
-        let error = format!("{:#}", Target::Cuda.check(&folder.0).unwrap_err());
-        assert!(error.contains(CUDA), "{error}");
-        fs::write(folder.0.join(CUDA), "").unwrap();
-        Target::Cuda.check(&folder.0).unwrap();
-    }
-
-    #[test]
-    fn what_is_missing_is_named() {
-        let folder = Folder::new("lacking").with_libtorch("2.13.0");
-        for file in NEEDED.iter().rev().chain(&["build-version"]) {
-            fs::rename(folder.0.join(file), folder.0.join("elsewhere")).unwrap();
-            let error = format!("{:#}", check(&folder.0).unwrap_err());
-            assert!(error.contains(file), "{error}");
-            fs::rename(folder.0.join("elsewhere"), folder.0.join(file)).unwrap();
-        }
-        assert!(check(&folder.0.join("nowhere")).is_err());
-    }
-
-    #[test]
-    fn without_python_or_pip_nothing_is_left_behind() {
-        let folder = Folder::new("python");
-        let cache = folder.0.join("cache");
-        let error = provide(&cache, &cache.join("x"), Target::Cpu, OsStr::new("no-such-python"))
-            .unwrap_err();
-        assert!(format!("{error:#}").contains("python3 is needed"), "{error:#}");
-        // Like a Python without modules, a shell runs what `-c` says, and finds no pip.
-        let error = provide(&cache, &cache.join("x"), Target::Cpu, OsStr::new("sh")).unwrap_err();
-        assert!(format!("{error:#}").contains("pip for python3 is needed"), "{error:#}");
-        assert!(!cache.exists());
-    }
-
-    #[test]
-    fn a_failed_fetch_says_what_to_do() {
-        let folder = Folder::new("fetch");
-        let error = fetch(&folder.0, Target::Cpu, OsStr::new("false")).unwrap_err();
-        assert!(format!("{error:#}").contains("run this again"), "{error:#}");
-    }
-
-    #[test]
-    fn wheels_of_other_versions_are_left_alone() {
-        let folder = Folder::new("wheels");
-        let names = [
-            "nvidia_cuda_cupti-13.0.85-py3-none-manylinux_2_25_x86_64.whl",
-            "torch-2.13.0-cp312-cp312-manylinux_2_28_x86_64.whl",
-        ];
-        for name in names
-            .iter()
-            .chain(&["torch-2.12.1-cp312-cp312-manylinux_2_28_x86_64.whl", "wanted.txt"])
-        {
-            fs::write(folder.0.join(name), "").unwrap();
-        }
-        let mut found = wheels_of_target(&folder.0, Target::Cpu).unwrap();
-        found.sort();
-        assert_eq!(found, names.map(|name| folder.0.join(name)));
-    }
-
-    #[test]
-    fn what_is_not_whole_does_not_stay() {
-        let folder = Folder::new("part");
-        // A program that claims to have fetched and unpacked, and did neither.
-        assert!(provide(&folder.0, &folder.0.join("x"), Target::Cpu, OsStr::new("true")).is_err());
-        let left: Vec<_> =
-            fs::read_dir(&folder.0).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-        assert_eq!(left, ["wheels"]);
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn the_link_follows() {
-        let folder = Folder::new("link");
-        let link = folder.0.join(".libtorch");
-        for target in ["a", "b", "b"] {
-            point(&link, &folder.0.join(target)).unwrap();
-            assert_eq!(fs::read_link(&link).unwrap(), folder.0.join(target));
-        }
-        assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 1);
-    }
-}
+mod tests;

@@ -1,4 +1,9 @@
-//! `cargo xtask tidy`: what review forgets, and neither rustfmt nor clippy sees.
+//! `cargo xtask tidy`: checks that neither rustfmt nor clippy makes.
+
+mod manifest;
+#[cfg(test)]
+mod tests;
+mod words;
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -8,22 +13,23 @@ use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 
+use self::words::BannedWords;
 use crate::workspace;
 
 /// A longer source file holds more than one concept.
 const MAX_LINES: usize = 1200;
 
-/// Git keeps every version of a file for ever.
+/// Maximum width of a line, in characters.
+const MAX_COLUMNS: usize = 100;
+
+/// Maximum size of a file: git keeps every version of it for ever.
 const MAX_BYTES: u64 = 4 << 20;
 
 /// Macros of unfinished work; without the exclamation mark, so that this list does not report
 /// itself.
 const LEFTOVERS: [&str; 3] = ["todo", "unimplemented", "dbg"];
 
-/// What a crate takes from the workspace.
-const INHERITED: [&str; 4] = ["version", "edition", "rust-version", "license"];
-
-/// Something to mend.
+/// A fault in a file.
 #[derive(Debug, PartialEq, Eq)]
 struct Problem {
     path: String,
@@ -38,16 +44,17 @@ impl fmt::Display for Problem {
     }
 }
 
-/// Checks the files git tracks, and those it would take up with the next `git add`.
+/// Checks the files that git tracks, and those that `git add` would add.
 pub(crate) fn run() -> Result<()> {
     let tracked = git_files(&["--cached"])?;
-    let fresh = git_files(&["--others", "--exclude-standard"])?;
+    let untracked = git_files(&["--others", "--exclude-standard"])?;
+    let words = BannedWords::load();
     let mut problems = Vec::new();
-    for path in tracked.union(&fresh) {
+    for path in tracked.union(&untracked) {
         let file = workspace::root().join(path);
         let metadata = match fs::symlink_metadata(&file) {
             Ok(metadata) => metadata,
-            // Deleted, and git has not been told yet.
+            // Deleted, but still tracked.
             Err(error) if error.kind() == ErrorKind::NotFound => continue,
             Err(error) => return Err(error).with_context(|| path.clone()),
         };
@@ -56,20 +63,20 @@ pub(crate) fn run() -> Result<()> {
         }
         if tracked.contains(path) && metadata.len() > MAX_BYTES {
             let what = format!(
-                "{} bytes in git, more than {MAX_BYTES}: generate or fetch it",
+                "{} bytes in git, more than {MAX_BYTES}: generate or download it",
                 metadata.len()
             );
             problems.push(Problem { path: path.clone(), line: 1, what });
         }
         if is_checked(path) {
             let text = fs::read_to_string(&file).with_context(|| path.clone())?;
-            problems.extend(check(path, &text));
+            problems.extend(check(path, &text, &words));
         }
     }
     for problem in &problems {
         eprintln!("{problem}");
     }
-    ensure!(problems.is_empty(), "tidy: {} to mend", problems.len());
+    ensure!(problems.is_empty(), "tidy: {} to fix", problems.len());
     Ok(())
 }
 
@@ -79,10 +86,10 @@ fn git_files(which: &[&str]) -> Result<BTreeSet<String>> {
         .args(["ls-files", "-z"])
         .args(which)
         .output()
-        .context("git could not be started")?;
-    let complaint = String::from_utf8_lossy(&output.stderr);
-    ensure!(output.status.success(), "git does not list the files: {}", complaint.trim_end());
-    let names = String::from_utf8(output.stdout).context("a file's name is not UTF-8")?;
+        .context("cannot start git")?;
+    let message = String::from_utf8_lossy(&output.stderr);
+    ensure!(output.status.success(), "git cannot list the files: {}", message.trim_end());
+    let names = String::from_utf8(output.stdout).context("a file name is not UTF-8")?;
     Ok(names.split_terminator('\0').map(str::to_owned).collect())
 }
 
@@ -99,14 +106,16 @@ fn is_checked(path: &str) -> bool {
 }
 
 /// All problems of a file, in the order of its lines.
-/// The path has slashes and begins at the root.
-fn check(path: &str, text: &str) -> Vec<Problem> {
+/// The path is relative to the root and has slashes.
+fn check(path: &str, text: &str, words: &BannedWords) -> Vec<Problem> {
     let mut found = blanks(text);
+    found.extend(wide_lines(text));
+    found.extend(words.check(text));
     if has_extension(path, "rs") {
         found.extend(source(file_name(path), text));
     }
     if file_name(path) == "Cargo.toml" {
-        found.extend(manifest(text));
+        found.extend(manifest::check(text));
     }
     found.sort();
     found.into_iter().map(|(line, what)| Problem { path: path.to_owned(), line, what }).collect()
@@ -129,6 +138,20 @@ fn blanks(text: &str) -> Vec<(usize, String)> {
     found
 }
 
+/// Lines wider than [`MAX_COLUMNS`], except those that cannot be broken: rows of Markdown tables,
+/// and single words such as addresses.
+fn wide_lines(text: &str) -> Vec<(usize, String)> {
+    let cannot_be_broken = |line: &str| {
+        let content = line.trim_start().trim_start_matches(['/', '!', '#', '-', '*']).trim_start();
+        content.starts_with('|') || !content.contains(' ')
+    };
+    numbered(text)
+        .map(|(number, line)| (number, line, line.chars().count()))
+        .filter(|&(_, line, columns)| columns > MAX_COLUMNS && !cannot_be_broken(line))
+        .map(|(number, _, columns)| (number, format!("{columns} columns, more than {MAX_COLUMNS}")))
+        .collect()
+}
+
 fn source(name: &str, text: &str) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     if name != "build.rs" && !text.starts_with("//!") {
@@ -145,157 +168,11 @@ fn source(name: &str, text: &str) -> Vec<(usize, String)> {
     found
 }
 
-/// Whether the line names the macro `name!`, and not one that merely ends so.
+/// Whether the line names the macro `name!`, rather than one whose name ends with it.
 fn calls(line: &str, name: &str) -> bool {
     line.match_indices(name).any(|(at, _)| {
         let before = line[..at].chars().next_back();
         let within_a_word = before.is_some_and(|c| c.is_alphanumeric() || c == '_');
         !within_a_word && line[at + name.len()..].starts_with('!')
     })
-}
-
-/// Checks a manifest line by line, in the spelling that all of them here share.
-fn manifest(text: &str) -> Vec<(usize, String)> {
-    let mut table = "";
-    let mut package = None;
-    let mut inherits = BTreeSet::new();
-    for (number, line) in numbered(text) {
-        let line = line.split('#').next().unwrap_or(line).trim();
-        if line.starts_with('[') {
-            table = line.trim_matches(['[', ']']).trim();
-            match table {
-                "package" => package = Some(number),
-                // The root of a workspace has nobody to inherit from.
-                "workspace" => return Vec::new(),
-                _ => {}
-            }
-        } else if let Some((key, value)) = line.split_once('=') {
-            match (table, key.trim(), value.trim()) {
-                ("package", key, "true") => inherits.extend(key.strip_suffix(".workspace")),
-                ("lints", "workspace", "true") => _ = inherits.insert("lints"),
-                _ => {}
-            }
-        }
-    }
-    let Some(package) = package else { return Vec::new() };
-    let missing = INHERITED.into_iter().filter(|key| !inherits.contains(key));
-    let mut found: Vec<_> = missing
-        .map(|key| (package, format!("{key} is not the workspace's: write {key}.workspace = true")))
-        .collect();
-    if !inherits.contains("lints") {
-        found.push((
-            package,
-            "the lints are not the workspace's: write workspace = true under [lints]".to_owned(),
-        ));
-    }
-    found
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn report(path: &str, text: &str) -> Vec<String> {
-        check(path, text).iter().map(ToString::to_string).collect()
-    }
-
-    const GOOD: &str = "\
-[package]
-name = \"x\"
-version.workspace = true
-edition.workspace = true
-rust-version.workspace = true # the oldest that is tried
-license.workspace = true
-
-[lints]
-workspace = true
-";
-
-    #[test]
-    fn a_good_source_passes() {
-        assert!(report("crates/x/src/lib.rs", "//! Docs.\n\nfn f() {}\n").is_empty());
-        assert!(report("crates/x/build.rs", "fn main() {}\n").is_empty());
-    }
-
-    #[test]
-    fn docs_come_first() {
-        let expected = ["a/b.rs:1: does not begin with its documentation (//!)"];
-        assert_eq!(report("a/b.rs", "fn f() {}\n//! Docs.\n"), expected);
-        assert_eq!(report("a/b.rs", ""), expected);
-    }
-
-    #[test]
-    fn blanks_and_tabs_are_found_with_their_lines() {
-        assert_eq!(
-            report("a.md", "one \n\ntwo\t\n\tthree\n"),
-            [
-                "a.md:1: blank at the end of the line",
-                "a.md:3: blank at the end of the line",
-                "a.md:4: tab",
-            ]
-        );
-        assert_eq!(report("a.toml", "x = 1 \n"), ["a.toml:1: blank at the end of the line"]);
-        assert!(report("a.md", "one\r\ntwo\r\n").is_empty());
-    }
-
-    #[test]
-    fn long_sources_are_found_but_not_long_texts() {
-        let lines = |count: usize| "//! x\n".repeat(count);
-        assert!(report("a.rs", &lines(MAX_LINES)).is_empty());
-        assert_eq!(
-            report("a.rs", &lines(MAX_LINES + 1)),
-            ["a.rs:1201: 1201 lines, more than 1200: split it"]
-        );
-        assert!(report("a.md", &lines(MAX_LINES + 1)).is_empty());
-    }
-
-    #[test]
-    fn leftovers_are_found_as_whole_words() {
-        for name in LEFTOVERS {
-            let text = format!("//! Docs.\nfn f() {{\n    std::{name}!()\n}}\n");
-            assert_eq!(report("a.rs", &text), [format!("a.rs:3: {name}! is left over")]);
-            let longer =
-                format!("//! Docs.\nfn f() {{\n    my_{name}!();\n    let {name} = 1;\n}}\n");
-            assert!(report("a.rs", &longer).is_empty());
-        }
-    }
-
-    #[test]
-    fn a_good_manifest_passes() {
-        assert!(report("crates/x/Cargo.toml", GOOD).is_empty());
-    }
-
-    #[test]
-    fn each_missing_inheritance_is_found() {
-        for key in INHERITED {
-            let text =
-                GOOD.replace(&format!("\n{key}.workspace = true"), &format!("\n{key} = \"1\""));
-            let what = format!(
-                "x/Cargo.toml:1: {key} is not the workspace's: write {key}.workspace = true"
-            );
-            assert_eq!(report("x/Cargo.toml", &text), [what]);
-        }
-        let text = GOOD.replace("[lints]\nworkspace = true\n", "");
-        let what = "x/Cargo.toml:1: the lints are not the workspace's: write workspace = true under [lints]";
-        assert_eq!(report("x/Cargo.toml", &text), [what]);
-    }
-
-    #[test]
-    fn a_dependency_does_not_count_as_inherited() {
-        let text = GOOD
-            .replace("license.workspace = true\n", "\n[dependencies]\nlicense.workspace = true\n");
-        assert_eq!(report("x/Cargo.toml", &text).len(), 1);
-    }
-
-    #[test]
-    fn the_root_and_other_tables_are_left_alone() {
-        assert!(
-            report(
-                "Cargo.toml",
-                "[workspace]\nmembers = []\n\n[workspace.package]\nversion = \"1\"\n"
-            )
-            .is_empty()
-        );
-        assert!(report("deny.toml", "[licenses]\nallow = []\n").is_empty());
-    }
 }

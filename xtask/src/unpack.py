@@ -1,4 +1,4 @@
-"""Unpacks what libtorch's build needs from wheels: python3 unpack.py cpu|cuda FOLDER WHEEL..."""
+"""Unpacks the files that a build of libtorch needs from wheels: python3 unpack.py cpu|cuda FOLDER WHEEL..."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import shutil
 import sys
 import zipfile
 
-# For the processor: kernels and, as libtorch_cpu.so asks for them, the libraries that time graphics cards.
+# For the processor: kernels, and the profiling libraries of graphics cards, which libtorch_cpu.so links.
 LIBRARIES = {
     "libtorch_cpu.so",
     "libtorch.so",
@@ -18,12 +18,12 @@ LIBRARIES = {
 }
 
 
-def place(member: str) -> pathlib.PurePosixPath | None:
-    """Where a member of a wheel belongs, if anywhere."""
+def destination(member: str) -> pathlib.PurePosixPath | None:
+    """Path of a member of a wheel in the unpacked folder; None if it is not needed."""
     path = pathlib.PurePosixPath(member)
     if path.parts[:2] == ("torch", "include"):
         return path.relative_to("torch")
-    # With graphics cards, whatever is loaded at run time; Python's own part of torch is not.
+    # For graphics cards: all libraries loaded at run time, except torch's Python bindings.
     shared = ".so" in path.suffixes and not path.name.startswith(("libtorch_python", "libshm"))
     if path.parent.name == "lib" and (path.name in LIBRARIES or kind == "cuda" and shared):
         return pathlib.PurePosixPath("lib", path.name)
@@ -35,7 +35,7 @@ folder, *wheels = map(pathlib.Path, sys.argv[2:])
 for wheel in wheels:
     with zipfile.ZipFile(wheel) as archive:
         for member in archive.infolist():
-            where = place(member.filename)
+            where = destination(member.filename)
             if where is None or member.is_dir():
                 continue
             target = folder / where
