@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::{Context, bail};
+use beadwork_base::Threads;
 use beadwork_mesh::{
     Bounds, Example, Format, Limits, Materials, Model, Placement, Repaired, Transform,
 };
@@ -12,7 +13,7 @@ use beadwork_part::slice::{FillRule, Layers, Settings, slice};
 use clap::ValueEnum;
 use rayon::ThreadPool;
 
-use crate::{cancel, progress};
+use crate::control;
 
 /// Prefix of a part that is built in rather than a file.
 const EXAMPLE: &str = "example:";
@@ -173,25 +174,18 @@ impl PartArgs {
         let Numbers(turn_degrees) = self.rotate;
         let centre_mm = self.centre.map(|Numbers(centre)| centre);
         Placement { scale: self.scale, turn_degrees, centre_mm, bed_mm }.apply(&mut model)?;
-        let bar = progress::bar(0, "slice");
-        let observer = |progress: beadwork_part::slice::Progress| {
-            bar.set_length(progress.layers as u64);
-            bar.set_position(progress.done as u64);
-        };
         let settings = Settings {
             cell_mm: self.bead,
             layer_mm: self.layer,
-            rule: match self.fill {
+            fill_rule: match self.fill {
                 Fill::Nonzero => FillRule::NonZero,
                 Fill::Evenodd => FillRule::EvenOdd,
             },
-            pool: Some(pool),
-            cancel: Some(cancel::token()?.as_flag()),
-            observer: Some(&observer),
             ..Settings::default()
         };
-        let layers = slice(&model, &settings)?;
-        bar.finish_and_clear();
+        let threads = Threads::Pool(pool);
+        let layers =
+            control::with_bar("slice", threads, |control| slice(&model, &settings, control))??;
         let bounds = model.bounds();
         Ok(Part { name: name_of(&self.parts[0]), layers, repaired, bounds, model })
     }

@@ -1,11 +1,13 @@
 //! From planned layers to G-code that has been checked.
 
 use anyhow::Context;
+use beadwork_base::Threads;
 use beadwork_gcode::Program;
 use beadwork_part::print::{self, Layer, Print};
 use beadwork_part::slice::{self, Layers};
 use beadwork_search::plan::{LayerRef, ToolPlan};
 
+use crate::control;
 use crate::part::Part;
 use crate::printer::Profile;
 
@@ -58,7 +60,10 @@ pub fn print(
         profile.print(&part.name, &layers, frame, settings)?;
     let text = program.emit();
     drop(program);
-    let checked = print::check(&Program::parse(&text)?, &layers, frame, &settings);
+    let program = Program::parse(&text)?;
+    let checked = control::quiet(Threads::One, |control| {
+        print::check(&program, &layers, frame, &settings, control)
+    })?;
     let checked = checked.context("G-code does not print the plan; this is a bug of beadwork")?;
     Ok(Printed { text, totals, checked, settings })
 }

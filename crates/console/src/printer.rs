@@ -4,12 +4,16 @@ use std::fs;
 use std::path::PathBuf;
 
 use anyhow::{Context, bail};
+use beadwork_base::Control;
 use beadwork_mesh::Material;
 use beadwork_part::Frame;
-use beadwork_part::print::{self, Flavour, Layer, Print, Purge, SettingsError, Title, Tool, Tower};
+use beadwork_part::print::{
+    self, Flavour, Layer, PrimeTower, Print, PrintError, Purge, SettingsError, Title, Tool,
+};
 use beadwork_search::plan::ToolCosts;
 use clap::ValueEnum;
 
+use crate::cancel;
 use crate::output::usage_error;
 use crate::part::Numbers;
 
@@ -51,7 +55,7 @@ enum FlavourName {
 enum TowerPlace {
     Auto,
     None,
-    At(Tower),
+    At(PrimeTower),
 }
 
 impl std::str::FromStr for TowerPlace {
@@ -65,7 +69,7 @@ impl std::str::FromStr for TowerPlace {
                 let Numbers([left_mm, front_mm, width_mm, depth_mm]) = text
                     .parse()
                     .map_err(|_| "expected auto, none, or LEFT,FRONT,WIDTH,DEPTH".to_owned())?;
-                Ok(Self::At(Tower { left_mm, front_mm, width_mm, depth_mm }))
+                Ok(Self::At(PrimeTower { left_mm, front_mm, width_mm, depth_mm }))
             }
         }
     }
@@ -180,17 +184,21 @@ impl Profile {
         mut settings: print::Settings,
     ) -> anyhow::Result<(Print, print::Settings)> {
         let title = Title { part: name, version: env!("CARGO_PKG_VERSION") };
+        let control = Control { cancel: Some(cancel::token()?), ..Control::default() };
         let has_place = settings.purge.as_ref().is_none_or(|purge| purge.tower.is_some());
         if has_place || settings.tools.len() < 2 || !matches!(self.tower, TowerPlace::Auto) {
-            return Ok((Print::new(title, layers, frame, &settings)?, settings));
+            return Ok((Print::new(title, layers, frame, &settings, &control)?, settings));
         }
         let mut refusal = None;
         for tower in tower_candidates(frame, settings.printer.bed_mm) {
             settings.purge.iter_mut().for_each(|purge| purge.tower = Some(tower));
-            match Print::new(title, layers, frame, &settings) {
+            match Print::new(title, layers, frame, &settings, &control) {
                 Ok(print) => return Ok((print, settings)),
                 Err(
-                    error @ (SettingsError::TowerDepth { .. } | SettingsError::TowerWidth { .. }),
+                    error @ PrintError::Settings(
+                        SettingsError::PrimeTowerDepth { .. }
+                        | SettingsError::PrimeTowerWidth { .. },
+                    ),
                 ) => {
                     refusal = Some(error);
                 }
@@ -208,15 +216,15 @@ impl Profile {
 }
 
 /// Candidate prime towers beside, behind and in front of the part, small ones first.
-fn tower_candidates(frame: &Frame, [bed_x, bed_y, _]: [f64; 3]) -> Vec<Tower> {
+fn tower_candidates(frame: &Frame, [bed_x, bed_y, _]: [f64; 3]) -> Vec<PrimeTower> {
     let [left, front, right, back] = frame.sides_mm();
     let (left, right) = (left - TOWER_GAP_MM, right + TOWER_GAP_MM);
     let (front, back) = (front - TOWER_GAP_MM, back + TOWER_GAP_MM);
     let mut towers = Vec::new();
     for size in [20.0, 40.0, 60.0, 90.0, 130.0, 180.0, 250.0, 400.0] {
         let beside =
-            |left_mm: f64| Tower { left_mm, front_mm: 0.0, width_mm: size, depth_mm: bed_y };
-        let before = |front_mm: f64, depth_mm: f64| Tower {
+            |left_mm: f64| PrimeTower { left_mm, front_mm: 0.0, width_mm: size, depth_mm: bed_y };
+        let before = |front_mm: f64, depth_mm: f64| PrimeTower {
             left_mm: (bed_x - size) / 2.0,
             front_mm,
             width_mm: size,
@@ -224,7 +232,7 @@ fn tower_candidates(frame: &Frame, [bed_x, bed_y, _]: [f64; 3]) -> Vec<Tower> {
         };
         // As close to the part as possible, and at most twice as deep as wide: thin towers fall
         // over.
-        let shallow = |tower: Tower| {
+        let shallow = |tower: PrimeTower| {
             let depth_mm = tower.depth_mm.min(2.0 * size);
             let free = tower.depth_mm - depth_mm;
             let front_mm = if free > 0.0 && tower.front_mm == 0.0 {
@@ -232,7 +240,7 @@ fn tower_candidates(frame: &Frame, [bed_x, bed_y, _]: [f64; 3]) -> Vec<Tower> {
             } else {
                 tower.front_mm
             };
-            Tower { depth_mm, front_mm, ..tower }
+            PrimeTower { depth_mm, front_mm, ..tower }
         };
         if right + size <= bed_x {
             towers.push(shallow(beside(right)));
@@ -244,7 +252,7 @@ fn tower_candidates(frame: &Frame, [bed_x, bed_y, _]: [f64; 3]) -> Vec<Tower> {
             towers.push(shallow(before(back, bed_y - back)));
         }
         if size <= bed_x && front > 0.0 {
-            towers.push(Tower {
+            towers.push(PrimeTower {
                 front_mm: (front - 2.0 * size).max(0.0),
                 ..before(0.0, front.min(2.0 * size))
             });

@@ -6,6 +6,7 @@ use beadwork_grid::Cell;
 use beadwork_part::slice::Voxels;
 use beadwork_part::{Frame, Pattern};
 use clap::ValueEnum;
+use ndarray::Array3;
 
 /// A part of the thermal figures: voxels of 0.5 x 0.5 x 0.25 mm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -54,10 +55,11 @@ pub(crate) fn cuboid(size: [u32; 3]) -> Voxels {
 
 fn voxels([width, height, depth]: [u32; 3], inside: impl Fn([u32; 3]) -> bool) -> Voxels {
     let frame = Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width, height };
-    let places =
-        (0..depth).flat_map(|z| (0..height).flat_map(move |y| (0..width).map(move |x| [x, y, z])));
-    let materials = places.map(|at| if inside(at) { 0 } else { Voxels::EMPTY }).collect();
-    Voxels::new(frame, depth as usize, materials)
+    let material = |(z, y, x): (usize, usize, usize)| {
+        if inside([x as u32, y as u32, z as u32]) { 0 } else { Voxels::EMPTY }
+    };
+    let shape = (depth as usize, height as usize, width as usize);
+    Voxels::new(frame, Array3::from_shape_fn(shape, material))
 }
 
 /// The orders of each layer by all 38 patterns, in the order of their numbers.

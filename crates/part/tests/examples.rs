@@ -1,6 +1,7 @@
 //! The example parts, sliced: sound surfaces, and the cells that their documentation promises.
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
+use beadwork_base::Control;
 use beadwork_mesh::{Example, Materials, Placement};
 use beadwork_part::slice::{Settings, slice};
 
@@ -20,7 +21,7 @@ fn they_are_sound_and_of_the_sizes_stated() {
         }
         model.assign(Materials::Stated);
         Placement::default().apply(&mut model).unwrap();
-        let layers = slice(&model, &Settings::default()).unwrap();
+        let layers = slice(&model, &Settings::default(), &Control::default()).unwrap();
         let frame = layers.frame;
         assert_eq!([frame.width, frame.height, layers.layers.len() as u32], size, "{example}");
         assert_eq!(layers.tools(), materials);
@@ -30,7 +31,8 @@ fn they_are_sound_and_of_the_sizes_stated() {
 
 #[test]
 fn the_u_has_the_cells_of_the_notes() {
-    let layers = slice(&Example::UShape.model(), &Settings::default()).unwrap();
+    let layers =
+        slice(&Example::UShape.model(), &Settings::default(), &Control::default()).unwrap();
     assert_eq!(layers.cell_count(), 39_600);
     let region = &layers.layers[0].as_ref().unwrap().region;
     assert!(region.contains(region.cell(25, 19)) && !region.contains(region.cell(25, 20)));

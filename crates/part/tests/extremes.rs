@@ -9,6 +9,7 @@
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
 
+use beadwork_base::Control;
 use beadwork_gcode::{Limits as Speeds, Program};
 use beadwork_mesh::{
     Body, Format, Limits, Materials, Mesh, Model, Placement, ReadError, RepairError, Shape,
@@ -203,9 +204,12 @@ fn heights_without_end() {
         bodies: vec![body(Shape::Cuboid { size_mm: [2.0, 2.0, height] }.mesh())],
         materials: Vec::new(),
     };
-    assert_eq!(slice::slice(&needle(100.0), &settings).unwrap().layers.len(), 100_000);
+    assert_eq!(
+        slice::slice(&needle(100.0), &settings, &Control::default()).unwrap().layers.len(),
+        100_000
+    );
     for height in [2e5, 1e6, 1e300, 1e308] {
-        let error = slice::slice(&needle(height), &settings);
+        let error = slice::slice(&needle(height), &settings, &Control::default());
         assert!(matches!(error, Err(SliceError::Cells { .. })), "{height}");
     }
 }
@@ -230,7 +234,7 @@ fn many_bodies_in_many_layers() {
     model.bodies.iter_mut().for_each(|body| _ = body.repair().unwrap());
     model.assign(Materials::Stated);
     let settings = slice::Settings { cell_mm: 0.5, layer_mm: 0.1, ..slice::Settings::default() };
-    assert!(slice::slice(&model, &settings).unwrap().cell_count() > 10_000);
+    assert!(slice::slice(&model, &settings, &Control::default()).unwrap().cell_count() > 10_000);
 }
 
 #[test]
@@ -243,7 +247,7 @@ fn coordinates_beyond_all_use() {
         let mut model = read(Format::Obj, &text).unwrap();
         _ = model.bodies[0].repair();
         model.assign(Materials::Stated);
-        assert!(slice::slice(&model, &settings).is_err());
+        assert!(slice::slice(&model, &settings, &Control::default()).is_err());
         for scale in [1.0, 1e-300, 1e300] {
             let placement = Placement { scale, turn_degrees: [45.0; 3], ..Placement::default() };
             if placement.apply(&mut model.clone()).is_ok() {

@@ -39,7 +39,7 @@ use beadwork_base::Control;
 use beadwork_gcode::{Event, Program};
 use beadwork_grid::{Layout, LayoutSpec, Path, Region, Zones, cover};
 use beadwork_mesh::{Format, Limits, Materials, Mesh, Model, Placement, Shape, Transform};
-use beadwork_part::print::{self, Flavour, Print, Printer, Purge, Title, Tool, Tower};
+use beadwork_part::print::{self, Flavour, PrimeTower, Print, Printer, Purge, Title, Tool};
 use beadwork_part::{Frame, slice};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -130,13 +130,13 @@ fn mesh_way(format: Format, bytes: &[u8], number: u64) -> bool {
     let rules = [Materials::Stated, Materials::Bodies, Materials::One];
     model.assign(rules[(number % 3) as usize]);
     let settings =
-        slice::Settings { cell_mm: 1.0, layer_mm: 1.0, most_cells: 1 << 18, ..Default::default() };
-    _ = slice::slice(&model, &settings);
+        slice::Settings { cell_mm: 1.0, layer_mm: 1.0, max_cells: 1 << 18, ..Default::default() };
+    _ = slice::slice(&model, &settings, &Control::default());
     if Placement::default().apply(&mut model).is_err() {
         return false;
     }
     assert!(is_finite(&model));
-    let Ok(layers) = slice::slice(&model, &settings) else { return false };
+    let Ok(layers) = slice::slice(&model, &settings, &Control::default()) else { return false };
     assert_eq!(layers.voxels().count() as u64, layers.cell_count());
     true
 }
@@ -156,7 +156,7 @@ fn gcode_way(bytes: &[u8]) -> bool {
     }
     let plan = Plan::new();
     let settings = Plan::settings(Flavour::Marlin);
-    _ = print::check(&program, &plan.layers(), &plan.frame, &settings);
+    _ = print::check(&program, &plan.layers(), &plan.frame, &settings, &Control::default());
     let Ok(seconds) = program.print_seconds(settings.printer.limits()) else { return false };
     assert!(seconds >= 0.0 && seconds.is_finite(), "{seconds} s");
     true
@@ -335,7 +335,7 @@ impl Plan {
     }
 
     fn settings(flavour: Flavour) -> print::Settings {
-        let tower = Tower { left_mm: 120.0, front_mm: 50.0, width_mm: 10.0, depth_mm: 30.0 };
+        let tower = PrimeTower { left_mm: 120.0, front_mm: 50.0, width_mm: 10.0, depth_mm: 30.0 };
         let purge = Some(Purge::uniform(2, 2.0, Some(tower)));
         let printer = Printer { flavour, ..Printer::default() };
         print::Settings {
@@ -348,10 +348,16 @@ impl Plan {
 
     fn print(&self, flavour: Flavour) -> String {
         let title = Title { part: "plate", version: "0" };
-        Print::new(title, &self.layers(), &self.frame, &Self::settings(flavour))
-            .unwrap()
-            .program
-            .emit()
+        Print::new(
+            title,
+            &self.layers(),
+            &self.frame,
+            &Self::settings(flavour),
+            &Control::default(),
+        )
+        .unwrap()
+        .program
+        .emit()
     }
 }
 

@@ -19,9 +19,10 @@
 //! use beadwork_part::slice::Voxels;
 //! use beadwork_part::{Frame, Pattern};
 //! use beadwork_thermal::{Material, Method, Process, Simulation};
+//! use ndarray::Array3;
 //!
 //! let frame = Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width: 30, height: 20 };
-//! let part = Arc::new(Voxels::new(frame, 2, vec![0; 30 * 20 * 2]));
+//! let part = Arc::new(Voxels::new(frame, Array3::zeros((2, 20, 30))));
 //! let mut simulation = Simulation::new(part.clone(), &Material::abs(), &Process::default(), Method::default())?;
 //! for layer in 0..2 {
 //!     let order = Pattern::CONVENTIONAL.order(&part.region(layer as usize)?);

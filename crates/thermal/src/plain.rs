@@ -324,13 +324,14 @@ impl Plain {
 mod tests {
     use super::*;
     use beadwork_part::Frame;
+    use ndarray::Array3;
 
     /// One voxel in the air, by hand.
     #[test]
     fn a_single_voxel_is_what_one_computes_by_hand() {
         let frame =
             Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width: 1, height: 1 };
-        let part = Arc::new(Voxels::new(frame, 1, vec![0]));
+        let part = Arc::new(Voxels::new(frame, Array3::zeros((1, 1, 1))));
         let mut plain =
             Plain::new(part, &Material::abs(), &Process::default(), Scheme::Euler).unwrap();
         let birth = Slot { voxel: Some([0, 0, 0]), seconds: 0.01 };

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use beadwork_part::slice::Voxels;
 use beadwork_part::{Frame, Pattern};
+use ndarray::Array3;
 
 use crate::{Material, Method, Process, Simulation};
 
@@ -14,11 +15,9 @@ pub(crate) fn stairs(width: u32, height: u32, depth: usize) -> Arc<Voxels> {
         let hole = width > 8 && (3..5).contains(&x) && (2..4).contains(&y);
         !hole && x as usize * depth >= z * width as usize / 2
     };
-    let cells =
-        (0..depth).flat_map(|z| (0..height).flat_map(move |y| (0..width).map(move |x| (x, y, z))));
-    let materials =
-        cells.map(|(x, y, z)| if filled(x, y, z) { 0 } else { Voxels::EMPTY }).collect();
-    Arc::new(Voxels::new(frame, depth, materials))
+    let material = |(z, y, x)| if filled(x as u32, y as u32, z) { 0 } else { Voxels::EMPTY };
+    let shape = (depth, height as usize, width as usize);
+    Arc::new(Voxels::new(frame, Array3::from_shape_fn(shape, material)))
 }
 
 pub(crate) fn unprinted(part: Arc<Voxels>) -> Simulation {

@@ -22,7 +22,7 @@ impl Simulation {
     /// # use beadwork_part::{Frame, Pattern};
     /// # use beadwork_thermal::{Material, Method, Process, Simulation};
     /// # let frame = Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width: 20, height: 10 };
-    /// # let part = Arc::new(Voxels::new(frame, 1, vec![0; 200]));
+    /// # let part = Arc::new(Voxels::new(frame, ndarray::Array3::zeros((1, 10, 20))));
     /// # let simulation = Simulation::new(part.clone(), &Material::abs(), &Process::default(), Method::default())?;
     /// let orders = Pattern::ALL.map(|pattern| pattern.order(&part.region(0).unwrap()));
     /// let spreads = simulation.try_orders(0, &orders, None, |end| end.spread().map_or(0.0, |spread| spread.std_c))?;

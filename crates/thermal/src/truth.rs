@@ -26,6 +26,7 @@ use std::sync::Arc;
 
 use beadwork_part::Frame;
 use beadwork_part::slice::Voxels;
+use ndarray::Array3;
 
 use crate::material::Material;
 use crate::process::Process;
@@ -139,7 +140,7 @@ impl Body {
         let width = ((width_m * 1e3 / cell_mm).round() as u32).max(1);
         let depth = (height_m * 1e3 / layer_mm).round() as usize;
         let frame = Frame { left_mm: 0.0, back_mm: 0.0, cell_mm, layer_mm, width, height: width };
-        Arc::new(Voxels::new(frame, depth, vec![0; depth * (width * width) as usize]))
+        Arc::new(Voxels::new(frame, Array3::zeros((depth, width as usize, width as usize))))
     }
 
     fn process(self) -> Process {

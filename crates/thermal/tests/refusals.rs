@@ -12,6 +12,7 @@ use beadwork_thermal::{
     Accuracy, DepositError, Material, Method, Process, PropertyError, SetupError, Simulation, Slot,
 };
 use common::{bits, block, frame, part_of};
+use ndarray::Array3;
 
 const METHODS: [Method; 3] =
     [Method::Naive, Method::Reference { steps: 1 }, Method::Fast(Accuracy::Standard)];
@@ -225,7 +226,10 @@ fn methods_and_sizes() {
     let SetupError::Unstable { seconds, limit } = error else { panic!("{error:?}") };
     assert!((seconds - 0.1).abs() < 1e-12 && (limit - 0.0877).abs() < 1e-4);
     for (cell_mm, layer_mm) in [(0.0, 0.25), (0.5, -0.25), (f64::NAN, 0.25), (0.5, f64::INFINITY)] {
-        let part = Arc::new(Voxels::new(Frame { cell_mm, layer_mm, ..frame(2, 2) }, 1, vec![0; 4]));
+        let part = Arc::new(Voxels::new(
+            Frame { cell_mm, layer_mm, ..frame(2, 2) },
+            Array3::zeros((1, 2, 2)),
+        ));
         for method in METHODS {
             let error = Simulation::new(part.clone(), &material, &process, method).unwrap_err();
             assert!(matches!(error, SetupError::Size { .. }), "{error:?}");

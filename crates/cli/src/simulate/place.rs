@@ -41,7 +41,7 @@ mod tests {
     fn sides_belong_to_the_voxel_behind_them() {
         let frame =
             Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width: 6, height: 4 };
-        let part = Voxels::new(frame, 2, vec![0; 6 * 4 * 2]);
+        let part = Voxels::new(frame, ndarray::Array3::zeros((2, 4, 6)));
         assert_eq!(voxel_at(&part, [0.0; 3]), Some([0, 3, 0]));
         assert_eq!(voxel_at(&part, [0.5, 0.5, 0.25]), Some([1, 2, 1]));
         assert_eq!(voxel_at(&part, [3.0, 2.0, 0.5]), Some([5, 0, 1]));

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::Context;
-use beadwork_base::Control;
+use beadwork_base::{Control, Threads};
 use beadwork_console::plan::printed_layers;
 use beadwork_console::{control, machine, output};
 use beadwork_gcode::Program;
@@ -155,7 +155,10 @@ fn repair(model: &mut Model) -> anyhow::Result<()> {
 
 fn outlines(model: &Model, layer_mm: f64, pool: Option<&rayon::ThreadPool>) -> usize {
     let layers = (model.bounds().greatest[2] / layer_mm) as usize;
-    let of_body = |body: &Body| cut(&body.mesh, &body.paint, layer_mm, layers, pool).len();
+    let control = Control::on(Threads::of(pool));
+    let of_body = |body: &Body| {
+        cut(&body.mesh, &body.paint, layer_mm, layers, &control).map_or(0, |all| all.len())
+    };
     model.bodies.iter().map(of_body).sum()
 }
 
@@ -176,14 +179,14 @@ fn pipeline(
         let read = begin.elapsed().as_secs_f64();
         repair(&mut model)?;
         let repaired = begin.elapsed().as_secs_f64();
-        let settings = Settings { layer_mm, pool: Some(pool), ..Settings::default() };
-        let layers: Layers = slice(&model, &settings)?;
+        let settings = Settings { layer_mm, ..Settings::default() };
+        let layers: Layers = slice(&model, &settings, &Control::on(Threads::Pool(pool)))?;
         let all = begin.elapsed().as_secs_f64();
         let again = Instant::now();
         outlines(&model, layer_mm, Some(pool));
         let outlined = again.elapsed().as_secs_f64();
         let again = Instant::now();
-        slice(&model, &Settings { pool: None, ..settings })?;
+        slice(&model, &settings, &Control::default())?;
         let alone = again.elapsed().as_secs_f64();
         // The first run does not count.
         if repeat > 0 {
@@ -240,7 +243,8 @@ fn heights(repeats: u64) -> anyhow::Result<Vec<Value>> {
         }
         let mesh = Mesh::new(vertices, triangles)?;
         let layers = storeys as usize * 40;
-        let seconds = super::median(repeats, |_| drop(cut(&mesh, &[], 0.1, layers, None)));
+        let seconds =
+            super::median(repeats, |_| drop(cut(&mesh, &[], 0.1, layers, &Control::default())));
         rows.push(json!({
             "height_mm": 4 * storeys, "triangles": mesh.triangles().len(), "layers": layers,
             "micros_a_layer": 1e6 * seconds / layers as f64,
@@ -261,7 +265,7 @@ fn gcode(repeats: u64) -> anyhow::Result<Value> {
         materials: Vec::new(),
     };
     Placement::default().apply(&mut model)?;
-    let sliced = slice(&model, &Settings::default())?;
+    let sliced = slice(&model, &Settings::default(), &Control::default())?;
     let covers = sliced.layers.iter().flatten();
     let covers = covers.map(|layer| cover(&layer.region, &Control::default()));
     let covers: Vec<_> = covers.collect::<Result<_, _>>()?;
@@ -269,18 +273,19 @@ fn gcode(repeats: u64) -> anyhow::Result<Value> {
     let settings =
         print::Settings { tools: vec![print::Tool::default()], ..print::Settings::default() };
     let title = Title { part: "sphere", version: env!("CARGO_PKG_VERSION") };
-    let print = Print::new(title, &layers, &sliced.frame, &settings)?;
+    let print = Print::new(title, &layers, &sliced.frame, &settings, &Control::default())?;
     let text = print.program.emit();
     let lines = print.program.lines.len();
     let rate = |seconds: f64| lines as f64 / seconds;
     let limits = settings.printer.limits();
     // What could fail has not failed above.
-    let made =
-        super::median(repeats, |_| drop(Print::new(title, &layers, &sliced.frame, &settings)));
+    let made = super::median(repeats, |_| {
+        drop(Print::new(title, &layers, &sliced.frame, &settings, &Control::default()))
+    });
     let written = super::median(repeats, |_| drop(print.program.emit()));
     let read = super::median(repeats, |_| drop(Program::parse(&text)));
     let checked = super::median(repeats, |_| {
-        drop(print::check(&print.program, &layers, &sliced.frame, &settings))
+        drop(print::check(&print.program, &layers, &sliced.frame, &settings, &Control::default()))
     });
     let timed = super::median(repeats, |_| {
         black_box(print.program.print_seconds(limits)).ok();

@@ -9,12 +9,13 @@ mod error;
 mod heat;
 mod modes;
 
+use beadwork_base::Control;
 use beadwork_gcode::{Event, Feature, Motion, Program};
 use beadwork_grid::Cell;
 
 pub use self::error::CheckError;
 use self::heat::Heaters;
-use super::{Layer, Settings, Tower, layer};
+use super::{Layer, PrimeTower, Settings, layer};
 use crate::Frame;
 
 /// What a checked print holds.
@@ -34,7 +35,7 @@ pub struct Report {
 
 /// A cell of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct CellPosition {
     /// Number of the layer.
     pub layer: usize,
     /// Column of the cell.
@@ -43,7 +44,7 @@ pub struct Place {
     pub y: u32,
 }
 
-impl std::fmt::Display for Place {
+impl std::fmt::Display for CellPosition {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "layer {}, cell ({}, {})", self.layer, self.x, self.y)
     }
@@ -57,6 +58,9 @@ const FILAMENT_MM: f64 = 2e-5;
 
 /// Speeds have three decimals in mm/min: what may be lost, in mm/s.
 const SPEED_MM_S: f64 = 1e-4;
+
+/// Events between two polls for interruption.
+const EVENTS_PER_POLL: usize = 4096;
 
 /// Share by which volumes may differ.
 const VOLUME: f64 = 0.01;
@@ -87,11 +91,15 @@ pub fn check(
     layers: &[Layer<'_>],
     frame: &Frame,
     settings: &Settings,
+    control: &Control<'_>,
 ) -> Result<Report, CheckError> {
     settings.check(frame)?;
     layer::check(layers, frame, settings)?;
-    let mut checker = Checker::new(layers, frame, settings);
-    for event in program.trace() {
+    let mut checker = Checker::new(layers, frame, settings, control);
+    for (number, event) in program.trace().enumerate() {
+        if number % EVENTS_PER_POLL == 0 {
+            control.check()?;
+        }
         let event = event?;
         checker.heaters.take(&event);
         match event {
@@ -114,6 +122,7 @@ struct Checker<'a> {
     layers: &'a [Layer<'a>],
     frame: &'a Frame,
     settings: &'a Settings,
+    control: &'a Control<'a>,
     /// Index of the layer that is printed.
     at: usize,
     /// Number of the highest layer that anything was printed in.
@@ -136,11 +145,17 @@ struct Checker<'a> {
 }
 
 impl<'a> Checker<'a> {
-    fn new(layers: &'a [Layer<'a>], frame: &'a Frame, settings: &'a Settings) -> Self {
+    fn new(
+        layers: &'a [Layer<'a>],
+        frame: &'a Frame,
+        settings: &'a Settings,
+        control: &'a Control<'a>,
+    ) -> Self {
         Self {
             layers,
             frame,
             settings,
+            control,
             at: 0,
             begun: None,
             tower: None,
@@ -169,7 +184,7 @@ impl<'a> Checker<'a> {
     fn put_aside(&self, tool: u8, line: usize) -> Result<(), CheckError> {
         let Some(&drawn_mm) = self.drawn_mm.get(usize::from(tool)) else { return Ok(()) };
         if (drawn_mm - self.settings.process.retract_mm).abs() > FILAMENT_MM {
-            return Err(CheckError::Drawn { line, tool, drawn_mm });
+            return Err(CheckError::Retraction { line, tool, drawn_mm });
         }
         Ok(())
     }
@@ -182,7 +197,7 @@ impl<'a> Checker<'a> {
             if let Some(drawn_mm) = self.drawn_mm.get_mut(usize::from(tool)) {
                 *drawn_mm -= motion.extruded_mm;
                 if *drawn_mm < -FILAMENT_MM {
-                    return Err(CheckError::Drawn { line, tool, drawn_mm: *drawn_mm });
+                    return Err(CheckError::Retraction { line, tool, drawn_mm: *drawn_mm });
                 }
             }
             return Ok(());
@@ -190,7 +205,7 @@ impl<'a> Checker<'a> {
         let filament_mm2 = self.tool(tool, line)?;
         let drawn_mm = self.drawn_mm[usize::from(tool)];
         if drawn_mm.abs() > FILAMENT_MM {
-            return Err(CheckError::Drawn { line, tool, drawn_mm });
+            return Err(CheckError::Retraction { line, tool, drawn_mm });
         }
         self.heaters.check(tool, line)?;
         let layer = self.layer(motion)?;
@@ -224,7 +239,11 @@ impl<'a> Checker<'a> {
         }
         let top_mm = self.begun.map_or(0.0, |layer| self.frame.top_mm(layer));
         let z_mm = from_mm[2].min(place_mm[2]);
-        if z_mm < top_mm - PLACE_MM { Err(CheckError::Low { line, z_mm, top_mm }) } else { Ok(()) }
+        if z_mm < top_mm - PLACE_MM {
+            Err(CheckError::NozzleTooLow { line, z_mm, top_mm })
+        } else {
+            Ok(())
+        }
     }
 
     fn speed(&self, motion: &Motion, layer: usize) -> Result<(), CheckError> {
@@ -261,8 +280,8 @@ impl<'a> Checker<'a> {
     fn tower_stroke(&mut self, motion: &Motion, layer: usize) -> Result<(), CheckError> {
         let line = motion.line;
         let tower = self.settings.purge.as_ref().and_then(|purge| purge.tower);
-        let Tower { left_mm, front_mm, width_mm, depth_mm } =
-            tower.ok_or(CheckError::Tower { line })?;
+        let PrimeTower { left_mm, front_mm, width_mm, depth_mm } =
+            tower.ok_or(CheckError::PrimeTowerOutside { line })?;
         let half = self.frame.cell_mm / 2.0 - PLACE_MM;
         let sides = [(left_mm, left_mm + width_mm), (front_mm, front_mm + depth_mm)];
         let is_within = |place: [f64; 3]| {
@@ -270,10 +289,10 @@ impl<'a> Checker<'a> {
             sides.all(|(&(low, high), at)| low + half <= at && at <= high - half)
         };
         if !is_within(motion.from_mm) || !is_within(motion.to_mm) {
-            return Err(CheckError::Tower { line });
+            return Err(CheckError::PrimeTowerOutside { line });
         }
         if self.tower.map_or(0, |below| below + 1) < layer {
-            return Err(CheckError::Air { line, layer });
+            return Err(CheckError::PrimeTowerInAir { line, layer });
         }
         self.tower = Some(layer);
         Ok(())
@@ -283,7 +302,7 @@ impl<'a> Checker<'a> {
     fn purged(&mut self, line: usize) -> Result<(), CheckError> {
         let Some((from, to)) = self.purge.take() else { return Ok(()) };
         let asked_mm3 =
-            self.settings.purge.as_ref().map_or(0.0, |purge| purge.into_tower_mm3(from, to));
+            self.settings.purge.as_ref().map_or(0.0, |purge| purge.prime_tower_mm3(from, to));
         // Rounded filament may lack a thousandth.
         if self.purged_mm3 < asked_mm3 * 0.999 {
             return Err(CheckError::Purge { line, from, to, asked_mm3, got_mm3: self.purged_mm3 });
@@ -352,7 +371,7 @@ impl<'a> Checker<'a> {
     ) -> Result<(), CheckError> {
         let line = motion.line;
         // A cell left of or behind the plane is named by the one next to it.
-        let place = Place { layer: layer.number, x: x.max(0) as u32, y: y.max(0) as u32 };
+        let place = CellPosition { layer: layer.number, x: x.max(0) as u32, y: y.max(0) as u32 };
         let inside = x >= 0 && y >= 0 && place.x < self.frame.width && place.y < self.frame.height;
         let cell = if inside { place.y * self.frame.width + place.x } else { u32::MAX };
         if !layer.region.contains(cell) {
@@ -364,13 +383,17 @@ impl<'a> Checker<'a> {
         }
         let halves = &mut self.halves[cell as usize];
         if *halves & 1 << side != 0 || halves.count_ones() == 2 {
-            return Err(CheckError::Again { line, place });
+            return Err(CheckError::PrintedTwice { line, place });
         }
         *halves |= 1 << side;
         // No half came twice, so that there are not more of them than the path has.
         let next = layer.path.order()[self.printed / 2];
         if cell != next || side != way(layer, cell)[self.printed % 2] {
-            return Err(CheckError::Path { line, place, expected: layer.region.xy(next).into() });
+            return Err(CheckError::OffPath {
+                line,
+                place,
+                expected: layer.region.xy(next).into(),
+            });
         }
         self.printed += 1;
         Ok(())
@@ -383,13 +406,14 @@ impl<'a> Checker<'a> {
             let halves = std::mem::take(&mut self.halves[cell as usize]).count_ones();
             if halves < 2 {
                 let (x, y) = layer.region.xy(cell);
-                let place = Place { layer: layer.number, x, y };
+                let place = CellPosition { layer: layer.number, x, y };
                 return Err(CheckError::Missing { place, share: f64::from(halves) / 2.0 });
             }
         }
         self.printed = 0;
         self.report.cells += u64::from(layer.region.cell_count());
         self.at += 1;
+        self.control.report(self.at, self.layers.len());
         Ok(())
     }
 

@@ -156,13 +156,13 @@ fn check_place(last: usize, frame: &Frame, settings: &Settings) -> Result<(), Se
     let Some(tower) = settings.purge.as_ref().and_then(|purge| purge.tower) else { return Ok(()) };
     let (right, back) = (tower.left_mm + tower.width_mm, tower.front_mm + tower.depth_mm);
     if right > bed_x + ROUNDING_MM || back > bed_y + ROUNDING_MM {
-        return Err(SettingsError::TowerOutside);
+        return Err(SettingsError::PrimeTowerOutside);
     }
     let apart = right <= left_mm + ROUNDING_MM
         || tower.left_mm >= right_mm - ROUNDING_MM
         || back <= front_mm + ROUNDING_MM
         || tower.front_mm >= back_mm - ROUNDING_MM;
-    if apart { Ok(()) } else { Err(SettingsError::TowerOverlaps) }
+    if apart { Ok(()) } else { Err(SettingsError::PrimeTowerOverlaps) }
 }
 
 #[cfg(test)]

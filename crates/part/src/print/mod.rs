@@ -18,7 +18,7 @@
 //! use beadwork_gcode::Program;
 //! use beadwork_grid::{Layout, LayoutSpec, Region, cover};
 //! use beadwork_part::Frame;
-//! use beadwork_part::print::{self, Layer, Print, Purge, Settings, Title, Tool, Tower};
+//! use beadwork_part::print::{self, Layer, Print, Purge, Settings, Title, Tool, PrimeTower};
 //!
 //! let region = Region::rectangle(20, 10)?;
 //! let zones = LayoutSpec::new(Layout::LeftRight).zones(&region, 0)?;
@@ -34,16 +34,17 @@
 //!     width: 20,
 //!     height: 10,
 //! };
-//! let tower = Tower { left_mm: 120.0, front_mm: 50.0, width_mm: 30.0, depth_mm: 60.0 };
+//! let tower = PrimeTower { left_mm: 120.0, front_mm: 50.0, width_mm: 30.0, depth_mm: 60.0 };
 //! let purge = Some(Purge::uniform(2, 10.0, Some(tower)));
 //! let settings = Settings { tools: vec![Tool::default(); 2], purge, ..Settings::default() };
 //!
 //! let title = Title { part: "plate", version: "0.1.0" };
-//! let print = Print::new(title, &layers, &frame, &settings)?;
+//! let control = Control::default();
+//! let print = Print::new(title, &layers, &frame, &settings, &control)?;
 //! assert_eq!(print.totals.tool_changes, 20);
 //!
 //! let program = Program::parse(&print.program.emit())?;
-//! assert_eq!(print::check(&program, &layers, &frame, &settings)?.cells, 400);
+//! assert_eq!(print::check(&program, &layers, &frame, &settings, &control)?.cells, 400);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -54,13 +55,14 @@
 mod check;
 mod header;
 mod layer;
+mod prime_tower;
 mod settings;
-mod tower;
 mod writer;
 
-pub use check::{CheckError, Place, Report, check};
+pub use check::{CellPosition, CheckError, Report, check};
 pub use layer::Layer;
 pub use settings::{
-    CrossSection, Flavour, Nozzles, Printer, Process, Purge, Settings, SettingsError, Tool, Tower,
+    CrossSection, Flavour, Nozzles, PrimeTower, Printer, Process, Purge, Settings, SettingsError,
+    Tool,
 };
-pub use writer::{Print, Title};
+pub use writer::{Print, PrintError, Title};

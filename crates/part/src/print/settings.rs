@@ -63,7 +63,8 @@ pub struct Printer {
     pub square_corner_mm_s: f64,
     /// The greatest speed of the head, in mm/s; it is not written to the file, but no speed of the
     /// head in the process may be higher.
-    pub greatest_mm_s: f64,
+    #[serde(alias = "greatest_mm_s")]
+    pub max_speed_mm_s: f64,
 }
 
 impl Default for Printer {
@@ -76,7 +77,7 @@ impl Default for Printer {
             bed_mm: [250.0, 210.0, 210.0],
             acceleration_mm_s2: 1000.0,
             square_corner_mm_s: 5.0,
-            greatest_mm_s: 200.0,
+            max_speed_mm_s: 200.0,
         }
     }
 }
@@ -87,7 +88,7 @@ impl Printer {
         Limits {
             acceleration_mm_s2: self.acceleration_mm_s2,
             square_corner_mm_s: self.square_corner_mm_s,
-            greatest_mm_s: self.greatest_mm_s,
+            greatest_mm_s: self.max_speed_mm_s,
         }
     }
 }
@@ -215,18 +216,18 @@ pub struct Purge {
     /// What stands on the diagonal does not matter.
     pub volume_mm3: Vec<Vec<f64>>,
     /// Where it goes; `None`: the printer purges by itself when it is told to change tools.
-    pub tower: Option<Tower>,
+    pub tower: Option<PrimeTower>,
 }
 
 impl Purge {
     /// The same volume for every change between so many tools, in mm³.
-    pub fn uniform(tools: usize, volume_mm3: f64, tower: Option<Tower>) -> Self {
+    pub fn uniform(tools: usize, volume_mm3: f64, tower: Option<PrimeTower>) -> Self {
         let row = |from| (0..tools).map(|to| if from == to { 0.0 } else { volume_mm3 }).collect();
         Self { volume_mm3: (0..tools).map(row).collect(), tower }
     }
 
-    /// What a change between two tools takes, in mm³, and goes into the tower: 0 without one.
-    pub fn into_tower_mm3(&self, from: u8, to: u8) -> f64 {
+    /// Volume that a change between two tools purges into the prime tower, in mm³; 0 without one.
+    pub fn prime_tower_mm3(&self, from: u8, to: u8) -> f64 {
         let row =
             self.volume_mm3.get(usize::from(from)).filter(|_| self.tower.is_some() && from != to);
         row.and_then(|row| row.get(usize::from(to))).copied().unwrap_or(0.0)
@@ -236,7 +237,7 @@ impl Purge {
 /// The place of the tower that takes up what is purged.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Tower {
+pub struct PrimeTower {
     /// x of its left side, in mm.
     pub left_mm: f64,
     /// y of its front, in mm.
@@ -262,14 +263,14 @@ pub enum SettingsError {
         wanted: &'static str,
     },
     /// The head is to go faster than the printer can.
-    #[error("{field} is {value}, and printer.greatest_mm_s is {greatest_mm_s}")]
+    #[error("{field} is {value}, and printer.max_speed_mm_s is {max_speed_mm_s}")]
     TooFast {
         /// Which speed.
         field: &'static str,
         /// What it is, in mm/s.
         value: f64,
         /// The greatest speed, in mm/s.
-        greatest_mm_s: f64,
+        max_speed_mm_s: f64,
     },
     /// An oval bead is higher than wide.
     #[error(
@@ -313,15 +314,15 @@ pub enum SettingsError {
     },
     /// The tower lies partly outside the bed.
     #[error("purge.tower reaches beyond the bed")]
-    TowerOutside,
+    PrimeTowerOutside,
     /// The tower and the plane of the part overlap.
     #[error("purge.tower overlaps the part")]
-    TowerOverlaps,
+    PrimeTowerOverlaps,
     /// The tower has no room for what is purged.
     #[error(
         "purge.tower.depth_mm is {depth_mm}, and must be at least {needed_mm} for what one layer purges"
     )]
-    TowerDepth {
+    PrimeTowerDepth {
         /// Its depth in mm.
         depth_mm: f64,
         /// What it takes, in mm.
@@ -329,7 +330,7 @@ pub enum SettingsError {
     },
     /// The tower is too narrow for its walls and one bead between them.
     #[error("purge.tower.width_mm is {width_mm}, and must be at least {needed_mm}")]
-    TowerWidth {
+    PrimeTowerWidth {
         /// Its width in mm.
         width_mm: f64,
         /// What it takes, in mm.
@@ -389,7 +390,7 @@ impl Settings {
         let [x, y, z] = printer.bed_mm;
         let positive = [
             ("printer.acceleration_mm_s2", printer.acceleration_mm_s2),
-            ("printer.greatest_mm_s", printer.greatest_mm_s),
+            ("printer.max_speed_mm_s", printer.max_speed_mm_s),
             ("process.retract_mm_s", process.retract_mm_s),
         ];
         let of_head = [
@@ -415,12 +416,12 @@ impl Settings {
             .try_for_each(|&(field, value)| check_positive(field, value))?;
         not_negative.iter().try_for_each(|&(field, value)| check_not_negative(field, value))?;
         if let Some(&(field, value)) =
-            of_head.iter().find(|(_, value)| *value > printer.greatest_mm_s)
+            of_head.iter().find(|(_, value)| *value > printer.max_speed_mm_s)
         {
             return Err(SettingsError::TooFast {
                 field,
                 value,
-                greatest_mm_s: printer.greatest_mm_s,
+                max_speed_mm_s: printer.max_speed_mm_s,
             });
         }
         within("process.fan", process.fan, 0.0, 1.0, "from 0 to 1")?;

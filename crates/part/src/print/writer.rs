@@ -5,10 +5,12 @@
 //! Where the zone changes within a piece, the old tool ends at the edge between the two cells, and
 //! the new one begins there.
 
+use beadwork_base::{Control, Interrupted};
 use beadwork_gcode::{Command, Feature, Filament, Line, Move, Number, Program, Totals, Wait};
+use thiserror::Error;
 
 use super::header::header;
-use super::tower::TowerPlan;
+use super::prime_tower::PrimeTowerPlan;
 use super::{Flavour, Layer, Nozzles, Process, Settings, SettingsError, Tool, layer};
 use crate::Frame;
 
@@ -28,6 +30,18 @@ pub struct Print {
     pub program: Program,
     /// What it takes.
     pub totals: Totals,
+}
+
+/// Why layers could not be written as a program.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum PrintError {
+    /// The layers, the frame and the settings are invalid or do not fit together.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// The call was cancelled or ran out of time.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 /// Decimals of places, as printers and slicers use them, and of filament.
@@ -63,15 +77,18 @@ impl Print {
         layers: &[Layer<'_>],
         frame: &Frame,
         settings: &Settings,
-    ) -> Result<Self, SettingsError> {
+        control: &Control<'_>,
+    ) -> Result<Self, PrintError> {
         settings.check(frame)?;
         layer::check(layers, frame, settings)?;
-        let tower = TowerPlan::new(layers, frame, settings)?;
+        let tower = PrimeTowerPlan::new(layers, frame, settings)?;
         let first = layers[0].zones.id(layers[0].path.order()[0]);
         let mut writer = Writer::new(frame, settings, first, used(layers, settings));
         writer.start();
         for part in layers {
+            control.check()?;
             writer.layer(part, tower.as_ref().filter(|tower| part.number <= tower.last_layer));
+            control.report(part.number + 1, layers.len());
         }
         writer.end();
         let body = Program { lines: writer.lines };
@@ -167,7 +184,7 @@ impl<'a> Writer<'a> {
         self.command(Command::Home { x: false, y: false, z: false });
         let printer = &self.settings.printer;
         self.clear_mm = START_LIFT_MM.min(printer.bed_mm[2]);
-        let speed = START_LIFT_MM_S.min(printer.greatest_mm_s);
+        let speed = START_LIFT_MM_S.min(printer.max_speed_mm_s);
         self.go([None, None, Some(number(self.clear_mm, PLACE_DECIMALS))], None, speed);
         self.command(Command::BedTemperature { celsius: bed, wait: true });
         self.heat_first(Wait::Heating);
@@ -250,7 +267,7 @@ impl<'a> Writer<'a> {
         self.modes();
     }
 
-    fn layer(&mut self, part: &Layer<'_>, tower: Option<&TowerPlan>) {
+    fn layer(&mut self, part: &Layer<'_>, tower: Option<&PrimeTowerPlan>) {
         let process = self.process();
         let index = part.number;
         self.top_mm = self.frame.top_mm(index);
@@ -285,7 +302,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Rows of the tower that a layer purges into.
-    fn purged_rows(&self, part: &Layer<'_>, tower: &TowerPlan) -> i32 {
+    fn purged_rows(&self, part: &Layer<'_>, tower: &PrimeTowerPlan) -> i32 {
         let mut tool = self.tool;
         let rows = part.runs().map(|run| {
             let before = std::mem::replace(&mut tool, run.zone);
@@ -294,17 +311,17 @@ impl<'a> Writer<'a> {
         rows.sum()
     }
 
-    fn rows_between(&self, from: u8, to: u8, tower: &TowerPlan) -> i32 {
+    fn rows_between(&self, from: u8, to: u8, tower: &PrimeTowerPlan) -> i32 {
         let purge = self.settings.purge.as_ref();
-        tower.rows_of(purge.map_or(0.0, |purge| purge.into_tower_mm3(from, to)))
+        tower.rows_of(purge.map_or(0.0, |purge| purge.prime_tower_mm3(from, to)))
     }
 
-    fn rows_for(&self, to: u8, tower: Option<&TowerPlan>) -> i32 {
+    fn rows_for(&self, to: u8, tower: Option<&PrimeTowerPlan>) -> i32 {
         tower.map_or(0, |tower| self.rows_between(self.tool, to, tower))
     }
 
     /// Changes to a tool; purges into so many rows of the tower.
-    fn change_tool(&mut self, to: u8, tower: Option<(&TowerPlan, i32, i32)>) {
+    fn change_tool(&mut self, to: u8, tower: Option<(&PrimeTowerPlan, i32, i32)>) {
         self.draw_back();
         let slot = tower.filter(|&(_, _, rows)| rows > 0);
         let slot = slot.map(|(tower, begin, rows)| (tower, tower.solid(begin, rows)));
@@ -342,7 +359,7 @@ impl<'a> Writer<'a> {
         self.bead(Feature::SolidInfill, corners, |[x, y]| [left_mm + along(x), back_mm - along(y)]);
     }
 
-    fn tower_bead(&mut self, tower: &TowerPlan, corners: &[[i32; 2]]) {
+    fn tower_bead(&mut self, tower: &PrimeTowerPlan, corners: &[[i32; 2]]) {
         self.bead(Feature::PrimeTower, corners, |corner| tower.place(corner));
     }
 

@@ -1,18 +1,29 @@
-//! Layers: a model cut at the middle of every layer's height, and filled with cells one bead wide.
+//! Slicing: a model is cut at the centre height of every layer, and each cross-section is filled
+//! with square cells one bead wide.
 //!
-//! [`cut()`] makes the [`Outline`] of one body in each layer; [`slice()`] goes on to the cells:
-//! which of them each layer has (their centre lies in a body) and of which material they are.
-//! [`Layers::voxels`] are the same as one array.
+//! [`slice()`] does all of it. Its two halves are available separately:
+//! [`Cut::new`] computes the [`Outline`] of every body in every layer, which is the expensive part
+//! and does not depend on the cell grid; [`Cut::layers`] fills the outlines with cells, and can be
+//! repeated with other bead widths and grid phases.
+//! [`cut()`] is the cut of a single mesh.
+//!
+//! A cell belongs to a layer if its centre lies inside a body.
+//! [`Layers::voxels`] returns all layers as one array.
 
-mod cutter;
-mod each;
+mod cut;
+mod grid_fit;
 mod layers;
 mod outline;
-mod paint;
+mod plane_sweep;
 mod raster;
+mod settings;
+mod surface_colours;
 mod voxels;
+mod work;
 
-pub use cutter::cut;
-pub use layers::{Layer, Layers, Progress, Settings, SliceError, slice};
+pub use cut::{Cut, slice};
+pub use layers::{Layer, Layers};
 pub use outline::{FillRule, Outline, Polygon};
+pub use plane_sweep::cut;
+pub use settings::{Settings, SliceError};
 pub use voxels::Voxels;

@@ -106,12 +106,11 @@ pub fn program_slots(
 impl ProgramSlots {
     /// The part as the program prints it: without the voxels that it leaves out.
     pub fn printed(&self, part: &Voxels) -> Voxels {
-        let Frame { width, height, .. } = part.frame;
-        let mut materials = part.materials().to_vec();
+        let mut materials = part.materials().to_owned();
         for &[x, y, z] in &self.missed {
-            materials[((z * height + y) * width + x) as usize] = Voxels::EMPTY;
+            materials[[z as usize, y as usize, x as usize]] = Voxels::EMPTY;
         }
-        Voxels::new(part.frame, part.depth, materials)
+        Voxels::new(part.frame, materials)
     }
 }
 

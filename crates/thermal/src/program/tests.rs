@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use beadwork_base::Control;
 use beadwork_grid::{Path, Region, Zones, cover};
-use beadwork_part::print::{self, Print, Purge, Settings, Title, Tool, Tower};
+use beadwork_part::print::{self, PrimeTower, Print, Purge, Settings, Title, Tool};
+use ndarray::Array3;
 use proptest::prelude::*;
 
 use super::*;
@@ -46,7 +47,8 @@ impl Planned {
 
     fn voxels(&self) -> Voxels {
         let materials = self.layers.iter().flat_map(|(_, zones, _)| zones.ids()).copied().collect();
-        Voxels::new(self.frame, self.layers.len(), materials)
+        let shape = (self.layers.len(), self.frame.height as usize, self.frame.width as usize);
+        Voxels::new(self.frame, Array3::from_shape_vec(shape, materials).unwrap())
     }
 
     /// The voxels in the order of the paths.
@@ -59,7 +61,8 @@ impl Planned {
     }
 
     fn print(&self) -> (Program, Settings) {
-        let tower = Some(Tower { left_mm: 100.0, front_mm: 20.0, width_mm: 20.0, depth_mm: 120.0 });
+        let tower =
+            Some(PrimeTower { left_mm: 100.0, front_mm: 20.0, width_mm: 20.0, depth_mm: 120.0 });
         let purge = Some(Purge::uniform(2, 4.0, tower));
         let settings = Settings { tools: vec![Tool::default(); 2], purge, ..Settings::default() };
         let layers: Vec<_> = self
@@ -69,7 +72,8 @@ impl Planned {
             .map(|(number, (region, zones, path))| print::Layer { number, region, zones, path })
             .collect();
         let title = Title { part: "part", version: "0" };
-        let print = Print::new(title, &layers, &self.frame, &settings).unwrap();
+        let print =
+            Print::new(title, &layers, &self.frame, &settings, &Control::default()).unwrap();
         // As files have it: places are rounded.
         (Program::parse(&print.program.emit()).unwrap(), settings)
     }
@@ -175,7 +179,7 @@ fn voxels_left_out_are_named_and_may_be_tolerated() {
 fn plate() -> Voxels {
     let frame =
         Frame { left_mm: 10.0, back_mm: 13.0, cell_mm: 0.5, layer_mm: 0.25, width: 8, height: 6 };
-    Voxels::new(frame, 1, vec![0; 48])
+    Voxels::new(frame, Array3::zeros((1, 6, 8)))
 }
 
 fn slots(text: &str) -> Vec<Slot> {

@@ -3,6 +3,7 @@
 use beadwork_gcode::{Event, Motion, Program, TraceError};
 use beadwork_part::Frame;
 use beadwork_part::slice::Voxels;
+use ndarray::Array3;
 use thiserror::Error;
 
 use super::is_bead;
@@ -75,13 +76,13 @@ pub fn program_voxels(
     }
     let (frame, depth) = bounds(program, cell_mm, layer_mm)?;
     let (width, height) = (frame.width as usize, frame.height as usize);
-    let mut materials = vec![Voxels::EMPTY; depth * width * height];
+    let mut materials = Array3::from_elem((depth, height, width), Voxels::EMPTY);
     let mut visits = Visits::new(frame);
     let mut tool = 0;
     let mut fill = |tool: u8, visit: &super::Visit| {
         let Some([x, y, z]) = visit.voxel().map(|voxel| voxel.map(|i| i as usize)) else { return };
         if x < width && y < height && z < depth {
-            let material = &mut materials[(z * height + y) * width + x];
+            let material = &mut materials[[z, y, x]];
             if *material == Voxels::EMPTY {
                 *material = tool.min(Voxels::EMPTY - 1);
             }
@@ -100,7 +101,7 @@ pub fn program_voxels(
         }
     }
     visits.end(&mut |visit| fill(tool, visit));
-    Ok(Voxels::new(frame, depth, materials))
+    Ok(Voxels::new(frame, materials))
 }
 
 /// The plane around all beads, and the number of layers.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use beadwork_part::{Frame, Pattern};
+use ndarray::Array3;
 
 use super::*;
 use crate::testing::{stairs, unprinted};
@@ -13,7 +14,7 @@ const LAYER_MM: f64 = 0.25;
 fn block(width: u32, height: u32, depth: usize) -> Voxels {
     let frame =
         Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: CELL_MM, layer_mm: LAYER_MM, width, height };
-    Voxels::new(frame, depth, vec![0; width as usize * height as usize * depth])
+    Voxels::new(frame, Array3::zeros((depth, height as usize, width as usize)))
 }
 
 /// Locks all of a block, layer by layer, while what lies below is as warm as `celsius` says for its

@@ -12,6 +12,7 @@ use beadwork_part::slice::Voxels;
 use beadwork_part::{Frame, Pattern};
 use beadwork_thermal::plain::{Plain, Scheme};
 use beadwork_thermal::{Material, Method, Process, Simulation, Slot, layer_slots};
+use ndarray::Array3;
 use rand::{Rng as _, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -58,9 +59,8 @@ pub fn frame(width: usize, height: usize) -> Frame {
 /// The part that has a voxel wherever `filled` says so, at x, y and z.
 pub fn part_of(frame: Frame, depth: usize, filled: impl Fn([usize; 3]) -> bool) -> Arc<Voxels> {
     let (width, height) = (frame.width as usize, frame.height as usize);
-    let place = |i: usize| [i % width, i / width % height, i / width / height];
-    let material = |i| if filled(place(i)) { 0 } else { Voxels::EMPTY };
-    Arc::new(Voxels::new(frame, depth, (0..width * height * depth).map(material).collect()))
+    let material = |(z, y, x)| if filled([x, y, z]) { 0 } else { Voxels::EMPTY };
+    Arc::new(Voxels::new(frame, Array3::from_shape_fn((depth, height, width), material)))
 }
 
 pub fn block(width: usize, height: usize, depth: usize) -> Arc<Voxels> {

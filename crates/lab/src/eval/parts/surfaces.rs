@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::fmt::Write;
 
+use beadwork_base::Control;
 use beadwork_console::progress::ProgressBar;
 use beadwork_part::Frame;
 use beadwork_part::slice::{FillRule, Layer, Outline, cut};
@@ -37,8 +38,12 @@ pub(super) fn measure(cases: &[Case], bar: &ProgressBar) -> Vec<Row> {
         let frame = part.layers.frame;
         let count = part.layers.layers.len();
         let bodies = &part.model.bodies;
-        let outlines: Vec<Vec<Outline>> =
-            bodies.iter().map(|body| cut(&body.mesh, &[], frame.layer_mm, count, None)).collect();
+        let control = Control::default();
+        let outlines: Vec<Vec<Outline>> = bodies
+            .iter()
+            .map(|body| cut(&body.mesh, &[], frame.layer_mm, count, &control))
+            .collect::<Result<_, _>>()
+            .expect("nothing interrupts it");
         let mut cells_off: f64 = 0.0;
         let mut outline_off = Vec::new();
         let mut rest_thin: Vec<bool> = Vec::new();

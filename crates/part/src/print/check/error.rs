@@ -1,9 +1,10 @@
 //! What can be wrong with a print.
 
+use beadwork_base::Interrupted;
 use beadwork_gcode::{Heater, TraceError};
 use thiserror::Error;
 
-use super::Place;
+use super::CellPosition;
 use crate::print::SettingsError;
 
 /// What is wrong with a print; lines are numbered from 1.
@@ -16,6 +17,9 @@ pub enum CheckError {
     /// The layers, the frame and the settings don't belong together.
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    /// The check was cancelled or ran out of time.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// It extrudes at a height where no layer has its top.
     #[error("line {line}: extrudes at a height of {z_mm} mm, where no layer is")]
     Height {
@@ -53,7 +57,7 @@ pub enum CheckError {
         /// Number of the line.
         line: usize,
         /// The cell.
-        place: Place,
+        place: CellPosition,
     },
     /// A cell is printed with the tool of another zone.
     #[error("line {line}: {place} is printed with tool {got} instead of {expected}")]
@@ -61,7 +65,7 @@ pub enum CheckError {
         /// Number of the line.
         line: usize,
         /// The cell.
-        place: Place,
+        place: CellPosition,
         /// Its zone.
         expected: u8,
         /// The tool.
@@ -69,19 +73,19 @@ pub enum CheckError {
     },
     /// A cell is printed twice.
     #[error("line {line}: {place} is printed again")]
-    Again {
+    PrintedTwice {
         /// Number of the line.
         line: usize,
         /// The cell.
-        place: Place,
+        place: CellPosition,
     },
     /// The beads don't follow the path.
     #[error("line {line}: the head comes to {place} where the path has it in cell ({}, {})", expected[0], expected[1])]
-    Path {
+    OffPath {
         /// Number of the line.
         line: usize,
         /// The cell that is printed; the expected one, if it is printed in another direction.
-        place: Place,
+        place: CellPosition,
         /// Column and row of the cell that is next on the path.
         expected: [u32; 2],
     },
@@ -89,7 +93,7 @@ pub enum CheckError {
     #[error("{place} is printed to {share} of it")]
     Missing {
         /// The cell.
-        place: Place,
+        place: CellPosition,
         /// How much of it is, from 0 to 1.
         share: f64,
     },
@@ -106,7 +110,7 @@ pub enum CheckError {
     /// A bead begins while the filament is drawn back, more is pushed out in place than was drawn
     /// back, or a tool is put aside with its filament not drawn back as the settings say.
     #[error("line {line}: the filament of tool {tool} is drawn back by {drawn_mm} mm")]
-    Drawn {
+    Retraction {
         /// Number of the line.
         line: usize,
         /// The tool.
@@ -130,13 +134,13 @@ pub enum CheckError {
     },
     /// The tower is printed beside its place.
     #[error("line {line}: the tower is printed beyond the place that the settings give it")]
-    Tower {
+    PrimeTowerOutside {
         /// Number of the line.
         line: usize,
     },
     /// The tower is printed on nothing.
     #[error("line {line}: the tower of layer {layer} has none below to rest on")]
-    Air {
+    PrimeTowerInAir {
         /// Number of the line.
         line: usize,
         /// The layer.
@@ -146,7 +150,7 @@ pub enum CheckError {
     #[error(
         "line {line}: the head is at a height of {z_mm} mm, and the print has one of {top_mm} mm"
     )]
-    Low {
+    NozzleTooLow {
         /// Number of the line.
         line: usize,
         /// The lower end of the motion, in mm.

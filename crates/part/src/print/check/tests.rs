@@ -29,7 +29,7 @@ impl Case {
     }
 
     fn print(&self) -> Print {
-        Print::new(TITLE, &self.layers(), &self.frame, &self.settings).unwrap()
+        Print::new(TITLE, &self.layers(), &self.frame, &self.settings, &Control::default()).unwrap()
     }
 
     fn check(&self, program: &Program) -> Result<Report, CheckError> {
@@ -39,6 +39,7 @@ impl Case {
             &self.layers(),
             &self.frame,
             &self.settings,
+            &Control::default(),
         )
     }
 }
@@ -127,8 +128,12 @@ fn cases() -> impl Strategy<Value = Case> {
                         ..Process::default()
                     },
                     purge: purge.map(|(volume, has_tower)| {
-                        let tower =
-                            Tower { left_mm: 5.0, front_mm: 5.0, width_mm: 50.0, depth_mm: 4000.0 };
+                        let tower = PrimeTower {
+                            left_mm: 5.0,
+                            front_mm: 5.0,
+                            width_mm: 50.0,
+                            depth_mm: 4000.0,
+                        };
                         Purge::uniform(3, volume, has_tower.then_some(tower))
                     }),
                 };
@@ -268,7 +273,7 @@ proptest! {
         prop_assume!(!in_place.is_empty());
         let mut program = print.program.clone();
         program.lines.remove(in_place[at.index(in_place.len())]);
-        let is_found = matches!(case.check(&program), Err(CheckError::Drawn { .. }));
+        let is_found = matches!(case.check(&program), Err(CheckError::Retraction { .. }));
         prop_assert!(is_found);
     }
 
@@ -288,7 +293,7 @@ proptest! {
             _ => format!("G1 Z{:.3}", 210.0 + by),
         };
         let error = case.check(&with_lines(&print.program, at, &text)).unwrap_err();
-        let is_named = matches!(error, CheckError::Low { .. } | CheckError::OffBed { .. });
+        let is_named = matches!(error, CheckError::NozzleTooLow { .. } | CheckError::OffBed { .. });
         prop_assert!(is_named, "{error}");
     }
 
@@ -355,7 +360,7 @@ proptest! {
 
     #[test]
     fn a_tower_astray_is_found(case in cases(), at: prop::sample::Index, share in 0.0..0.7_f64, change in 0..4) {
-        let tower = Tower { left_mm: 5.0, front_mm: 5.0, width_mm: 50.0, depth_mm: 4000.0 };
+        let tower = PrimeTower { left_mm: 5.0, front_mm: 5.0, width_mm: 50.0, depth_mm: 4000.0 };
         let purge = Some(Purge::uniform(3, 0.1 + share, Some(tower)));
         let case = Case { settings: Settings { purge, ..case.settings }, ..case };
         let print = case.print();
@@ -371,7 +376,7 @@ proptest! {
         let error = case.check(&program).unwrap_err();
         let is_named = match change {
             0 | 1 => matches!(error, CheckError::Volume { .. } | CheckError::Purge { .. }),
-            2 => matches!(error, CheckError::Tower { .. }),
+            2 => matches!(error, CheckError::PrimeTowerOutside { .. }),
             _ => matches!(error, CheckError::Speed { .. }),
         };
         prop_assert!(is_named, "{error}");
@@ -385,7 +390,7 @@ fn small() -> Case {
     let path = Path::hamiltonian(&region, vec![0, 1, 2, 5, 4, 3]).unwrap();
     let frame =
         Frame { left_mm: 60.0, back_mm: 60.0, cell_mm: 0.5, layer_mm: 0.2, width: 3, height: 2 };
-    let tower = Tower { left_mm: 70.0, front_mm: 50.0, width_mm: 10.0, depth_mm: 10.0 };
+    let tower = PrimeTower { left_mm: 70.0, front_mm: 50.0, width_mm: 10.0, depth_mm: 10.0 };
     let settings = Settings {
         tools: vec![Tool::default(); 2],
         purge: Some(Purge::uniform(2, 2.0, Some(tower))),
@@ -404,7 +409,7 @@ fn fault(change: impl FnOnce(String) -> String) -> CheckError {
     let changed = change(text.clone());
     assert_ne!(changed, text);
     let changed = Program::parse(&changed).unwrap();
-    check(&changed, &case.layers(), &case.frame, &case.settings).unwrap_err()
+    check(&changed, &case.layers(), &case.frame, &case.settings, &Control::default()).unwrap_err()
 }
 
 #[test]
@@ -417,14 +422,17 @@ fn faults_are_named() {
     let error = fault(|text| text.replacen("TYPE:Wipe tower", "TYPE:Solid infill", 1));
     assert!(matches!(error, CheckError::OffCentre { .. } | CheckError::Outside { .. }), "{error}");
     let error = fault(|text| text.replacen("TYPE:Solid infill", "TYPE:Wipe tower", 1));
-    assert!(matches!(error, CheckError::Tower { .. }), "{error}");
+    assert!(matches!(error, CheckError::PrimeTowerOutside { .. }), "{error}");
     let error = fault(|text| text.replace("Z0.4", "Z0.5"));
     assert!(
         matches!(error, CheckError::Height { z_mm, .. } if (z_mm - 0.5).abs() < 1e-9),
         "{error}"
     );
     let error = fault(|text| text.replace("Z0.4", "Z0.2").replace("F1800", "F1200"));
-    assert!(matches!(error, CheckError::Again { place: Place { layer: 0, .. }, .. }), "{error}");
+    assert!(
+        matches!(error, CheckError::PrintedTwice { place: CellPosition { layer: 0, .. }, .. }),
+        "{error}"
+    );
     let error = fault(|text| {
         let end = text.find(";Z:0.4").unwrap();
         text[..end].to_owned()
@@ -445,7 +453,8 @@ fn layers_of_other_planes_are_refused() {
     let mut case = small();
     let program = case.print().program;
     case.frame.width = 4;
-    let error = check(&program, &case.layers(), &case.frame, &case.settings).unwrap_err();
+    let error = check(&program, &case.layers(), &case.frame, &case.settings, &Control::default())
+        .unwrap_err();
     assert!(
         matches!(error, CheckError::Settings(SettingsError::Layer { layer: 0, .. })),
         "{error}"
@@ -461,7 +470,10 @@ fn faults_of_travel_heat_and_modes_are_named() {
         })
     };
     let error = between("G1 Z0.1");
-    assert!(matches!(error, CheckError::Low { z_mm, .. } if (z_mm - 0.1).abs() < 1e-9), "{error}");
+    assert!(
+        matches!(error, CheckError::NozzleTooLow { z_mm, .. } if (z_mm - 0.1).abs() < 1e-9),
+        "{error}"
+    );
     assert!(matches!(between("G1 X-3"), CheckError::OffBed { .. }));
     assert!(matches!(between("M84"), CheckError::MotorsOff { .. }));
     let error = between("M104 S0");
@@ -512,8 +524,8 @@ fn a_tower_stands_on_the_bed() {
     });
     let text = without.collect::<Vec<_>>().join("\n") + "\n" + after;
     let error = case.check(&Program::parse(&text).unwrap()).unwrap_err();
-    assert!(matches!(error, CheckError::Air { layer: 1, .. }), "{error}");
+    assert!(matches!(error, CheckError::PrimeTowerInAir { layer: 1, .. }), "{error}");
     case.settings.purge = None;
     let error = case.check(&program).unwrap_err();
-    assert!(matches!(error, CheckError::Tower { .. }), "{error}");
+    assert!(matches!(error, CheckError::PrimeTowerOutside { .. }), "{error}");
 }

@@ -6,7 +6,7 @@ use beadwork_base::Control;
 use beadwork_grid::{Path, Region, Zones, cover};
 
 use super::*;
-use crate::print::{CrossSection, Printer, Purge, Tower};
+use crate::print::{CrossSection, PrimeTower, Printer, Purge};
 
 const TITLE: Title<'_> = Title { part: "golden", version: "0.0.0" };
 
@@ -55,7 +55,7 @@ fn settings(flavour: Flavour) -> Settings {
         nozzle_c,
         ..Tool::default()
     };
-    let tower = Tower { left_mm: 110.0, front_mm: 90.0, width_mm: 6.0, depth_mm: 20.0 };
+    let tower = PrimeTower { left_mm: 110.0, front_mm: 90.0, width_mm: 6.0, depth_mm: 20.0 };
     Settings {
         printer: Printer { flavour, ..Printer::default() },
         tools: vec![tool("white", [255; 3], 230.0), tool("black", [0; 3], 220.0)],
@@ -64,9 +64,9 @@ fn settings(flavour: Flavour) -> Settings {
     }
 }
 
-fn print(settings: &Settings) -> Result<Print, SettingsError> {
+fn print(settings: &Settings) -> Result<Print, PrintError> {
     let [first, second] = parts();
-    Print::new(TITLE, &[first.layer(0), second.layer(1)], &FRAME, settings)
+    Print::new(TITLE, &[first.layer(0), second.layer(1)], &FRAME, settings, &Control::default())
 }
 
 /// Compares with a file beside this one; with the variable `BEADWORK_BLESS` set, writes it anew.
@@ -175,13 +175,14 @@ fn filament_does_not_drift() {
     let layer = Layer { number: 0, region: &region, zones: &zones, path: &path };
     let frame = Frame { cell_mm: 0.37, width: 61, height: 47, ..FRAME };
     let settings = Settings { tools: vec![Tool::default()], ..Settings::default() };
-    let totals = Print::new(TITLE, &[layer], &frame, &settings).unwrap().totals;
+    let totals =
+        Print::new(TITLE, &[layer], &frame, &settings, &Control::default()).unwrap().totals;
     let expected = 61.0 * 47.0 * frame.cell_mm3();
     assert!((totals.tools[0].volume_mm3 - expected).abs() < 1e-4, "{totals:?}");
     assert_eq!(totals.lifts, 61 * 47 - 1);
 }
 
-fn tower(settings: &mut Settings) -> &mut Tower {
+fn tower(settings: &mut Settings) -> &mut PrimeTower {
     settings.purge.as_mut().unwrap().tower.as_mut().unwrap()
 }
 
@@ -195,8 +196,8 @@ fn each_broken_setting_is_named() {
         ("process.print_mm_s is 0, and must be more than 0 and at most a million", |s| {
             s.process.print_mm_s = 0.0;
         }),
-        ("process.travel_mm_s is 150, and printer.greatest_mm_s is 149", |s| {
-            s.printer.greatest_mm_s = 149.0
+        ("process.travel_mm_s is 150, and printer.max_speed_mm_s is 149", |s| {
+            s.printer.max_speed_mm_s = 149.0
         }),
         ("process.fan is 2, and must be from 0 to 1", |s| s.process.fan = 2.0),
         ("tools[1].filament_mm is -1, and must be from 0.5 to 20", |s| {
@@ -242,26 +243,33 @@ fn layers_are_checked() {
     let [first, second] = parts();
     let settings = settings(Flavour::Marlin);
     let error = |layers: &[Layer<'_>], frame: &Frame| {
-        Print::new(TITLE, layers, frame, &settings).unwrap_err()
+        Print::new(TITLE, layers, frame, &settings, &Control::default()).unwrap_err()
     };
-    assert_eq!(error(&[], &FRAME), SettingsError::NoLayers);
+    assert_eq!(error(&[], &FRAME), SettingsError::NoLayers.into());
     let twice = [first.layer(1), second.layer(1)];
-    assert_eq!(error(&twice, &FRAME), SettingsError::LayerOrder { layer: 1, before: 1 });
+    assert_eq!(error(&twice, &FRAME), SettingsError::LayerOrder { layer: 1, before: 1 }.into());
     for (layers, layer) in [(vec![first.layer(1)], 1), (vec![first.layer(0), second.layer(2)], 2)] {
-        assert_eq!(error(&layers, &FRAME), SettingsError::Gap { layer });
+        assert_eq!(error(&layers, &FRAME), SettingsError::Gap { layer }.into());
     }
     let wide = Frame { width: 5, ..FRAME };
-    assert!(matches!(error(&[first.layer(0)], &wide), SettingsError::Layer { layer: 0, .. }));
+    assert!(matches!(
+        error(&[first.layer(0)], &wide),
+        PrintError::Settings(SettingsError::Layer { layer: 0, .. })
+    ));
     let path = cover(&second.region, &Control::default()).unwrap();
     let mixed = Layer { path: &path, ..first.layer(0) };
-    assert!(matches!(error(&[mixed], &FRAME), SettingsError::Layer { layer: 0, .. }));
+    assert!(matches!(
+        error(&[mixed], &FRAME),
+        PrintError::Settings(SettingsError::Layer { layer: 0, .. })
+    ));
     let oval = Settings {
         process: Process { cross_section: CrossSection::Oval, ..Process::default() },
         ..settings.clone()
     };
     let high = Frame { layer_mm: 0.6, ..FRAME };
-    let error = Print::new(TITLE, &[first.layer(0)], &high, &oval).unwrap_err();
-    assert_eq!(error, SettingsError::HighBead { layer_mm: 0.6, cell_mm: 0.5 });
+    let error =
+        Print::new(TITLE, &[first.layer(0)], &high, &oval, &Control::default()).unwrap_err();
+    assert_eq!(error, SettingsError::HighBead { layer_mm: 0.6, cell_mm: 0.5 }.into());
 }
 
 #[test]
@@ -270,7 +278,10 @@ fn names_stay_in_their_lines() {
     settings.tools[0].name = "a\nM112\r\0".to_owned();
     let [first, _] = parts();
     let title = Title { part: "x\r\nM112", version: "1" };
-    let text = Print::new(title, &[first.layer(0)], &FRAME, &settings).unwrap().program.emit();
+    let text = Print::new(title, &[first.layer(0)], &FRAME, &settings, &Control::default())
+        .unwrap()
+        .program
+        .emit();
     assert!(text.lines().all(|line| !line.starts_with("M112")));
     assert!(text.contains("; tool 0 = a M112  \n") && text.contains("; part = x  M112\n"));
 }

@@ -6,7 +6,7 @@
 //! The first layer is solid all over, to hold on the bed.
 
 use super::layer::corners;
-use super::{Layer, Settings, SettingsError, Tower};
+use super::{Layer, PrimeTower, Settings, SettingsError};
 use crate::Frame;
 
 /// Cells from one sparse line to the next: what a bead bridges without hanging through.
@@ -14,7 +14,7 @@ const SPACING: i32 = 5;
 
 /// Where the tower goes, and how much of it each layer takes.
 #[derive(Clone, Debug)]
-pub(super) struct TowerPlan {
+pub(super) struct PrimeTowerPlan {
     left_mm: f64,
     front_mm: f64,
     cell_mm: f64,
@@ -30,7 +30,7 @@ pub(super) struct TowerPlan {
 /// Half a row's rounding: a volume of whole rows takes no row more.
 const SLACK: f64 = 1e-9;
 
-impl TowerPlan {
+impl PrimeTowerPlan {
     /// The tower of a print; `None` if nothing is purged into one.
     pub(super) fn new(
         layers: &[Layer<'_>],
@@ -38,7 +38,7 @@ impl TowerPlan {
         settings: &Settings,
     ) -> Result<Option<Self>, SettingsError> {
         let Some(purge) = &settings.purge else { return Ok(None) };
-        let Some(Tower { left_mm, front_mm, width_mm, depth_mm }) = purge.tower else {
+        let Some(PrimeTower { left_mm, front_mm, width_mm, depth_mm }) = purge.tower else {
             return Ok(None);
         };
         let cell_mm = frame.cell_mm;
@@ -51,7 +51,7 @@ impl TowerPlan {
             let mut rows = 0.0;
             for run in layer.runs() {
                 let before = tool.replace(run.zone).unwrap_or(run.zone);
-                let volume = purge.into_tower_mm3(before, run.zone);
+                let volume = purge.prime_tower_mm3(before, run.zone);
                 if volume > 0.0 {
                     rows += rows_of(volume, row_mm3);
                     last_layer = Some(layer.number);
@@ -61,11 +61,11 @@ impl TowerPlan {
         }
         let Some(last_layer) = last_layer else { return Ok(None) };
         if columns < 1.0 {
-            return Err(SettingsError::TowerWidth { width_mm, needed_mm: 3.0 * cell_mm });
+            return Err(SettingsError::PrimeTowerWidth { width_mm, needed_mm: 3.0 * cell_mm });
         }
         let needed_mm = (most + 2.0) * cell_mm;
         if needed_mm > depth_mm * (1.0 + SLACK) {
-            return Err(SettingsError::TowerDepth { depth_mm, needed_mm });
+            return Err(SettingsError::PrimeTowerDepth { depth_mm, needed_mm });
         }
         let (columns, rows) = (columns as i32, most as i32);
         Ok(Some(Self { left_mm, front_mm, cell_mm, columns, rows, last_layer, row_mm3 }))
@@ -137,9 +137,9 @@ fn rows_of(volume_mm3: f64, row_mm3: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn plan(columns: i32, rows: i32) -> TowerPlan {
+    fn plan(columns: i32, rows: i32) -> PrimeTowerPlan {
         let (left_mm, front_mm, cell_mm, row_mm3) = (10.0, 20.0, 0.5, 1.0);
-        TowerPlan { left_mm, front_mm, cell_mm, columns, rows, last_layer: 0, row_mm3 }
+        PrimeTowerPlan { left_mm, front_mm, cell_mm, columns, rows, last_layer: 0, row_mm3 }
     }
 
     /// The cells a bead goes through, in halves of a cell, each as often as it has half a cell of

@@ -1,21 +1,23 @@
-//! The sweep against a look at every triangle in every layer, and outlines against solids that are
-//! known.
+//! The sweep against an exhaustive search of the triangles in every layer, and outlines of solids
+//! with known cross-sections.
 
 use proptest::prelude::*;
+use rayon::ThreadPool;
 
 use super::*;
 use crate::slice::FillRule;
+use beadwork_base::{CancelToken, Progress};
 use beadwork_mesh::{Mesh, Shape};
 
-/// Every triangle looked at for one plane.
-fn slow_cut(mesh: &Mesh, paint: &[u8], plane: f64) -> Outline {
+/// The outline in one plane, from a search of all triangles.
+fn slow_cut(mesh: &Mesh, colours: &[u8], plane: f64) -> Outline {
     let is_met = |&triangle: &u32| {
         let z = mesh.corners(mesh.triangles()[triangle as usize]).map(|corner| corner[2]);
         z.iter().any(|&z| z < plane) && z.iter().any(|&z| z >= plane)
     };
     let met = (0..mesh.triangles().len() as u32).filter(is_met);
     let mut segments: Vec<Segment> = met.map(|triangle| segment(mesh, triangle, plane)).collect();
-    link(mesh, &mut segments, paint, plane)
+    link(mesh, &mut segments, colours, plane)
 }
 
 fn pool() -> ThreadPool {
@@ -26,7 +28,7 @@ fn pool() -> ThreadPool {
 fn a_frustum_has_squares_in_all_layers() {
     let mut mesh = Shape::Frustum { sides_mm: [8.0, 4.0], height_mm: 4.0 }.mesh();
     mesh.map(|[x, y, z]| [x + 1.0, y + 2.0, z], false);
-    let outlines = cut(&mesh, &[], 0.5, 9, None);
+    let outlines = cut(&mesh, &[], 0.5, 9, &Control::default()).unwrap();
     assert!(outlines[8].is_empty());
     for (layer, outline) in outlines[..8].iter().enumerate() {
         let side = 8.0 - plane_mm(layer, 0.5);
@@ -41,12 +43,12 @@ fn a_frustum_has_squares_in_all_layers() {
 }
 
 #[test]
-fn vertices_on_planes_are_no_trouble() {
-    // Every ring of the sphere's vertices lies on a plane or between two.
+fn vertices_on_planes_leave_outlines_whole() {
+    // Every ring of the sphere's vertices lies on a plane or halfway between two.
     for steps in [4, 8, 16] {
         let mut mesh = Shape::Sphere { radius_mm: 4.0, steps }.mesh();
         mesh.map(|[x, y, z]| [x, y, ((z + 4.0) * 4.0).round() / 4.0], false);
-        let outlines = cut(&mesh, &[], 0.5, 16, None);
+        let outlines = cut(&mesh, &[], 0.5, 16, &Control::default()).unwrap();
         for outline in &outlines {
             assert_eq!(outline.loops().count(), 1);
             assert!(outline.area_mm2() > 0.0);
@@ -54,14 +56,14 @@ fn vertices_on_planes_are_no_trouble() {
     }
 }
 
-/// Closed surfaces with every kind of nuisance: few heights, so that many vertices lie on planes,
-/// and parts that overlap.
-fn nuisances() -> impl Strategy<Value = (Mesh, Vec<u8>)> {
-    let part = (2_u32..7, -3..3_i8, -3..3_i8, 0..6_i8, any::<bool>());
-    (prop::collection::vec(part, 1..5), any::<bool>()).prop_map(|(parts, is_painted)| {
+/// Closed surfaces that are hard to cut: few distinct heights, so that many vertices lie on planes,
+/// and shells that overlap, some of them inside out.
+fn hard_surfaces() -> impl Strategy<Value = (Mesh, Vec<u8>)> {
+    let shell = (2_u32..7, -3..3_i8, -3..3_i8, 0..6_i8, any::<bool>());
+    (prop::collection::vec(shell, 1..5), any::<bool>()).prop_map(|(shells, is_coloured)| {
         let mut vertices = Vec::new();
         let mut triangles = Vec::new();
-        for (steps, x, y, z, is_inverted) in parts {
+        for (steps, x, y, z, is_inverted) in shells {
             let ball = Shape::Sphere { radius_mm: 3.0, steps }.mesh();
             let base = vertices.len() as u32;
             let shift = [x, y, z].map(f64::from);
@@ -74,12 +76,12 @@ fn nuisances() -> impl Strategy<Value = (Mesh, Vec<u8>)> {
                 corners.map(|vertex| vertex + base)
             }));
         }
-        let paint = if is_painted {
+        let colours = if is_coloured {
             (0..triangles.len()).map(|at| at as u8 % 5).collect()
         } else {
             Vec::new()
         };
-        (Mesh::new(vertices, triangles).unwrap(), paint)
+        (Mesh::new(vertices, triangles).unwrap(), colours)
     })
 }
 
@@ -87,12 +89,12 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 2_000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_sweep_is_a_look_at_every_triangle((mesh, paint) in nuisances(), layer in prop::sample::select(vec![0.3, 0.5, 1.0, 7.0])) {
+    fn the_sweep_finds_the_triangles_that_a_search_finds((mesh, colours) in hard_surfaces(), layer in prop::sample::select(vec![0.3, 0.5, 1.0, 7.0])) {
         let layers = (9.0_f64 / layer) as usize;
-        let outlines = cut(&mesh, &paint, layer, layers, None);
+        let outlines = cut(&mesh, &colours, layer, layers, &Control::default()).unwrap();
         prop_assert_eq!(outlines.len(), layers);
         for (number, outline) in outlines.iter().enumerate() {
-            prop_assert_eq!(outline, &slow_cut(&mesh, &paint, plane_mm(number, layer)));
+            prop_assert_eq!(outline, &slow_cut(&mesh, &colours, plane_mm(number, layer)));
         }
     }
 }
@@ -101,5 +103,24 @@ proptest! {
 fn threads_change_nothing() {
     let mut mesh = Shape::Sphere { radius_mm: 9.0, steps: 60 }.mesh();
     mesh.map(|[x, y, z]| [x, y, z + 9.0], false);
-    assert_eq!(cut(&mesh, &[], 0.1, 180, Some(&pool())), cut(&mesh, &[], 0.1, 180, None));
+    let pool = pool();
+    let control = Control::on(Threads::Pool(&pool));
+    let on_two = cut(&mesh, &[], 0.1, 180, &control).unwrap();
+    assert_eq!(on_two, cut(&mesh, &[], 0.1, 180, &Control::default()).unwrap());
+}
+
+#[test]
+fn a_cancelled_cut_ends() {
+    let mesh = Shape::Sphere { radius_mm: 9.0, steps: 60 }.mesh();
+    let cancel = CancelToken::new();
+    let stop_after_two = |progress: Progress| {
+        assert_eq!(progress.total, 90);
+        if progress.done == 2 {
+            cancel.cancel();
+        }
+        assert!(progress.done <= 2);
+    };
+    let control =
+        Control { cancel: Some(&cancel), progress: Some(&stop_after_two), ..Control::default() };
+    assert_eq!(cut(&mesh, &[], 0.1, 90, &control), Err(Interrupted::Cancelled));
 }

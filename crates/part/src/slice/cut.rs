@@ -1,0 +1,241 @@
+//! A model cut into outlines, and outlines filled with cells.
+
+use std::ops::Range;
+
+use beadwork_base::{Control, Interrupted};
+use beadwork_grid::{Region, Zones};
+use beadwork_mesh::{Body, Bounds, Model};
+
+use super::grid_fit::fit;
+use super::layers::{Layer, Layers};
+use super::outline::{FillRule, Outline};
+use super::plane_sweep::cut_between;
+use super::raster::for_each_run;
+use super::settings::{Settings, SliceError};
+use super::surface_colours::propagate;
+use super::work::Work;
+use crate::frame::Frame;
+
+/// Cuts a model into layers of cells.
+///
+/// The bodies of the model must stand on z = 0 ([`beadwork_mesh::Placement`]), be closed
+/// ([`Body::repair`]) and have materials ([`Model::assign`]).
+/// Where bodies overlap, the later one takes the cells.
+///
+/// A layer exists if its centre height lies within the part; a cell belongs to it if the cell's
+/// centre lies inside a body.
+/// So the surface of the part is approximated to half a bead across and half a layer in height.
+/// The grid is the smallest around the part with the phase of the settings.
+///
+/// Progress counts layers: those of each body as they are cut, and those of the part as they are
+/// filled.
+/// Time and memory are those of [`cut()`](super::cut()), and linear in the cells of all layers.
+pub fn slice(
+    model: &Model,
+    settings: &Settings,
+    control: &Control<'_>,
+) -> Result<Layers, SliceError> {
+    let plan = CutPlan::new(model, settings)?;
+    let work = Work::new(control, plan.outline_count() + plan.layer_count);
+    let cut = plan.run(&work)?;
+    cut.fill(settings, &work)
+}
+
+/// A model cut into the outlines of its bodies in every layer.
+///
+/// The outlines depend on the model and the layer height only.
+/// So one cut serves several cell grids: cutting is the expensive part of slicing, and
+/// [`Cut::layers`] repeats only the rest.
+///
+/// # Example
+/// The number of cells of a disc depends on the phase of the grid:
+/// ```
+/// use beadwork_base::Control;
+/// use beadwork_mesh::{Body, Model, Shape};
+/// use beadwork_part::slice::{Cut, Settings};
+///
+/// let outline_mm = (0..60).map(|i| f64::from(i).to_radians() * 6.0);
+/// let outline_mm = outline_mm.map(|a| [5.1 * a.cos(), 5.1 * a.sin()]).collect();
+/// let mesh = Shape::Prism { outline_mm, z_mm: [0.0, 1.0] }.mesh();
+/// let body = Body { name: "disc".into(), mesh, material: Some(0), paint: Vec::new() };
+/// let model = Model { bodies: vec![body], materials: Vec::new() };
+///
+/// let (settings, control) = (Settings::default(), Control::default());
+/// let cut = Cut::new(&model, &settings, &control)?;
+/// let cells = |phase| -> Result<u64, Box<dyn std::error::Error>> {
+///     Ok(cut.layers(&Settings { phase, ..settings }, &control)?.cell_count())
+/// };
+/// assert_ne!(cells([0.0, 0.0])?, cells([0.5, 0.0])?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cut {
+    bounds: Bounds,
+    layer_mm: f64,
+    bodies: Vec<BodyCut>,
+}
+
+/// The outlines of one body in those layers that it reaches.
+/// Of many small bodies, outlines in all layers would take more memory than all cells.
+#[derive(Clone, Debug, PartialEq)]
+struct BodyCut {
+    /// What its cells are made of.
+    material: BodyMaterial,
+    /// The layer of the first outline.
+    first: usize,
+    /// Outlines of consecutive layers.
+    outlines: Vec<Outline>,
+}
+
+/// What the cells of a body are made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum BodyMaterial {
+    /// One material.
+    One(u8),
+    /// The colours of the outlines' lines.
+    FromSurface,
+}
+
+impl BodyCut {
+    /// The outline in a layer; `None` if there is nothing.
+    fn layer(&self, number: usize) -> Option<&Outline> {
+        self.outlines.get(number.checked_sub(self.first)?).filter(|outline| !outline.is_empty())
+    }
+}
+
+impl Cut {
+    /// Cuts a model, which must be as for [`slice()`].
+    ///
+    /// Only [`Settings::layer_mm`] affects the outlines.
+    /// All settings are checked, so that settings that cannot be sliced with are refused before the
+    /// work.
+    /// Progress counts the layers of each body.
+    pub fn new(
+        model: &Model,
+        settings: &Settings,
+        control: &Control<'_>,
+    ) -> Result<Self, SliceError> {
+        let plan = CutPlan::new(model, settings)?;
+        Ok(plan.run(&Work::new(control, plan.outline_count()))?)
+    }
+
+    /// Fills the outlines with cells.
+    ///
+    /// The settings may differ from those of [`Cut::new`] in everything but the layer height; the
+    /// result is that of [`slice()`] with these settings.
+    /// Progress counts layers.
+    /// Linear in the cells of all layers, and O(r log r) where r counts the rows of cells that each
+    /// line of an outline crosses.
+    pub fn layers(&self, settings: &Settings, control: &Control<'_>) -> Result<Layers, SliceError> {
+        if settings.layer_mm.to_bits() != self.layer_mm.to_bits() {
+            let (cut_mm, got_mm) = (self.layer_mm, settings.layer_mm);
+            return Err(SliceError::LayerHeight { cut_mm, got_mm });
+        }
+        let (_, layer_count) = fit(&self.bounds, settings)?;
+        self.fill(settings, &Work::new(control, layer_count))
+    }
+
+    fn fill(&self, settings: &Settings, work: &Work<'_>) -> Result<Layers, SliceError> {
+        let (frame, layer_count) = fit(&self.bounds, settings)?;
+        let layers = work.control().threads.map_numbers(layer_count, |number| {
+            work.unit(|| self.fill_layer(number, settings.fill_rule, &frame))
+        });
+        let layers = layers.into_iter().collect::<Result<Vec<_>, Interrupted>>()?;
+        if layers.iter().all(Option::is_none) {
+            let &Settings { cell_mm, layer_mm, .. } = settings;
+            return Err(SliceError::NoCells { cell_mm, layer_mm });
+        }
+        Ok(Layers { frame, layers })
+    }
+
+    /// The cells of one layer: bodies are filled in order, each over those before it.
+    fn fill_layer(&self, number: usize, rule: FillRule, frame: &Frame) -> Option<Layer> {
+        let (width, height) = (frame.width as usize, frame.height as usize);
+        let mut materials = vec![Zones::OUTSIDE; width * height];
+        for body in &self.bodies {
+            let Some(outline) = body.layer(number) else { continue };
+            match body.material {
+                BodyMaterial::One(material) => {
+                    for_each_run(outline, rule, frame, |row, first, end| {
+                        let row = row as usize * width;
+                        materials[row + first as usize..row + end as usize].fill(material);
+                    });
+                }
+                BodyMaterial::FromSurface => propagate(outline, rule, frame, &mut materials),
+            }
+        }
+        let inside = materials.iter().map(|&material| material != Zones::OUTSIDE).collect();
+        let region = Region::from_mask(frame.width, frame.height, inside).ok()?;
+        let zones = Zones::new(&region, materials).expect("every cell has a material");
+        Some(Layer { region, zones })
+    }
+}
+
+/// A checked model, ready to be cut.
+struct CutPlan<'a> {
+    bounds: Bounds,
+    layer_mm: f64,
+    /// Number of layers of the part.
+    layer_count: usize,
+    bodies: Vec<BodyPlan<'a>>,
+}
+
+struct BodyPlan<'a> {
+    body: &'a Body,
+    material: BodyMaterial,
+    /// The layers that the body may reach.
+    layers: Range<usize>,
+}
+
+impl<'a> CutPlan<'a> {
+    fn new(model: &'a Model, settings: &Settings) -> Result<Self, SliceError> {
+        let bounds = model.bounds();
+        let layer_mm = settings.layer_mm;
+        let (_, layer_count) = fit(&bounds, settings)?;
+        let plan = |(number, body): (usize, &'a Body)| {
+            let material = material(body).ok_or(SliceError::Material(number))?;
+            let layers = reached_layers(&body.mesh.bounds(), layer_mm, layer_count);
+            Ok(BodyPlan { body, material, layers })
+        };
+        let bodies =
+            model.bodies.iter().enumerate().map(plan).collect::<Result<Vec<_>, SliceError>>()?;
+        Ok(Self { bounds, layer_mm, layer_count, bodies })
+    }
+
+    /// Number of outlines to be cut: one for each layer that each body may reach.
+    fn outline_count(&self) -> usize {
+        self.bodies.iter().map(|body| body.layers.len()).sum()
+    }
+
+    fn run(&self, work: &Work<'_>) -> Result<Cut, Interrupted> {
+        let cut_body = |plan: &BodyPlan<'_>| {
+            let BodyPlan { body, material, layers } = plan;
+            let (first, layer_mm) = (layers.start, self.layer_mm);
+            let outlines = cut_between(&body.mesh, &body.paint, layer_mm, layers.clone(), work)?;
+            Ok(BodyCut { material: *material, first, outlines })
+        };
+        let bodies = self.bodies.iter().map(cut_body).collect::<Result<Vec<_>, Interrupted>>()?;
+        Ok(Cut { bounds: self.bounds, layer_mm: self.layer_mm, bodies })
+    }
+}
+
+/// What the cells of a body are made of, or `None` if it has no material that a zone can have.
+fn material(body: &Body) -> Option<BodyMaterial> {
+    let is_valid = |material: usize| material < Zones::MAX as usize;
+    let material = body.material.filter(|&material| is_valid(material));
+    if body.paint.is_empty() {
+        return Some(BodyMaterial::One(material? as u8));
+    }
+    let has_valid_colours = body.paint.iter().all(|&colour| is_valid(colour.into()));
+    (material.is_some() || has_valid_colours).then_some(BodyMaterial::FromSurface)
+}
+
+/// The layers that a body may reach: one more at either end, because the quotients are rounded.
+fn reached_layers(bounds: &Bounds, layer_mm: f64, layer_count: usize) -> Range<usize> {
+    let layer = |z: f64, more: f64| (z / layer_mm + more).clamp(0.0, layer_count as f64) as usize;
+    let range = layer(bounds.least[2], -2.0)..layer(bounds.greatest[2], 2.0);
+    range.start.min(range.end)..range.end
+}
+
+#[cfg(test)]
+mod tests;
