@@ -7,7 +7,7 @@ use std::str::FromStr;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use beadwork_base::Control;
+use beadwork_base::{Control, Progress, Threads};
 use beadwork_console::learned::{self, Fusion};
 use beadwork_console::output::usage_error;
 use beadwork_console::search::{Breeding, Choice, MethodName, Row, Search};
@@ -16,7 +16,7 @@ use beadwork_dataset::StartChoice;
 use beadwork_grid::{Cell, Path, cover};
 use beadwork_part::{Panel, svg};
 use beadwork_search::bound::Bounds;
-use beadwork_search::exact::{self, Progress, Stage};
+use beadwork_search::exact::{self, Observers, Stage};
 use beadwork_search::{Preset, ZoneCosts, genetic};
 use serde_json::json;
 
@@ -164,7 +164,10 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let begin = Instant::now();
     let time_is_up = || args.time.is_some_and(|time| begin.elapsed() >= time);
     let bar = progress::bar(0, "zones");
-    let told = |progress: Progress| bar.set_position(u64::from(progress.attempts));
+    let report = |progress: Progress| {
+        bar.set_length(progress.total as u64);
+        bar.set_position(progress.done as u64);
+    };
     let bred = |progress: genetic::Progress| match progress {
         genetic::Progress::Seeded(_) => bar.inc(1),
         genetic::Progress::Bred(generation) => bar.inc(u64::from(generation.number > 0)),
@@ -187,15 +190,15 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         }
         MethodName::Exact => {
             let attempts = args.attempts.unwrap_or(exact::Settings::default().attempts);
-            bar.set_length(u64::from(attempts));
             Choice::Exact(exact::Settings {
                 attempts,
                 costs: costs.as_ref(),
                 start: args.start_at.terminal(region)?,
                 end: args.end_at.terminal(region)?,
-                time_is_up: Some(&time_is_up),
-                observer: Some(&told),
-                stages: args.stages.is_some().then_some(&stages),
+                observers: Observers {
+                    stage: args.stages.is_some().then_some(&stages),
+                    ..Observers::default()
+                },
                 ..exact::Settings::default()
             })
         }
@@ -206,9 +209,15 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
             Choice::Fusion(Fusion { model: &model, target, budget })
         }
     };
-    let bounds = (method != MethodName::Exact).then(|| Bounds::new(region, zones));
+    let bounds = if method == MethodName::Exact {
+        None
+    } else {
+        Some(control::quiet(Threads::One, |control| Bounds::new(region, zones, control))??)
+    };
     let search = Search { region, zones, choice, seed: args.seed, start: chosen, bounds };
-    let (best, row) = search.run(&instance.name, &start)?;
+    let control =
+        Control { time_is_up: Some(&time_is_up), progress: Some(&report), ..Control::default() };
+    let (best, row) = search.run(&instance.name, &start, &control)?;
     bar.finish_and_clear();
     if let Some(file) = &args.svg {
         let drawing = draw(&instance, &row, &start, &best);

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use anyhow::bail;
+use beadwork_base::Control;
 use beadwork_grid::{Crossings, Path, Region, Start, Zones};
 use beadwork_search::bound::{self, Bounds};
 use beadwork_search::{Move, Preset, Settings, Stop, anneal, exact, genetic};
@@ -232,7 +233,13 @@ impl Search<'_> {
     /// Runs the search from a start path; returns the best path and its row.
     ///
     /// The exact search ignores the start path, except to compare with it in the row.
-    pub fn run(&self, layout: &str, start: &Path) -> anyhow::Result<(Path, Row)> {
+    /// It is the only method that uses the control so far; Ctrl-C cancels all.
+    pub fn run(
+        &self,
+        layout: &str,
+        start: &Path,
+        control: &Control<'_>,
+    ) -> anyhow::Result<(Path, Row)> {
         let &Self { region, zones, choice, seed, bounds, .. } = self;
         let cancel = cancel::token()?.as_flag();
         let crossings = Crossings::new(region, zones);
@@ -292,17 +299,15 @@ impl Search<'_> {
                 (outcome.path, outcome.moves.len() as u64)
             }
             Choice::Exact(settings) => {
-                let plan = exact::solve(
-                    region,
-                    zones,
-                    &exact::Settings { seed, cancel: Some(cancel), ..settings },
-                )?;
-                (lower, piece_bound) = (plan.bound, plan.piece_bound);
-                let optimal = plan.is_optimal();
-                let (cost, attempts) = (plan.cost, plan.attempts);
-                let stop = format!("{:?}", plan.stop).to_lowercase();
+                let settings = exact::Settings { seed, ..settings };
+                let control = Control { cancel: Some(cancel::token()?), ..*control };
+                let outcome = exact::solve(region, zones, &settings, &control)?;
+                (lower, piece_bound) = (outcome.bound, outcome.piece_bound);
+                let optimal = outcome.is_optimal();
+                let (cost, attempts) = (outcome.cost, outcome.attempts);
+                let stop = format!("{:?}", outcome.stop).to_lowercase();
                 exact = Some(ExactRow { cost, optimal, attempts, stop });
-                (plan.path, 0)
+                (outcome.path, 0)
             }
             Choice::Fusion(of) => {
                 let target = of.target.max(lower as u32);

@@ -2,6 +2,8 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use beadwork_base::Interrupted;
+
 /// Why a search stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -16,20 +18,12 @@ pub enum Stop {
     TimeUp,
 }
 
-/// What may end a search early.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Interrupt<'a> {
-    pub(crate) cancel: Option<&'a AtomicBool>,
-    pub(crate) time_is_up: Option<&'a (dyn Fn() -> bool + Sync)>,
-}
-
-impl Interrupt<'_> {
-    /// Whether to stop now, and why.
-    pub(crate) fn check(&self) -> Option<Stop> {
-        if is_cancelled(self.cancel) {
-            return Some(Stop::Cancelled);
+impl From<Interrupted> for Stop {
+    fn from(interrupted: Interrupted) -> Self {
+        match interrupted {
+            Interrupted::Cancelled => Self::Cancelled,
+            Interrupted::TimeUp => Self::TimeUp,
         }
-        self.time_is_up.is_some_and(|time_is_up| time_is_up()).then_some(Stop::TimeUp)
     }
 }
 

@@ -9,6 +9,7 @@
 
 use std::collections::BTreeMap;
 
+use beadwork_base::Control;
 use beadwork_grid::{Cell, Layout, LayoutSpec, Region, RegionShape, Zones, verify};
 use beadwork_search::exact::{Settings, solve};
 use good_lp::{
@@ -127,7 +128,7 @@ fn the_integer_program_finds_no_better_cover() {
         let zones = LayoutSpec { layout, zones: 3 + (number % 4) as u8, side: 3 }
             .zones(&region, number)
             .unwrap();
-        let plan = solve(&region, &zones, &Settings::default()).unwrap();
+        let plan = solve(&region, &zones, &Settings::default(), &Control::default()).unwrap();
         assert_eq!(verify(&region, plan.path.order()), Ok(plan.pieces));
         let (best, rounds) = Program::new(&region, &zones).fewest(plan.pieces, plan.crossings);
         println!(

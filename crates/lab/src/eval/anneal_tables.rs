@@ -90,7 +90,8 @@ fn search(job: Job) -> anyhow::Result<Run> {
     let start = Start::RowZigzag;
     let choice = job.preset.map_or(Choice::Zigzag, Choice::Anneal);
     let search = Search { region, zones, choice, seed: job.seed, start, bounds: None };
-    let (_, row) = search.run(layout.name(), &start.path(region, &Control::default())?)?;
+    let control = Control::default();
+    let (_, row) = search.run(layout.name(), &start.path(region, &control)?, &control)?;
     Ok(Run { job, row })
 }
 

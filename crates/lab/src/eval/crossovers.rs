@@ -3,8 +3,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use beadwork_base::Control;
-use beadwork_console::{cancel, machine, output};
+use beadwork_base::{Control, Threads};
+use beadwork_console::{cancel, control, machine, output};
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
 use beadwork_search::bound::Bounds;
 use beadwork_search::genetic::{self, Crossover, Evolution, Preset, Settings};
@@ -101,8 +101,9 @@ fn compare(cell: &Cell, seed: u64, preset: Preset) -> anyhow::Result<Run> {
     let crossings = Crossings::new(&region, &zones);
     let start = Start::RowZigzag.path(&region, &Control::default())?;
     let cancel = cancel::token()?.as_flag();
+    let bounds = control::quiet(Threads::One, |control| Bounds::new(&region, &zones, control))??;
     let settings = Settings {
-        bound: Some(i64::from(Bounds::new(&region, &zones).crossings())),
+        bound: Some(i64::from(bounds.crossings())),
         cancel: Some(cancel),
         ..Settings::preset(preset, seed)
     };

@@ -145,21 +145,21 @@ impl Runs {
             Start::Cover
         };
         let start_path = start.path(region, &Control::default())?;
-        let search = |choice| {
-            Search { region, zones, choice, seed, start, bounds: None }.run(layout, &start_path)
+        let search = |choice, control: &Control<'_>| {
+            let search = Search { region, zones, choice, seed, start, bounds: None };
+            search.run(layout, &start_path, control)
         };
         // A second is plenty up to 100 x 100 cells; larger planes get time in proportion.
         let cells = f64::from(self.case.width * self.case.height);
         let time = Duration::from_secs_f64((cells / 10_000.0).max(1.0));
         let begin = Instant::now();
         let time_is_up = || begin.elapsed() >= time;
-        let settings =
-            exact::Settings { time_is_up: Some(&time_is_up), ..exact::Settings::default() };
-        let exact = search(Choice::Exact(settings))?.1;
+        let timed = Control { time_is_up: Some(&time_is_up), ..Control::default() };
+        let exact = search(Choice::Exact(exact::Settings::default()), &timed)?.1;
         if seed < COMPARED {
-            self.zigzag.push(search(Choice::Zigzag)?.1);
-            self.anneal.push(search(Choice::Anneal(Preset::Paper))?.1);
-            self.fast.push(search(Choice::Anneal(Preset::Fast))?.1);
+            self.zigzag.push(search(Choice::Zigzag, &Control::default())?.1);
+            self.anneal.push(search(Choice::Anneal(Preset::Paper), &Control::default())?.1);
+            self.fast.push(search(Choice::Anneal(Preset::Fast), &Control::default())?.1);
         }
         self.exact.push(exact);
         Ok(())

@@ -189,7 +189,12 @@ impl Instance {
         );
         let chains = self.took(chains.moves.len(), begin, chains.cost);
         let begin = Instant::now();
-        let plan = exact::solve(&self.region, &self.zones, &exact::Settings::default())?;
+        let plan = exact::solve(
+            &self.region,
+            &self.zones,
+            &exact::Settings::default(),
+            &Control::default(),
+        )?;
         let exact = self.took(0, begin, i64::from(crossings.count(&plan.path)));
         Ok(BTreeMap::from([
             ("annealer", self.annealer),

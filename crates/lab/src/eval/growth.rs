@@ -1,12 +1,11 @@
 //! How the time of the exact search grows with cells and with zones.
 
 use std::fmt::Write;
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use anyhow::bail;
-use beadwork_console::cancel;
+use beadwork_base::Threads;
 use beadwork_console::chart::{Axis, Chart, GREEN, GREY, LineStyle, Series, charts};
+use beadwork_console::control;
 use beadwork_console::progress::ProgressBar;
 use beadwork_grid::{Layout, LayoutSpec, Region};
 use beadwork_search::exact;
@@ -59,15 +58,10 @@ fn point(side: u32, zones: u8) -> anyhow::Result<Point> {
     for seed in 0..SEEDS {
         let layer = spec.zones(&region, seed)?;
         let begin = Instant::now();
-        let cancel = cancel::token()?.as_flag();
-        exact::solve(
-            &region,
-            &layer,
-            &exact::Settings { cancel: Some(cancel), ..exact::Settings::default() },
-        )?;
-        if cancel.load(Ordering::Relaxed) {
-            bail!("stopped");
-        }
+        control::quiet(Threads::One, |control| {
+            exact::solve(&region, &layer, &exact::Settings::default(), control)?;
+            Ok::<(), anyhow::Error>(control.check()?)
+        })??;
         ms.push(1e3 * begin.elapsed().as_secs_f64());
     }
     ms.sort_by(f64::total_cmp);

@@ -1,8 +1,9 @@
 //! A dearer 2-matching: closed sets of cells pay for being closed.
 
+use beadwork_base::Control;
+
 use super::connectivity::{Allowed, closed_sets};
 use crate::matching::{Classes, Groups, Matching, Node, Paths, ZoneGraph};
-use crate::stop::Interrupt;
 
 /// Rounds of raising, at most: of sets that no cheapest 2-matching leaves, and of those that the
 /// present one does not.
@@ -42,7 +43,7 @@ impl Cuts {
         pieces: u32,
         paths: &mut Paths,
         enough: u64,
-        interrupt: Interrupt<'_>,
+        control: &Control<'_>,
     ) -> u64 {
         let board = cheapest.board.with_costs_in_parts(PARTS);
         let zones = ZoneGraph::new(&board);
@@ -51,7 +52,7 @@ impl Cuts {
         let mut given_back = 0;
         let mut rounds_left = [ROUNDS, ROUNDS_IN_PARTS];
         let whole = |bound: i64| (bound.max(0) as u64).div_ceil(PARTS as u64);
-        while whole(best) < enough && interrupt.check().is_none() {
+        while whole(best) < enough && control.interrupted().is_none() {
             let classes = Classes::new(&matching);
             let allowed = Allowed { matching: &matching, classes: &classes };
             let graph = ZoneGraph::of(&board, |node, dir| allowed.link(node, dir));

@@ -9,11 +9,11 @@ pub(crate) mod flow;
 pub(crate) mod segments;
 pub(crate) mod walk;
 
+use beadwork_base::{Control, Interrupted};
 use beadwork_grid::{Region, Zones, zone_components};
 
 use crate::ZoneCosts;
 use crate::matching::{Board, Paths, ZoneGraph};
-use crate::stop::Interrupt;
 use connectivity::Apart;
 use cuts::Cuts;
 
@@ -26,39 +26,46 @@ pub fn components(region: &Region, zones: &Zones, pieces: u32) -> u32 {
     zone_components(region, zones).count().saturating_sub(pieces)
 }
 
-/// Lower bounds of one layer: of its pieces, and of the crossings of any cover in so many.
+/// Proven lower bounds for one layer: on the pieces of any path that covers it, and on the
+/// crossings of any path with as many pieces as that.
 ///
-/// Sums over the connected parts of the region.
-/// `None` means that a bound was not to be had in reasonable time.
+/// Each is a sum over the connected components of the region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounds {
-    /// Pieces: half of what the cells of a maximum 2-matching lack, but at least 1, in each part.
+    /// Bound on the pieces: for each component half the number of links that the cells of a maximum
+    /// 2-matching lack, and at least 1.
     pub pieces: u32,
-    /// Crossings of the cheapest 2-matching with cells - pieces links.
+    /// Crossings of the cheapest 2-matching with as many links as a cover has.
     pub flow: u32,
-    /// Segments that the zone components need at least, minus pieces.
+    /// Minimum number of segments of the zone components, minus the pieces.
     pub cover: u32,
-    /// The same without hubs: what falls apart must be visited piece by piece.
+    /// Count of segments around hubs: components whose removal separates many others.
     pub scattering: u32,
-    /// Steps of the shortest walks through all zone components, up to 13 in each part.
+    /// Minimum number of steps of walks that visit all zone components; `None` if a component of
+    /// the region has more than 13 of them.
     pub walk: Option<u32>,
-    /// The flow's, and what it costs to leave what no cheapest 2-matching leaves.
+    /// [`Bounds::flow`], plus the price of connecting what no cheapest 2-matching connects.
     pub connectivity: u32,
-    /// The flow's with weights on closed sets of cells.
+    /// [`Bounds::flow`], raised by Lagrange multipliers on closed sets of cells.
     pub cuts: u32,
 }
 
 impl Bounds {
-    /// All bounds of a layer.
-    /// The flow is nearly linear in the cells; the walk is exponential in the zone components up to
-    /// its limit, the scattering quadratic in them, and the last two search for each link along a
-    /// border.
+    /// Computes all bounds of a layer, on the calling thread.
+    /// Progress counts cells, those of each component of the region once its bounds are known.
+    ///
+    /// The flow takes nearly linear time in the cells, the walk exponential time in the zone
+    /// components up to its limit, the scattering quadratic time in them.
+    /// Connectivity and cuts make a shortest-path search for each link along a border.
+    ///
+    /// # Errors
+    /// If the control interrupts the call.
     ///
     /// # Panics
-    /// If the zones were made for a plane of another size, or a cell of the region has none.
-    pub fn new(region: &Region, zones: &Zones) -> Self {
+    /// If the zones belong to a grid of another size, or a cell of the region has no zone.
+    pub fn new(region: &Region, zones: &Zones, control: &Control<'_>) -> Result<Self, Interrupted> {
         let costs = ZoneCosts::uniform(zones.count());
-        let boards = Board::of_parts(region, zones, &costs);
+        let boards = Board::of_components(region, zones, &costs);
         let mut sum = Self {
             pieces: 0,
             flow: 0,
@@ -68,7 +75,10 @@ impl Bounds {
             connectivity: 0,
             cuts: 0,
         };
+        let cells: usize = boards.iter().map(|board| board.cells.len()).sum();
+        let mut cells_done = 0;
         for board in &boards {
+            control.check()?;
             let (matching, pieces) = flow::flow(board);
             let graph = ZoneGraph::new(board);
             let need = flow::need(board, &graph);
@@ -78,8 +88,10 @@ impl Bounds {
             let extra = apart.map_or(0, |apart| {
                 connectivity::connectivity(&apart, &matching, pieces, &mut paths)
             });
-            let cuts =
-                Cuts::Stepwise.bound(&matching, pieces, &mut paths, u64::MAX, Interrupt::default());
+            control.check()?;
+            let cuts = Cuts::Stepwise.bound(&matching, pieces, &mut paths, u64::MAX, control);
+            // An interrupted search for cuts gives a lower bound than a completed one.
+            control.check()?;
             sum.pieces += pieces;
             sum.flow += flow;
             sum.cover += segments::cover(&need, pieces);
@@ -87,11 +99,13 @@ impl Bounds {
             sum.walk = sum.walk.zip(walk::walk(&graph, pieces)).map(|(sum, walk)| sum + walk);
             sum.connectivity += flow + extra;
             sum.cuts += cuts as u32;
+            cells_done += board.cells.len();
+            control.report(cells_done, cells);
         }
-        sum
+        Ok(sum)
     }
 
-    /// The greatest of the bounds of the crossings.
+    /// The highest of the lower bounds on the crossings.
     pub fn crossings(&self) -> u32 {
         let others =
             [self.cover, self.scattering, self.walk.unwrap_or(0), self.connectivity, self.cuts];

@@ -351,7 +351,7 @@ mod tests {
         for seed in 0..60 {
             let region = Region::rectangle(4 + (seed % 5) as u32, 5 + (seed % 4) as u32).unwrap();
             let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, seed).unwrap();
-            let board = Board::of_parts(&region, &zones, &ZoneCosts::uniform(3)).remove(0);
+            let board = Board::of_components(&region, &zones, &ZoneCosts::uniform(3)).remove(0);
             let mut matching = Matching::inside_zones(&board, Grain::default());
             matching.drop_links_inside(4, |count| count / 2);
             matching.grow(4);

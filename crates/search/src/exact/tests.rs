@@ -1,14 +1,25 @@
-//! The exact search against every path and cover of small regions, and what it says of larger ones.
+//! The exact search against all covers of small regions, and its outcomes on larger ones.
 
+use std::sync::Mutex;
 use std::sync::atomic::AtomicU32;
 use std::sync::atomic::Ordering::Relaxed;
 
-use beadwork_grid::{Layout, LayoutSpec, RegionShape, verify};
-use rand::{Rng, RngExt};
+use beadwork_base::{CancelToken, Control, Progress};
+use beadwork_grid::{Cell, Layout, LayoutSpec, Region, RegionShape, Zones, verify};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::twin::{Problem, cheapest, fewest_and_cheapest};
-use super::*;
+use super::brute_force::{Problem, cheapest, fewest_and_cheapest};
+use super::{
+    AttemptReport, Observers, Outcome, Settings, Side, SolveError, Stage, Terminal,
+    solve as solve_with,
+};
 use crate::bound::Bounds;
+use crate::{Stop, ZoneCosts};
+
+fn solve(region: &Region, zones: &Zones, settings: &Settings<'_>) -> Result<Outcome, SolveError> {
+    solve_with(region, zones, settings, &Control::default())
+}
 
 /// A rectangle or a mask of up to 25 cells, of up to 4 zones.
 fn draw(rng: &mut impl Rng, side: u32) -> (Region, Zones) {
@@ -33,27 +44,28 @@ fn draw(rng: &mut impl Rng, side: u32) -> (Region, Zones) {
     (region, zones)
 }
 
-/// The answer judged from its definition: all cells once, pieces, cost and ends as stated.
-fn judge(problem: &Problem<'_>, plan: &Plan) {
+/// Checks an outcome by its definition: all cells once; pieces, cost and ends as stated.
+fn check(problem: &Problem<'_>, outcome: &Outcome) {
     let Problem { region, zones, costs, start, end } = *problem;
-    let order = plan.path.order();
-    assert_eq!(verify(region, order), Ok(plan.pieces));
+    let order = outcome.path.order();
+    assert_eq!(verify(region, order), Ok(outcome.pieces));
     let steps = || order.windows(2).filter(|step| region.adjacent(step[0], step[1]));
     let crossing = |step: &&[Cell]| zones.id(step[0]) != zones.id(step[1]);
     assert_eq!(
         steps().filter(crossing).count(),
-        plan.crossings as usize,
+        outcome.crossings as usize,
         "{region:?} {:?} {order:?} {start:?} {end:?} {}",
         zones.ids(),
-        plan.pieces
+        outcome.pieces
     );
     let cost: u64 =
         steps().map(|step| u64::from(costs.cost(zones.id(step[0]), zones.id(step[1])))).sum();
-    assert_eq!(cost, plan.cost);
-    assert!(start.is_none_or(|cell| order[0] == cell), "it begins elsewhere");
-    assert!(end.is_none_or(|cell| order[order.len() - 1] == cell), "it ends elsewhere");
+    assert_eq!(cost, outcome.cost);
+    assert!(start.is_none_or(|cell| order[0] == cell), "the path begins elsewhere");
+    assert!(end.is_none_or(|cell| order[order.len() - 1] == cell), "the path ends elsewhere");
 }
 
+/// What a test changes about a problem drawn at random.
 struct Change {
     costs: Option<ZoneCosts>,
     start: Option<Cell>,
@@ -64,8 +76,8 @@ impl Change {
     const NONE: Self = Self { costs: None, start: None, end: None };
 }
 
-/// Solves many small problems; gives how often the answer was the best there is, and how often it
-/// was proven to be.
+/// Solves many small problems; returns how many outcomes were optimal, and how many were proven
+/// optimal.
 fn compare(
     count: u64,
     seed: u64,
@@ -73,7 +85,7 @@ fn compare(
     change: impl Fn(&mut Xoshiro256PlusPlus, &Region, &Zones) -> Change,
 ) -> (u64, u64) {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-    let (mut met, mut best) = (0, 0);
+    let (mut proven, mut optimal) = (0, 0);
     for number in 0..count {
         let (region, zones) = draw(&mut rng, side);
         let Change { costs, start, end } = change(&mut rng, &region, &zones);
@@ -94,10 +106,10 @@ fn compare(
             end: terminal(end),
             ..Settings::default()
         };
-        let plan = solve(&region, &zones, &settings).unwrap();
-        judge(&problem, &plan);
+        let outcome = solve(&region, &zones, &settings).unwrap();
+        check(&problem, &outcome);
         let (pieces, cost) = fewest_and_cheapest(&problem);
-        let about = format!(
+        let problem = format!(
             "problem {number}: {}x{} {:?} {:?} {start:?} {end:?} {costs:?}",
             region.width(),
             region.height(),
@@ -105,18 +117,21 @@ fn compare(
             zones.ids()
         );
         assert!(
-            plan.piece_bound <= pieces,
-            "{about}: at least {} pieces, but {pieces} do",
-            plan.piece_bound
+            outcome.piece_bound <= pieces,
+            "{problem}: at least {} pieces, but {pieces} do",
+            outcome.piece_bound
         );
-        if plan.pieces == pieces {
-            assert!(plan.bound <= cost, "{about}: at least {}, but {cost} does", plan.bound);
+        if outcome.pieces == pieces {
+            assert!(
+                outcome.bound <= cost,
+                "{problem}: at least {}, but {cost} does",
+                outcome.bound
+            );
         }
-        let optimal = (plan.pieces, plan.cost) == (pieces, cost);
-        best += u64::from(optimal);
-        met += u64::from(plan.is_optimal());
+        optimal += u64::from((outcome.pieces, outcome.cost) == (pieces, cost));
+        proven += u64::from(outcome.is_optimal());
     }
-    (best, met)
+    (optimal, proven)
 }
 
 #[test]
@@ -159,7 +174,8 @@ fn costs_of_pairs_in_small_regions() {
     assert_eq!(compare(800, 3, 4, costs), (800, 799));
 }
 
-/// Where directions differ the search is not exact: 99 of 100 are the best, four of five proven.
+/// Where directions differ the search is not exact: 99 of 100 outcomes are optimal, four of five
+/// proven.
 #[test]
 fn costs_of_directions_in_small_regions() {
     let costs = |rng: &mut Xoshiro256PlusPlus, _: &Region, zones: &Zones| Change {
@@ -169,7 +185,7 @@ fn costs_of_directions_in_small_regions() {
     assert_eq!(compare(800, 4, 4, costs), (790, 650));
 }
 
-/// Every single bound against every cover.
+/// Each bound against all covers.
 #[test]
 fn no_bound_exceeds_the_optimum() {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(5);
@@ -180,7 +196,7 @@ fn no_bound_exceeds_the_optimum() {
         let costs = ZoneCosts::uniform(zones.count());
         let problem =
             Problem { region: &region, zones: &zones, costs: &costs, start: None, end: None };
-        let bounds = Bounds::new(&region, &zones);
+        let bounds = Bounds::new(&region, &zones, &Control::default()).unwrap();
         let (pieces, _) = fewest_and_cheapest(&problem);
         assert!(bounds.pieces <= pieces, "problem {number}: {bounds:?}, but {pieces} pieces do");
         let Some(best) = cheapest(&problem, bounds.pieces) else { continue };
@@ -198,7 +214,7 @@ fn no_bound_exceeds_the_optimum() {
             *tight += u32::from(u64::from(bound) == best);
         }
     }
-    // How often each one is met; the last alone nearly always.
+    // How often each bound equals the optimum.
     assert_eq!((tight, problems), ([1310, 1455, 1419, 1364, 1489, 1495], 1497));
 }
 
@@ -233,15 +249,15 @@ fn layers() -> impl Iterator<Item = (Region, Zones)> {
 fn larger_layers_are_covered_and_bounded() {
     let mut proven = 0;
     for (region, zones) in layers() {
-        let plan = solve(&region, &zones, &Settings::default()).unwrap();
+        let outcome = solve(&region, &zones, &Settings::default()).unwrap();
         let costs = ZoneCosts::uniform(zones.count());
-        judge(
+        check(
             &Problem { region: &region, zones: &zones, costs: &costs, start: None, end: None },
-            &plan,
+            &outcome,
         );
-        assert!(plan.pieces >= plan.piece_bound && plan.cost >= plan.bound);
-        assert_eq!(plan.is_optimal(), plan.stop == Stop::Optimal);
-        proven += u32::from(plan.is_optimal());
+        assert!(outcome.pieces >= outcome.piece_bound && outcome.cost >= outcome.bound);
+        assert_eq!(outcome.is_optimal(), outcome.stop == Stop::Optimal);
+        proven += u32::from(outcome.is_optimal());
     }
     assert!(proven >= 38, "only {proven} of 40 are proven");
 }
@@ -257,55 +273,89 @@ fn sides_hold_the_ends() {
             attempts: 4,
             ..Settings::default()
         };
-        let plan = solve(&region, &zones, &settings).unwrap();
-        let order = plan.path.order();
+        let outcome = solve(&region, &zones, &settings).unwrap();
+        let order = outcome.path.order();
         assert!(Terminal::Side(first).cells(&region).contains(&order[0]), "layer {number}");
         assert!(
             Terminal::Side(last).cells(&region).contains(&order[order.len() - 1]),
             "layer {number}"
         );
-        assert_eq!(verify(&region, order), Ok(plan.pieces));
+        assert_eq!(verify(&region, order), Ok(outcome.pieces));
         let free = solve(&region, &zones, &Settings::default()).unwrap();
-        assert!((plan.pieces, plan.cost) >= (free.piece_bound, free.bound), "layer {number}");
+        assert!((outcome.pieces, outcome.cost) >= (free.piece_bound, free.bound), "layer {number}");
     }
 }
 
 #[test]
-fn a_seed_names_one_plan() {
+fn a_seed_determines_the_path() {
     let region = Region::rectangle(40, 30).unwrap();
     let zones =
         LayoutSpec { layout: Layout::Voronoi, zones: 12, side: 1 }.zones(&region, 5).unwrap();
-    let plan = |seed| {
+    let outcome = |seed| {
         solve(&region, &zones, &Settings { seed, attempts: 3, ..Settings::default() }).unwrap()
     };
-    assert_eq!(plan(1).path, plan(1).path);
-    assert_ne!(plan(1).path, plan(2).path);
+    assert_eq!(outcome(1).path, outcome(1).path);
+    assert_ne!(outcome(1).path, outcome(2).path);
 }
 
 #[test]
-fn it_can_be_stopped() {
+fn interrupted_searches_return_a_valid_path() {
     let region = Region::rectangle(60, 60).unwrap();
     let zones =
         LayoutSpec { layout: Layout::Islands, zones: 30, side: 4 }.zones(&region, 1).unwrap();
-    let cancel = AtomicBool::new(true);
-    let cancelled =
-        solve(&region, &zones, &Settings { cancel: Some(&cancel), ..Settings::default() }).unwrap();
+    let settings = Settings::default();
+    let cancel = CancelToken::new();
+    cancel.cancel();
+    let control = Control { cancel: Some(&cancel), ..Control::default() };
+    let cancelled = solve_with(&region, &zones, &settings, &control).unwrap();
     assert_eq!(verify(&region, cancelled.path.order()), Ok(cancelled.pieces));
     assert_eq!((cancelled.stop, cancelled.attempts), (Stop::Cancelled, 1));
-    let late =
-        solve(&region, &zones, &Settings { time_is_up: Some(&|| true), ..Settings::default() })
-            .unwrap();
+    let control = Control { time_is_up: Some(&|| true), ..Control::default() };
+    let late = solve_with(&region, &zones, &settings, &control).unwrap();
     assert_eq!(late.stop, Stop::TimeUp);
-    let told = AtomicU32::new(0);
-    let observer = |progress: Progress| told.store(progress.attempts, Relaxed);
-    let plan =
-        solve(&region, &zones, &Settings { observer: Some(&observer), ..Settings::default() })
-            .unwrap();
-    assert_eq!(told.into_inner(), plan.attempts);
 }
 
 #[test]
-fn impossible_problems_are_refused() {
+fn observers_see_attempts_and_stages() {
+    let region = Region::rectangle(60, 60).unwrap();
+    let zones =
+        LayoutSpec { layout: Layout::Islands, zones: 30, side: 4 }.zones(&region, 1).unwrap();
+    let attempts = AtomicU32::new(0);
+    let on_attempt = |report: AttemptReport| attempts.store(report.attempts, Relaxed);
+    let stages: Mutex<Vec<Stage>> = Mutex::default();
+    let on_stage = |stage: Stage, _: &[[Cell; 2]]| stages.lock().unwrap().push(stage);
+    let observers = Observers { attempt: Some(&on_attempt), stage: Some(&on_stage) };
+    let outcome = solve(&region, &zones, &Settings { observers, ..Settings::default() }).unwrap();
+    assert_eq!(attempts.into_inner(), outcome.attempts);
+    use Stage::{Cheapest, Ladders, Linked, Merged, Settled};
+    assert_eq!(stages.into_inner().unwrap(), [Ladders, Cheapest, Linked, Merged, Settled]);
+}
+
+/// Progress counts cells up to a total that stays the same, whether a component takes one attempt
+/// or all of them.
+#[test]
+fn progress_counts_cells() {
+    for (region, zones) in layers() {
+        for (start, attempts) in [(Terminal::Any, 50), (Terminal::Side(Side::Left), 3)] {
+            let reports: Mutex<Vec<Progress>> = Mutex::default();
+            let report = |progress| reports.lock().unwrap().push(progress);
+            let control = Control { progress: Some(&report), ..Control::default() };
+            let settings = Settings { start, attempts, ..Settings::default() };
+            solve_with(&region, &zones, &settings, &control).unwrap();
+            let reports = reports.into_inner().unwrap();
+            let last = reports.last().unwrap();
+            assert_eq!(last.done, last.total);
+            assert!(reports.iter().all(|report| report.total == last.total));
+            assert!(reports.is_sorted_by_key(|report| report.done), "{reports:?}");
+            if start == Terminal::Any {
+                assert_eq!(last.total, region.cell_count() as usize);
+            }
+        }
+    }
+}
+
+#[test]
+fn impossible_problems_are_rejected() {
     let region = Region::from_mask(2, 2, vec![true, true, true, false]).unwrap();
     let zones = Zones::new(&region, vec![0, 1, 1, 0]).unwrap();
     let error = |settings: Settings<'_>| solve(&region, &zones, &settings).unwrap_err();
@@ -351,7 +401,7 @@ fn impossible_problems_are_refused() {
     assert_eq!(solve(&plus, &one, &same).unwrap_err(), SolveError::NoTwoCells);
 }
 
-/// A corner belongs to two sides, and may be taken by either end.
+/// A corner belongs to two sides, so it may serve for either end.
 #[test]
 fn ends_at_corners_are_kept_to() {
     for (width, height) in [(4, 6), (6, 4), (5, 5), (3, 3)] {
@@ -362,9 +412,10 @@ fn ends_at_corners_are_kept_to() {
         let all = [&sides[..], &corners[..]].concat();
         for &start in &all {
             for &end in all.iter().filter(|&&end| end != start || sides.contains(&end)) {
-                let plan = solve(&region, &zones, &Settings { start, end, ..Settings::default() })
-                    .unwrap();
-                let order = plan.path.order();
+                let outcome =
+                    solve(&region, &zones, &Settings { start, end, ..Settings::default() })
+                        .unwrap();
+                let order = outcome.path.order();
                 assert!(start.cells(&region).contains(&order[0]), "{start:?} {end:?} {order:?}");
                 assert!(
                     end.cells(&region).contains(&order[order.len() - 1]),
@@ -375,15 +426,15 @@ fn ends_at_corners_are_kept_to() {
     }
 }
 
-/// Two blocks joined by one link: both are cycles of the only 2-factor, but a path leads through
+/// Two blocks joined by one link: the only 2-factor has a cycle in each, but a path leads through
 /// both.
 #[test]
 fn a_path_through_two_blocks_is_not_refuted() {
     let mask = |cell: u32| cell % 5 != 2 || cell == 2;
     let region = Region::from_mask(5, 2, (0..10).map(mask).collect()).unwrap();
     let zones = Zones::new(&region, vec![0; 10]).unwrap();
-    let plan = solve(&region, &zones, &Settings::default()).unwrap();
-    assert_eq!((plan.pieces, plan.piece_bound), (1, 1));
+    let outcome = solve(&region, &zones, &Settings::default()).unwrap();
+    assert_eq!((outcome.pieces, outcome.piece_bound), (1, 1));
 }
 
 /// A layer that differs from the one below in some cells and some zones.

@@ -95,7 +95,7 @@ impl Board {
     ///
     /// # Panics
     /// If the zones or the costs are for another region.
-    pub(crate) fn of_parts(region: &Region, zones: &Zones, costs: &ZoneCosts) -> Vec<Self> {
+    pub(crate) fn of_components(region: &Region, zones: &Zones, costs: &ZoneCosts) -> Vec<Self> {
         assert_eq!(zones.ids().len(), region.grid_len(), "the zones are those of another plane");
         assert!(
             region.cells().all(|cell| zones.id(cell) != Zones::OUTSIDE),

@@ -26,7 +26,7 @@ fn boards() -> impl Iterator<Item = Board> {
                 |pair: usize| if pair / count == pair % count { 0 } else { (pair * 7 % 5) as u32 };
             ZoneCosts::new(zones.count(), (0..count * count).map(cost).collect()).unwrap()
         };
-        Board::of_parts(&region, &zones, &costs)
+        Board::of_components(&region, &zones, &costs)
     })
 }
 

@@ -2,10 +2,12 @@
 
 use std::sync::atomic::AtomicBool;
 
+use beadwork_base::Control;
 use beadwork_grid::{Cell, Path, Region, Zones};
 
 use super::ToolCosts;
 use crate::exact::{self, SolveError};
+use crate::stop::is_cancelled;
 use crate::{ZoneCosts, ZoneCostsError};
 
 /// A layer of a part.
@@ -76,8 +78,8 @@ impl Cover {
         effort: Effort<'_>,
     ) -> Result<Self, SolveError> {
         let settings = exact::Settings { costs: Some(&costs.costs), ..effort.settings(below) };
-        let plan = exact::solve(layer.region, layer.zones, &settings)?;
-        let exact::Plan { path, pieces, piece_bound, cost, bound, .. } = plan;
+        let plan = effort.solve(layer.region, layer.zones, &settings)?;
+        let exact::Outcome { path, pieces, piece_bound, cost, bound, .. } = plan;
         let (cost, bound) = (cost * costs.unit, bound * costs.unit);
         Ok(Self { path, pieces, piece_bound, cost, bound, is_continuous: true })
     }
@@ -96,7 +98,7 @@ impl Cover {
             let zone = Region::from_mask(region.width(), region.height(), inside)
                 .expect("the zone has cells");
             let alone = Zones::new(&zone, vec![0; zone.grid_len()]).expect("each cell has a zone");
-            let plan = exact::solve(&zone, &alone, &effort.settings(below))?;
+            let plan = effort.solve(&zone, &alone, &effort.settings(below))?;
             order.extend(plan.path.order());
             pieces += plan.pieces;
             piece_bound += plan.piece_bound;
@@ -117,15 +119,19 @@ impl Cover {
 
 impl<'a> Effort<'a> {
     fn settings(self, below: Option<&'a Path>) -> exact::Settings<'a> {
-        let Self { seed, attempts, columns_first, cancel } = self;
-        exact::Settings {
-            seed,
-            attempts,
-            columns_first,
-            below,
-            cancel,
-            ..exact::Settings::default()
-        }
+        let Self { seed, attempts, columns_first, .. } = self;
+        exact::Settings { seed, attempts, columns_first, below, ..exact::Settings::default() }
+    }
+
+    fn solve(
+        self,
+        region: &Region,
+        zones: &Zones,
+        settings: &exact::Settings<'_>,
+    ) -> Result<exact::Outcome, SolveError> {
+        let is_cancelled = || is_cancelled(self.cancel);
+        let control = Control { time_is_up: Some(&is_cancelled), ..Control::default() };
+        exact::solve(region, zones, settings, &control)
     }
 }
 

@@ -7,9 +7,9 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
 
-use beadwork_base::Control;
+use beadwork_base::{Control, Threads};
 use beadwork_console::search::{Breeding, Choice, Row, Search};
-use beadwork_console::{cancel, machine, output};
+use beadwork_console::{cancel, control, machine, output};
 use beadwork_grid::{Crossings, LayoutSpec, Region, Start};
 use beadwork_search::bound::Bounds;
 use beadwork_search::genetic::{self, Seeding};
@@ -167,7 +167,8 @@ fn every_method(
     let zones = &LayoutSpec::new(cell.layout).zones(region, instance_seed)?;
     let start = Start::RowZigzag;
     let path = start.path(region, &Control::default())?;
-    let bounds = Some(Bounds::new(region, zones));
+    let bounds =
+        Some(control::quiet(Threads::One, |control| Bounds::new(region, zones, control))??);
     let cancel = cancel::token()?.as_flag();
     // Presets with the same annealing runs share them.
     let mut populations: Vec<(Seeding, Vec<Vec<Move>>, f64)> = Vec::new();
@@ -186,7 +187,7 @@ fn every_method(
     }
     let search = |choice| {
         let search = Search { region, zones, choice, seed, start, bounds };
-        Ok::<Row, anyhow::Error>(search.run(cell.layout.name(), &path)?.1)
+        Ok::<Row, anyhow::Error>(search.run(cell.layout.name(), &path, &Control::default())?.1)
     };
     let mut rows = vec![search(Choice::Zigzag)?];
     for preset in Preset::ALL {

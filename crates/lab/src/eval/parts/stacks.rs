@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::time::Instant;
 
+use beadwork_base::Control;
 use beadwork_console::plan::refs;
 use beadwork_console::progress::ProgressBar;
 use beadwork_grid::Path;
@@ -53,7 +54,7 @@ pub(super) fn measure(cases: &[Case], seed: u64, bar: &ProgressBar) -> anyhow::R
             for layer in &layers {
                 let below = solved.last().filter(|_| is_aware).map(|below| &below.path);
                 let settings = exact::Settings { seed, below, ..exact::Settings::default() };
-                let plan = solve(layer.region, layer.zones, &settings)?;
+                let plan = solve(layer.region, layer.zones, &settings, &Control::default())?;
                 let is_optimal = plan.is_optimal();
                 solved.push(Solved { path: plan.path, crossings: plan.crossings, is_optimal });
             }

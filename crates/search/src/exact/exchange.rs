@@ -1,11 +1,11 @@
 //! Joining the cycles that switches cannot join.
 
+use beadwork_base::Control;
 use rand::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::strands::Strands;
 use crate::matching::{Dir, Matching, Node, dirs};
-use crate::stop::Interrupt;
 
 /// Steps of the longest exchange tried: half of them links put in, half taken out.
 const LONGEST: usize = 12;
@@ -17,16 +17,16 @@ const LONGEST: usize = 12;
 /// random: the cycle changes its shape and place, until it can be joined.
 /// A path that has both of the ends that should be apart is treated like a cycle.
 /// Ends when nothing is left to settle, or after so many exchanges.
-pub(crate) fn untangle(
+pub(super) fn join_by_exchanges(
     matching: &mut Matching<'_>,
     strands: &mut Strands,
     rng: &mut Xoshiro256PlusPlus,
     exchanges: u64,
-    interrupt: Interrupt<'_>,
+    control: &Control<'_>,
 ) {
     let mut made = 0;
     let mut in_vain = 0;
-    while !strands.is_settled() && made < exchanges && interrupt.check().is_none() {
+    while !strands.is_settled() && made < exchanges && control.interrupted().is_none() {
         let number = pick_cycle(strands, rng)
             .or(strands.joined_ends())
             .expect("something is left to settle");

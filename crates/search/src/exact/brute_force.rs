@@ -1,25 +1,27 @@
-//! The slow, obvious twin of the exact search: it tries every set of links.
+//! The slow, obvious reference implementation of the exact search: it tries every set of links.
 
 use crate::ZoneCosts;
 use beadwork_grid::{Cell, Region, Zones};
 
-/// What a cover is asked for.
+/// A region to cover, and what its crossings cost.
 pub(super) struct Problem<'a> {
     pub(super) region: &'a Region,
     pub(super) zones: &'a Zones,
     pub(super) costs: &'a ZoneCosts,
+    /// Cell at which the first piece has to begin; `None` for any.
     pub(super) start: Option<Cell>,
+    /// Cell at which the last piece has to end; `None` for any.
     pub(super) end: Option<Cell>,
 }
 
-/// The fewest pieces of any cover, and the least cost of one in so many.
+/// The minimum number of pieces of a cover, and the minimum cost of a cover with that number.
 pub(super) fn fewest_and_cheapest(problem: &Problem<'_>) -> (u32, u64) {
     (1..)
         .find_map(|pieces| cheapest(problem, pieces).map(|cost| (pieces, cost)))
         .expect("single cells are a cover")
 }
 
-/// The least cost of a cover in so many pieces, if there is one.
+/// The minimum cost of a cover with this number of pieces; `None` if there is none.
 pub(super) fn cheapest(problem: &Problem<'_>, pieces: u32) -> Option<u64> {
     let cells: Vec<Cell> = problem.region.cells().collect();
     let links = cells.len().checked_sub(pieces as usize)?;
@@ -37,22 +39,28 @@ pub(super) fn cheapest(problem: &Problem<'_>, pieces: u32) -> Option<u64> {
 struct Search<'a> {
     problem: &'a Problem<'a>,
     cells: Vec<Cell>,
-    /// Links that the cover must have.
+    /// Number of links that the cover must have.
     links: usize,
+    /// For each cell the cells it is linked with so far.
     linked: Vec<Vec<Cell>>,
     best: Option<u64>,
 }
 
 impl Search<'_> {
-    /// Decides on the links of one cell to the right and below, then on those of the next one.
+    /// Tries all choices of the links of one cell to the right and below, each followed by all
+    /// choices for the cells after it.
+    ///
+    /// `links` have been chosen before; `lacking` is the number of links that the cells before lack
+    /// to two each.
     fn decide(&mut self, index: usize, links: usize, lacking: usize) {
-        // Each missing link leaves two cells that lack one.
+        // Two links at each cell would be one link for each cell.
+        // Each link fewer than that leaves two link ends missing.
         if lacking > 2 * (self.cells.len() - self.links) {
             return;
         }
         let Some(&cell) = self.cells.get(index) else {
             if links == self.links {
-                self.judge();
+                self.finish();
             }
             return;
         };
@@ -68,27 +76,27 @@ impl Search<'_> {
             {
                 continue;
             }
-            let mut put_in = 0;
+            let mut inserted = 0;
             for &other in &chosen {
                 if self.reaches(cell, other) {
                     break;
                 }
                 self.linked[cell as usize].push(other);
                 self.linked[other as usize].push(cell);
-                put_in += 1;
+                inserted += 1;
             }
-            if put_in == chosen.len() {
+            if inserted == chosen.len() {
                 let lacking = lacking + 2 - self.linked[cell as usize].len();
-                self.decide(index + 1, links + put_in, lacking);
+                self.decide(index + 1, links + inserted, lacking);
             }
-            for &other in chosen[..put_in].iter().rev() {
+            for &other in chosen[..inserted].iter().rev() {
                 self.linked[cell as usize].pop();
                 self.linked[other as usize].pop();
             }
         }
     }
 
-    /// Whether a link between the two would close a cycle.
+    /// Whether links already connect two cells, so that one between them would close a cycle.
     fn reaches(&self, from: Cell, to: Cell) -> bool {
         let mut seen = vec![from];
         let mut index = 0;
@@ -103,7 +111,8 @@ impl Search<'_> {
         seen.contains(&to)
     }
 
-    fn judge(&mut self) {
+    /// Notes the cost of a complete cover, if its ends are as required.
+    fn finish(&mut self) {
         let Problem { zones, costs, start, end, .. } = *self.problem;
         let mut total = 0;
         let mut seen: Vec<Cell> = Vec::new();
@@ -132,8 +141,8 @@ impl Search<'_> {
             let forward = cost_of(piece);
             let backward = cost_of(&piece.iter().rev().copied().collect::<Vec<_>>());
             let (first, last) = (piece[0], piece[piece.len() - 1]);
-            // The first piece begins at the start, the last one ends at the end; they are one only
-            // if there is one.
+            // The first piece begins at the start, the last one ends at the end, and one piece
+            // holds both only if it is the only one.
             let ways = [(forward, first, last), (backward, last, first)].into_iter().filter(
                 |&(_, first, last)| {
                     let [has_start, has_end] =

@@ -1,0 +1,159 @@
+//! Connecting groups of zones that the cheapest 2-matching leaves closed.
+//!
+//! The zone components that links join form *groups*.
+//! A group is *closed* if no cell in it has room for another link: then all of its strands are
+//! cycles, and no link leads out of it, so it can't be joined to the rest of a path by rearranging
+//! links inside it.
+//!
+//! ```text
+//!   zone A      zone B
+//!  +-------+   o-o   o-o      Zone A holds a cycle and no link leaves it: A is a closed group.
+//!  | cycle |   | |   | |      Inserting a link from A to B, along a cheapest alternating cycle,
+//!  +-------+   o o---o o      opens it.
+//! ```
+//!
+//! Inserting one link moves others along an alternating cycle, which may close another group.
+//! So links are inserted one by one, and the groups are computed again after each.
+
+use beadwork_base::Control;
+use rand::Rng;
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use crate::matching::{Dir, Groups, Matching, Node, Paths, ZoneGraph};
+use crate::random::below;
+
+/// Inserts links until no group of components is closed.
+///
+/// First inserts links that cost nothing, drawn at random, and takes each back that increases the
+/// number of closed groups.
+/// When no such link is left or too many have failed, inserts the cheapest of a few links drawn at
+/// random; these are locked, so that later steps keep them.
+///
+/// Groups may stay closed if the call is interrupted or no link can be inserted.
+pub(super) fn connect(
+    matching: &mut Matching<'_>,
+    graph: &ZoneGraph,
+    paths: &mut Paths,
+    rng: &mut Xoshiro256PlusPlus,
+    control: &Control<'_>,
+) {
+    let mut groups = ClosedGroups::new(graph, matching);
+    let mut candidates: Vec<(Node, Dir)> = Vec::new();
+
+    let max_failures = 2 * groups.count + 20;
+    let mut failures = 0;
+    while groups.count > 0 && failures < max_failures && control.interrupted().is_none() {
+        groups.links_out(graph, matching, &mut candidates);
+        // A positive reduced cost is a lower bound on what an insertion costs.
+        candidates.retain(|&(node, dir)| matching.reduced(node, dir) == 0);
+        if candidates.is_empty() {
+            break;
+        }
+        let (node, dir) = candidates[below(rng, candidates.len())];
+        failures += 1;
+        if paths.cost_of_link(matching, node, dir, 1).is_some() {
+            paths.put_in(matching, node, dir);
+            let after = ClosedGroups::new(graph, matching);
+            if after.count > groups.count {
+                paths.undo(matching, node, dir);
+            } else {
+                if after.count < groups.count {
+                    failures = 0;
+                }
+                groups = after;
+            }
+        }
+    }
+
+    let mut tries_left = 3 * groups.count + 20;
+    while groups.count > 0 && tries_left > 0 && control.interrupted().is_none() {
+        tries_left -= 1;
+        groups.links_out(graph, matching, &mut candidates);
+        if !insert_cheapest(matching, &candidates, paths, rng) {
+            return;
+        }
+        groups = ClosedGroups::new(graph, matching);
+    }
+}
+
+/// Inserts and locks the cheapest of up to eight links drawn at random from the candidates, which
+/// are named by their black cells.
+/// Returns whether one of them could be inserted.
+pub(super) fn insert_cheapest(
+    matching: &mut Matching<'_>,
+    candidates: &[(Node, Dir)],
+    paths: &mut Paths,
+    rng: &mut Xoshiro256PlusPlus,
+) -> bool {
+    if candidates.is_empty() {
+        return false;
+    }
+    // Links that cost nothing have been tried before, so a link at the minimum cost of a crossing
+    // can hardly be beaten, and ends the search.
+    let good_enough = matching.board.least_cost() as i32;
+    let mut best: Option<(i32, (Node, Dir))> = None;
+    let mut is_last = false;
+    for _ in 0..=rng.next_u64() % 8 {
+        let (node, dir) = candidates[below(rng, candidates.len())];
+        let limit = best.map_or(i32::MAX / 2, |(cost, _)| cost);
+        is_last = false;
+        if let Some(cost) = paths.cost_of_link(matching, node, dir, limit) {
+            best = Some((cost, (node, dir)));
+            is_last = true;
+            if cost <= good_enough {
+                break;
+            }
+        }
+    }
+    let Some((_, (node, dir))) = best else { return false };
+    // The path search remembers only the last path it found.
+    if !is_last {
+        paths.cost_of_link(matching, node, dir, i32::MAX / 2);
+    }
+    paths.put_in(matching, node, dir);
+    matching.lock(node, dir);
+    true
+}
+
+/// The groups of components that the links of a 2-matching join, and which of them are closed.
+struct ClosedGroups {
+    groups: Groups,
+    /// For each group, at the index of its representative, whether it is closed.
+    is_closed: Vec<bool>,
+    /// Number of closed groups.
+    count: u32,
+}
+
+impl ClosedGroups {
+    /// Linear in the cells.
+    fn new(graph: &ZoneGraph, matching: &Matching<'_>) -> Self {
+        let mut groups =
+            Groups::new(graph, matching.board, |node, dir| matching.is_linked(node, dir));
+        let mut is_closed = vec![true; graph.count() as usize];
+        let mut count = groups.count();
+        for &node in &matching.board.cells {
+            if matching.room[node as usize] > 0 {
+                let group = groups.root(graph.component(node)) as usize;
+                count -= u32::from(is_closed[group]);
+                is_closed[group] = false;
+            }
+        }
+        Self { groups, is_closed, count }
+    }
+
+    /// Collects the links that lead out of closed groups, by their black cells.
+    fn links_out(
+        &mut self,
+        graph: &ZoneGraph,
+        matching: &Matching<'_>,
+        links: &mut Vec<(Node, Dir)>,
+    ) {
+        links.clear();
+        for &link in &graph.links {
+            let (a, b) = self.groups.of_link(graph, matching.board, link);
+            if a != b && (self.is_closed[a as usize] || self.is_closed[b as usize]) {
+                links.push(link);
+            }
+        }
+    }
+}
