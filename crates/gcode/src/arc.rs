@@ -1,37 +1,47 @@
-//! Arcs as chords.
+//! Approximates arcs by chords.
+//!
+//! A chord that spans the angle θ of a circle of radius r is at most r (1 - cos(θ/2)) away from the
+//! arc, in its middle (the sagitta).
+//! Setting this to the permitted deviation d gives the widest angle, θ = 2 acos(1 - d/r), and so
+//! the number of chords.
 
 use std::f64::consts::TAU;
 
-use crate::{Arc, Number};
+use crate::command::Arc;
+use crate::number::Number;
 
-/// How far a chord may lie from its arc, in mm: well below what a printer can place.
-const DEVIATION_MM: f64 = 0.005;
+/// How far a chord may deviate from its arc, in mm: well below the precision of a printer.
+const MAX_DEVIATION_MM: f64 = 0.005;
 
-/// The most chords of one arc, whatever its size, so that a broken program can't ask for endless
-/// work.
-const MOST_CHORDS: u32 = 720;
+/// Maximum number of chords per arc, whatever its size, so that a malformed program cannot cause
+/// unbounded work.
+/// A full circle of radius 525 mm or less stays within it.
+const MAX_CHORDS: u32 = 720;
 
-/// A smaller radius is no arc, in mm.
-const SMALLEST_MM: f64 = 1e-6;
+/// A circle with a smaller radius is treated as a malformed arc, in mm.
+const MIN_RADIUS_MM: f64 = 1e-6;
 
-/// The chords of an arc: where each ends, and its share of the arc's length.
+/// The chords of an arc.
 #[derive(Debug)]
-pub(super) struct Chords {
+pub(crate) struct Chords {
     from: [f64; 3],
     to: [f64; 3],
     centre: [f64; 2],
-    /// Angle at the beginning, and how far it turns from there; more than 0 against the clock.
-    begin: f64,
-    turn: f64,
-    /// At the beginning and at the end: programs round both places, so that they differ a little.
+    /// Angle of the start as seen from the centre, in radians.
+    start_angle: f64,
+    /// Angle that the arc spans, in radians; positive if counter-clockwise.
+    span: f64,
+    /// Distances of start and end from the centre.
+    /// They differ a little because programs round the ends and the centre; the chords interpolate
+    /// between the two.
     radii: [f64; 2],
     count: u32,
     done: u32,
 }
 
 impl Chords {
-    /// `None` if there is no such arc.
-    pub(super) fn new(from: [f64; 3], to: [f64; 3], arc: &Arc) -> Option<Self> {
+    /// Creates the chords of an arc between two points; `None` if no such arc exists.
+    pub(crate) fn new(from: [f64; 3], to: [f64; 3], arc: &Arc) -> Option<Self> {
         let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
         let [i, j] = match (arc.i, arc.j, arc.r) {
             (None, None, None) => return None,
@@ -39,60 +49,65 @@ impl Chords {
             (i, j, _) => [i, j].map(|value| value.unwrap_or(Number::ZERO).to_f64()),
         };
         let radii = [i.hypot(j), (dx - i).hypot(dy - j)];
-        if radii.iter().any(|&radius| radius < SMALLEST_MM) {
+        if radii.iter().any(|&radius| radius < MIN_RADIUS_MM) {
             return None;
         }
-        let begin = (-j).atan2(-i);
-        let end = (dy - j).atan2(dx - i);
-        let turn = if dx == 0.0 && dy == 0.0 {
-            // Back to its beginning: the whole circle.
+        let start_angle = (-j).atan2(-i);
+        let end_angle = (dy - j).atan2(dx - i);
+        let span = if dx == 0.0 && dy == 0.0 {
+            // An arc that ends where it starts is a full circle.
             if arc.clockwise { -TAU } else { TAU }
         } else if arc.clockwise {
-            -(begin - end).rem_euclid(TAU)
+            -(start_angle - end_angle).rem_euclid(TAU)
         } else {
-            (end - begin).rem_euclid(TAU)
+            (end_angle - start_angle).rem_euclid(TAU)
         };
-        let widest = radii[0].max(radii[1]);
-        let step = 2.0 * (1.0 - DEVIATION_MM / widest).max(0.0).acos();
-        let count = (turn.abs() / step).ceil().clamp(1.0, f64::from(MOST_CHORDS)) as u32;
+        let max_radius = radii[0].max(radii[1]);
+        let max_step = 2.0 * (1.0 - MAX_DEVIATION_MM / max_radius).max(0.0).acos();
+        let count = (span.abs() / max_step).ceil().clamp(1.0, f64::from(MAX_CHORDS)) as u32;
         let centre = [from[0] + i, from[1] + j];
-        Some(Self { from, to, centre, begin, turn, radii, count, done: 0 })
+        Some(Self { from, to, centre, start_angle, span, radii, count, done: 0 })
     }
 
-    pub(super) fn next(&mut self) -> Option<([f64; 3], f64)> {
+    /// The end of the next chord, and the share of the arc's length (and filament) that it covers.
+    pub(crate) fn next(&mut self) -> Option<([f64; 3], f64)> {
         if self.done == self.count {
             return None;
         }
         self.done += 1;
         let share = 1.0 / f64::from(self.count);
         if self.done == self.count {
+            // Exactly the end that the program asks for, without rounding.
             return Some((self.to, share));
         }
         let part = f64::from(self.done) * share;
-        let angle = self.begin + part * self.turn;
+        let angle = self.start_angle + part * self.span;
         let radius = self.radii[0] + part * (self.radii[1] - self.radii[0]);
-        let place = [
+        let end = [
             self.centre[0] + radius * angle.cos(),
             self.centre[1] + radius * angle.sin(),
             self.from[2] + part * (self.to[2] - self.from[2]),
         ];
-        Some((place, share))
+        Some((end, share))
     }
 }
 
-/// The centre, seen from the beginning, of the arc of this radius to a place (dx, dy); the shorter
-/// way round unless the radius is less than 0.
+/// The centre, relative to the start, of an arc of the given radius that ends at (dx, dy).
+/// A negative radius asks for the longer of the two arcs.
+///
+/// The centre lies on the perpendicular bisector of the straight line between the ends, at a height
+/// h above its midpoint with h² + (length/2)² = radius².
 fn centre_of(dx: f64, dy: f64, radius: f64, clockwise: bool) -> Option<[f64; 2]> {
-    let chord = dx.hypot(dy);
-    let half = chord / 2.0;
-    // Half a circle's radius may be rounded down.
-    if chord == 0.0 || radius.abs() < half - DEVIATION_MM {
+    let length = dx.hypot(dy);
+    let half = length / 2.0;
+    // The radius of a half circle may have been rounded down by the slicer.
+    if length == 0.0 || radius.abs() < half - MAX_DEVIATION_MM {
         return None;
     }
     let height = (radius * radius - half * half).max(0.0).sqrt();
-    // The shorter way against the clock has its centre on the left.
+    // A shorter, counter-clockwise arc has its centre on the left of the line from start to end.
     let height = if clockwise == (radius < 0.0) { height } else { -height };
-    Some([dx / 2.0 - height * dy / chord, dy / 2.0 + height * dx / chord])
+    Some([dx / 2.0 - height * dy / length, dy / 2.0 + height * dx / length])
 }
 
 #[cfg(test)]

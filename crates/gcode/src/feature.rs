@@ -1,46 +1,47 @@
-//! What the comments of slicers say of the lines that follow: the layer, and what is printed.
+//! The comments with which slicers mark layers and features.
 
-/// What a stretch of a program prints.
+/// What a part of a program prints.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Feature {
-    /// Nothing was said so far.
+    /// No comment has named a feature so far.
     #[default]
     Unknown,
-    /// The outermost bead of a wall, and a wall of a single bead.
+    /// The outermost bead of a wall, or a wall of a single bead.
     OuterWall,
-    /// Other beads of a wall, those that hang over, and those between walls.
+    /// Other beads of a wall, including overhangs and the filling of gaps between walls.
     InnerWall,
-    /// Sparse filling.
+    /// Sparse infill.
     Infill,
-    /// Solid filling: what beadwork prints parts of.
-    /// Bridges and ironing are of its kind.
+    /// Solid infill, which beadwork prints whole parts of.
+    /// Includes bridges and ironing.
     SolidInfill,
-    /// What holds up overhangs, and where it meets them.
+    /// Support structures and their interfaces.
     Support,
-    /// Loops around the part, whether they touch it or not.
+    /// Skirt or brim: loops around the part.
     Skirt,
-    /// The tower that takes up what is purged when tools change.
+    /// The prime tower, which receives the filament that is purged at tool changes.
     PrimeTower,
-    /// Written by hand: the beginning and the end of a print.
+    /// Custom G-code, such as the start and the end of a print.
     Custom,
-    /// A name that is not known here.
+    /// A name that is not listed here.
     Other,
 }
 
-/// What a comment says.
+/// The meaning of a comment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Note {
+pub(crate) enum Marker {
     /// The next layer begins.
     NextLayer,
-    /// The layer of this number begins; `None`: one below the part, such as a raft's.
+    /// The layer of this number begins; `None` for a layer below the part, such as a raft's.
     Layer(Option<u32>),
-    /// This is printed from here on.
+    /// The lines that follow print this feature.
     Feature(Feature),
 }
 
 impl Feature {
-    /// The feature that PrusaSlicer, its kin, or Cura call so, in any case.
+    /// The feature with this name in the comments of PrusaSlicer and its relatives or of Cura, in
+    /// any case; [`Feature::Other`] if none has it.
     pub fn from_name(name: &str) -> Self {
         let name = name.trim();
         let is = |names: &[&str]| names.iter().any(|known| name.eq_ignore_ascii_case(known));
@@ -78,8 +79,8 @@ impl Feature {
             "Support material interface",
             "Support",
             "Support interface",
-        ]) || is(&["SUPPORT-INTERFACE"])
-        {
+            "SUPPORT-INTERFACE",
+        ]) {
             Self::Support
         } else if is(&["Skirt", "Skirt/Brim", "Brim"]) {
             Self::Skirt
@@ -90,7 +91,7 @@ impl Feature {
         }
     }
 
-    /// Its name in the comments that beadwork writes: PrusaSlicer's.
+    /// The name that PrusaSlicer and beadwork use in comments.
     pub fn name(self) -> &'static str {
         match self {
             Self::OuterWall => "External perimeter",
@@ -106,10 +107,9 @@ impl Feature {
     }
 }
 
-impl Note {
-    /// What a comment, without its semicolon, says of the lines after it; `None` if nothing.
-    pub(super) fn read(comment: &str) -> Option<Self> {
-        // Most comments are none of these, and tell so by their first letters.
+impl Marker {
+    /// The meaning of a comment, given without its semicolon; `None` if it is not a marker.
+    pub(crate) fn read(comment: &str) -> Option<Self> {
         let comment = comment.trim();
         if comment == "LAYER_CHANGE" || comment == "CHANGE_LAYER" {
             Some(Self::NextLayer)
@@ -129,7 +129,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_read_as_what_they_name() {
+    fn names_are_read_in_all_dialects() {
         use Feature::{
             Custom, Infill, InnerWall, OuterWall, PrimeTower, Skirt, SolidInfill, Support,
         };
@@ -157,19 +157,19 @@ mod tests {
 
     #[test]
     fn comments_of_three_dialects() {
-        for (comment, note) in [
-            ("LAYER_CHANGE", Some(Note::NextLayer)),
-            (" CHANGE_LAYER", Some(Note::NextLayer)),
-            ("LAYER:12", Some(Note::Layer(Some(12)))),
-            ("LAYER:-2", Some(Note::Layer(None))),
+        for (comment, marker) in [
+            ("LAYER_CHANGE", Some(Marker::NextLayer)),
+            (" CHANGE_LAYER", Some(Marker::NextLayer)),
+            ("LAYER:12", Some(Marker::Layer(Some(12)))),
+            ("LAYER:-2", Some(Marker::Layer(None))),
             ("LAYER:x", None),
-            ("TYPE:Solid infill", Some(Note::Feature(Feature::SolidInfill))),
-            (" FEATURE: Prime tower", Some(Note::Feature(Feature::PrimeTower))),
+            ("TYPE:Solid infill", Some(Marker::Feature(Feature::SolidInfill))),
+            (" FEATURE: Prime tower", Some(Marker::Feature(Feature::PrimeTower))),
             ("LAYER_COUNT:3", None),
             ("Z:0.2", None),
             ("", None),
         ] {
-            assert_eq!(Note::read(comment), note, "{comment}");
+            assert_eq!(Marker::read(comment), marker, "{comment}");
         }
     }
 }

@@ -1,60 +1,108 @@
-//! G-code: programs of any origin read, followed, timed and written.
+//! Reads, traces, times and writes the G-code of FDM printers.
 //!
-//! - [`Program`]: the lines of a file.
-//!   [`Program::parse`] reads real files, [`Program::emit`] writes them.
-//!   Numbers are exact ([`Number`]), so that parsing emitted text returns the same program.
-//! - [`Program::trace`]: the [`Event`]s of a program in order, whichever slicer wrote it: motions,
-//!   tool changes, heating, pauses.
-//! - [`Program::print_seconds`]: the printing time, with acceleration and cornering;
-//!   [`Program::paced`]: the time of each motion.
-//! - [`Totals`]: travel, extrusion, filament and time of a whole program.
+//! - [`Program::parse`] reads the text of a file, whichever slicer wrote it; [`Program::emit`]
+//!   writes it.
+//!   Numbers are exact decimals ([`Number`]), so parsing emitted text returns the same program.
+//! - [`Program::trace`] interprets a program and yields its [`Event`]s in order: motions, tool
+//!   changes, heating, pauses.
+//! - [`Program::print_seconds`] computes the printing time with acceleration and cornering;
+//!   [`Program::timed_events`] the time of each motion, and [`SpeedProfile`] the time of each point
+//!   on it.
+//! - [`Totals::measure`] sums up travel, extrusion, filament and time.
+//!
+//! # Terms
+//! - A **program** is the list of **lines** of a file; a line holds a **command**, a comment, both
+//!   or neither.
+//! - A **verbatim command** is one that has no type here, such as a macro; its text is kept.
+//! - A **motion** is a straight move of the nozzle, or filament that is extruded or retracted while
+//!   the nozzle stands still.
+//!   An arc is traced as several motions.
+//! - An **extrusion move** is a motion that moves the nozzle and extrudes.
+//! - A **feature** is what an extrusion move prints, such as an outer wall, according to the
+//!   slicer's comments.
 //!
 //! # Units and axes
-//! As in files: x right, y to the back, z up, all in mm; filament as a length in mm.
-//! Speeds are in mm/s, except in commands, which hold mm/min.
+//! x points right, y to the back, z up, all in mm; filament is measured by its length in mm.
+//! Speeds are in mm/s, except in commands, which hold mm/min as files do.
+//! Lines are numbered from 1, layers and tools from 0.
 //!
 //! # Example
 //! ```
-//! use beadwork_gcode::{Event, Limits, Program};
+//! use beadwork_base::Control;
+//! use beadwork_gcode::{Event, Filament, MotionLimits, Program, Totals};
 //!
-//! let program = Program::parse("G90\nM83\nG1 X10 Y0 F1200\nG1 X30 E1 ; a bead of 20 mm\n")?;
+//! let control = Control::default();
+//! let text = "G90\nM83\nG1 X10 Y0 F1200\nG1 X30 E1 ; a bead of 20 mm\n";
+//! let program = Program::parse(text, &control)?;
+//! assert_eq!(Program::parse(&program.emit(), &control)?, program);
+//!
+//! // What it does.
 //! let lengths: Vec<f64> = program
 //!     .trace()
 //!     .filter_map(|event| match event {
-//!         Ok(Event::Motion(motion)) if motion.is_stroke() => Some(motion.length_mm()),
+//!         Ok(Event::Motion(motion)) if motion.is_extrusion() => Some(motion.length_mm()),
 //!         _ => None,
 //!     })
 //!     .collect();
 //! assert_eq!(lengths, [20.0]);
-//! assert_eq!(Program::parse(&program.emit())?, program);
+//!
+//! // How long it takes: both moves are in line, so the nozzle does not slow down between them.
+//! let limits =
+//!     MotionLimits { acceleration_mm_s2: 1000.0, square_corner_mm_s: 5.0, max_speed_mm_s: 300.0 };
+//! let seconds = program.print_seconds(limits, &control)?;
+//! assert!((seconds - 1.52).abs() < 1e-9);
+//!
+//! // What it takes in all.
+//! let pla = Filament { diameter_mm: 1.75, density_g_cm3: 1.24 };
+//! let totals = Totals::measure(&program, limits, &[pla], &control)?;
+//! assert_eq!((totals.travel_mm, totals.extrusion_mm), (10.0, 20.0));
+//! assert_eq!(totals.tools[0].filament_mm, 1.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # What is read and what is refused
+//! The parser accepts the dialects of Marlin and Klipper: any case, missing or extra blanks, line
+//! numbers with checksums, comments after `;` and in parentheses, bytes that are not UTF-8.
+//! It refuses only malformed numbers and words in commands that it types.
+//! The trace refuses inches (`G20`), arcs outside the xy plane (`G18`, `G19`), impossible arcs, and
+//! speeds and accelerations that are not positive.
+//!
 //! # Limits
-//! Programs of FDM printers in mm; inches and planes other than xy are refused.
-//! The effect of a macro is unknown: nothing here follows one.
+//! - Macros, tool offsets and firmware retraction (`G10`, `G11`) are kept but have no effect in the
+//!   trace: only the printer knows what they do.
+//! - Times do not include heating, macros or tool changes; [`MotionLimits`] lists what else is left
+//!   out.
+//! - A number has at most six decimals and 13 digits before the point.
+//! - A program takes about a hundred bytes per line and twice its text in memory.
 #![cfg_attr(
     test,
-    allow(clippy::float_cmp, reason = "numbers that are exact in binary are compared as such")
+    allow(clippy::float_cmp, reason = "numbers that are exact in binary are compared exactly")
 )]
 
 mod arc;
 mod command;
+mod emit;
+mod event;
 mod feature;
 mod number;
-mod pace;
 mod parse;
 mod program;
+mod speed_profile;
 mod time;
+mod timed_events;
 mod totals;
 mod trace;
+mod words;
 
 pub use command::{Arc, Command, Move, Verbatim, VerbatimError, Wait};
+pub use event::{Event, Heater, Motion, TraceError};
 pub use feature::Feature;
 pub use number::{Number, NumberError};
-pub use pace::{Pace, Paced};
-pub use parse::{ParseError, ParseFault};
+pub use parse::ParseError;
 pub use program::{CommentError, Line, Program};
-pub use time::{Limits, Stopwatch};
+pub use speed_profile::SpeedProfile;
+pub use time::{MotionLimits, Stopwatch};
+pub use timed_events::TimedEvents;
 pub use totals::{Filament, ToolUse, Totals};
-pub use trace::{Event, Heater, Motion, Trace, TraceError};
+pub use trace::Trace;
+pub use words::ParseFault;

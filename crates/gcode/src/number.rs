@@ -1,63 +1,62 @@
-//! Decimal numbers as G-code writes them, kept exactly.
+//! Exact decimal numbers, as G-code contains them.
 
 use std::fmt;
 use std::str::FromStr;
 
 use thiserror::Error;
 
-/// A decimal number in millionths.
+/// A decimal number with six decimals: an integer number of millionths.
 ///
-/// Printers and slicers write three to five decimals; whole millionths hold them exactly, so that a
-/// number which is written and read again is the same number, whatever a binary fraction would make
-/// of it.
-/// The range is about ±9.2 million millions.
+/// Slicers write three to five decimals, which this type holds exactly, so a number that is written
+/// and read again stays the same; a binary fraction would be rounded.
+/// The range is about ±9.2 · 10¹².
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Number(i64);
 
-/// Why a text or a value is no [`Number`].
+/// Why a text or a value is not a [`Number`].
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum NumberError {
-    /// It is not a sign, digits and at most one point.
-    #[error("is not a number")]
+    /// The text is not an optional sign, digits and at most one point.
+    #[error("not a number")]
     Junk,
-    /// It is not finite, or beyond ±9.2 million millions.
-    #[error("is too large")]
+    /// The value is not finite, or beyond ±9.2 · 10¹².
+    #[error("too large")]
     TooLarge,
 }
 
 const DECIMALS: usize = 6;
 const SCALE: i64 = 1_000_000;
 
-/// Digits, point and sign of the longest number.
-const LONGEST: usize = 21;
+/// Length of the longest number: sign, digits and point.
+const MAX_LENGTH: usize = 21;
 
 impl Number {
-    /// Nothing.
+    /// Zero.
     pub const ZERO: Self = Self(0);
 
-    /// The number of so many millionths.
+    /// The number of a count of millionths.
     pub const fn from_millionths(millionths: i64) -> Self {
         Self(millionths)
     }
 
-    /// How many millionths it is.
+    /// The value in millionths.
     pub const fn millionths(self) -> i64 {
         self.0
     }
 
-    /// A whole number.
+    /// The number of an integer.
     pub const fn whole(value: i32) -> Self {
         Self(value as i64 * SCALE)
     }
 
-    /// The nearest number of at most `decimals` decimals, 0 to 6; halves are rounded away from
+    /// The nearest number with at most `decimals` decimals, 0 to 6; ties are rounded away from
     /// zero.
     pub fn from_f64(value: f64, decimals: u32) -> Result<Self, NumberError> {
         let fine = 10_i64.pow(decimals.min(DECIMALS as u32));
         let units = (value * fine as f64).round();
-        // Casts saturate: the bound keeps what follows from overflowing, and turns away what is not
-        // a number.
+        // Beyond this limit the multiplication below would overflow.
+        // The comparison is false for NaN, too.
         let limit = (i64::MAX / SCALE * fine) as f64;
         if units.abs() <= limit {
             Ok(Self(units as i64 * (SCALE / fine)))
@@ -66,21 +65,21 @@ impl Number {
         }
     }
 
-    /// The nearest binary fraction.
+    /// The nearest floating-point number.
     pub fn to_f64(self) -> f64 {
-        // Numbers of usual size are exact in millionths, so this rounds once.
+        // Up to 2^53 millionths (9 · 10⁹) the conversion is exact, and only the division rounds.
         self.0 as f64 / SCALE as f64
     }
 
-    /// The number at the beginning of a text, and how many bytes it takes.
-    /// Decimals beyond the sixth are rounded, halves away from zero.
-    pub(super) fn scan(text: &[u8]) -> Result<(Self, usize), NumberError> {
+    /// Reads the number that a text begins with; also returns its length in bytes.
+    /// Decimals beyond the sixth are rounded, ties away from zero.
+    pub(crate) fn scan(text: &[u8]) -> Result<(Self, usize), NumberError> {
         let (negative, mut at) = match text.first() {
             Some(b'-') => (true, 1),
             Some(b'+') => (false, 1),
             _ => (false, 0),
         };
-        // Counted downwards, for there is one more number below zero than above.
+        // Accumulated as a negative number, because the range of i64 has one more of them.
         let mut below = 0_i64;
         let mut digits = 0;
         let mut decimals = None;
@@ -114,16 +113,16 @@ impl Number {
         Ok((Self(value.ok_or(NumberError::TooLarge)?), at))
     }
 
-    /// Appends the shortest text that reads as this number: no zeros at the end, no point without
-    /// decimals.
-    pub(super) fn push_to(self, out: &mut String) {
-        let mut text = [0; LONGEST];
+    /// Appends the shortest text that is read as this number: without trailing zeros, and without a
+    /// point if there are no decimals.
+    pub(crate) fn push_to(self, out: &mut String) {
+        let mut text = [0; MAX_LENGTH];
         out.push_str(self.text(&mut text));
     }
 
-    /// The shortest text, written from its end: formatting through the general machinery would take
-    /// most of the time of writing a file.
-    fn text(self, buffer: &mut [u8; LONGEST]) -> &str {
+    /// The shortest text, written from its end.
+    /// Not done with the standard formatting, which would dominate the time of emitting a program.
+    fn text(self, buffer: &mut [u8; MAX_LENGTH]) -> &str {
         let scale = SCALE.unsigned_abs();
         let (mut whole, mut decimals) =
             (self.0.unsigned_abs() / scale, self.0.unsigned_abs() % scale);
@@ -160,7 +159,7 @@ impl Number {
 
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.text(&mut [0; LONGEST]))
+        f.write_str(self.text(&mut [0; MAX_LENGTH]))
     }
 }
 
@@ -181,7 +180,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn usual_and_odd_spellings() {
+    fn common_and_unusual_spellings() {
         for (text, millionths, shortest) in [
             ("1", 1_000_000, "1"),
             ("-.5", -500_000, "-0.5"),
@@ -205,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number() {
+    fn texts_that_are_not_numbers() {
         for text in ["", "-", "+", ".", "-.", "1.2.3", "1,5", "1e5", "x", "--1", " 1", "1 ", "٣"] {
             assert_eq!(text.parse::<Number>(), Err(NumberError::Junk), "{text}");
         }
@@ -216,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn fractions_are_rounded_to_the_decimals_asked() {
+    fn values_are_rounded_to_the_given_decimals() {
         let text =
             |value, decimals| Number::from_f64(value, decimals).map(|number| number.to_string());
         assert_eq!(text(1.23456, 3), Ok("1.235".to_owned()));

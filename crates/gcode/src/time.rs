@@ -1,203 +1,250 @@
-//! How long a print takes.
+//! Printing time, computed as the motion planner of the firmware plans it.
 //!
-//! The head speeds up and slows down at a given acceleration and passes corners at a limited speed,
-//! which the planner of the firmware looks ahead for.
-//! The rule of corners is that of Klipper, from its documentation, page "Kinematics", section
-//! "Look-ahead": with the angle θ between two moves that meet (π if straight on), a circle that
-//! comes as near to the corner as the junction deviation δ has the radius R = δ sin(θ/2) / (1 -
-//! sin(θ/2)), and the head may pass with v² = R a.
-//! The deviation is chosen so that a right angle is passed with the square corner velocity s: δ =
-//! s² (√2 - 1) / a.
-//! Marlin's junction deviation (`M205 J`) is the same rule.
+//! # Look-ahead planning
+//! The nozzle accelerates at a constant rate and may pass each corner between two motions only at a
+//! limited speed (the *junction speed*).
+//! The planner maximises the speed at every corner under three limits:
 //!
-//! Not reckoned with: smoothing of short moves (Klipper's minimum cruise ratio and its limit of
-//! short moves at corners), pressure advance, limits of single axes (`M203`), what a program says
-//! of corners and of the greatest speed (`M205`, and all of `SET_VELOCITY_LIMIT` but `ACCEL`:
-//! [`Limits`] holds throughout), acceleration of filament alone (`M204 R`) and Klipper's limit of
-//! speed where the flow changes, heating, and what macros and changes of tool take.
+//! - the junction speed,
+//! - the nozzle must be able to slow down in time for every later corner and for the final stop,
+//! - the nozzle must have had enough distance to reach that speed.
+//!
+//! Because v² = v₀² + 2 a s is linear in the distance s, each motion limits the *squares* of the
+//! speeds at its two ends to a difference of at most 2 a · length.
+//! Two passes over the motions, one from the last to the first and one from the first to the last,
+//! find the maximum speeds (see [`corner_speeds2`]).
+//!
+//! # Junction speeds
+//! The rule is Klipper's (documentation, page "Kinematics", section "Look-ahead").
+//! Let θ be the angle between two motions, π if they are in line.
+//! Imagine a circle that is tangent to both and passes the corner at the distance δ, the *junction
+//! deviation*.
+//! Its radius is R = δ sin(θ/2) / (1 - sin(θ/2)), and the centripetal acceleration on it equals a
+//! at the speed v² = R a, which becomes the limit. δ is chosen such that a right angle is passed at
+//! the square corner speed s: δ = s² (√2 - 1) / a.
+//! Marlin's junction deviation (`M205 J`) follows the same rule.
 
-use super::pace::Pace;
-use crate::{Event, Motion, Program, TraceError, Wait};
+use std::f64::consts::SQRT_2;
 
-/// What the printer can do, where a program does not say.
+use beadwork_base::Control;
+
+use crate::command::Wait;
+use crate::event::{Event, Motion, TraceError};
+use crate::program::Program;
+use crate::speed_profile::SpeedProfile;
+
+/// The limits of the printer that determine printing times.
+///
+/// They hold throughout a program: of the limits that a program can set, only accelerations
+/// (`M204`, and `ACCEL` of `SET_VELOCITY_LIMIT`) are followed.
+/// Not modelled are other limits that a program sets (`M205` and the rest of `SET_VELOCITY_LIMIT`),
+/// limits of single axes (`M203`), Klipper's smoothing of short moves (minimum cruise ratio, and
+/// its limit at corners of short moves), pressure advance, acceleration of retractions (`M204 R`),
+/// and Klipper's limit where the flow changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
-    /// Acceleration in mm/s², more than 0, of motions that have none of their own.
+pub struct MotionLimits {
+    /// Acceleration in mm/s², more than 0, of motions for which the program sets none.
     pub acceleration_mm_s2: f64,
-    /// Speed through a right angle, in mm/s, at least 0: 0 means a stop at every corner.
+    /// Speed through a right angle in mm/s, at least 0; 0 means a stop at every corner.
     pub square_corner_mm_s: f64,
-    /// The greatest speed, in mm/s, more than 0.
-    pub greatest_mm_s: f64,
+    /// Maximum speed in mm/s, more than 0.
+    pub max_speed_mm_s: f64,
 }
 
-/// Reckons the time of events as they come, in linear time; it holds the motions since the last
-/// stop, but no more than about 65,000: of those before, nothing that comes changes the speed,
-/// unless none of them was long enough to brake in.
+/// Sums up the time of events that are added one by one.
+///
+/// Heating, macros and tool changes take no time, but the nozzle stops for them.
+///
+/// Linear in the number of events.
+/// Holds the motions since the last stop, at most about 65,000: beyond that, the speeds of the
+/// first ones are fixed, which is exact unless no motion among them was long enough to brake in.
 #[derive(Clone, Debug)]
 pub struct Stopwatch {
-    limits: Limits,
-    chain: Vec<Leg>,
-    /// Of what lies before the chain.
+    limits: MotionLimits,
+    /// The motions since the last stop whose speeds are not fixed yet.
+    queue: Vec<PlannedMotion>,
+    /// Time of everything before the queue.
     seconds: f64,
-    most_legs: usize,
+    max_queue: usize,
 }
 
-/// A program may go on without a stop, and an arc of a few letters be hundreds of motions: so many
-/// are held.
-const MOST_LEGS: usize = 1 << 16;
+/// A program may never stop, and an arc of a few bytes may be hundreds of motions: the queue is
+/// bounded to this many.
+const MAX_QUEUE: usize = 1 << 16;
 
-/// A motion of the head on the way from one stop to the next.
+/// A motion in the queue.
+/// Lengths in mm, squared speeds in mm²/s², acceleration in mm/s².
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Leg {
+struct PlannedMotion {
     length: f64,
     acceleration: f64,
-    /// Square of the asked speed.
+    /// Square of the requested speed.
     cruise2: f64,
-    /// Square of the greatest speed at its beginning.
+    /// Square of the maximum speed through the corner at its start.
     junction2: f64,
+    /// Unit vector.
     direction: [f64; 3],
 }
 
 impl Program {
-    /// How long the program takes, in s.
-    /// Linear.
-    pub fn print_seconds(&self, limits: Limits) -> Result<f64, TraceError> {
-        let mut watch = Stopwatch::new(limits);
-        for event in self.trace() {
-            watch.take(&event?);
-        }
-        Ok(watch.seconds())
+    /// Computes the printing time in s; [`MotionLimits`] and [`Stopwatch`] list what is not
+    /// included.
+    ///
+    /// Linear in lines and chords of arcs.
+    /// Progress counts lines.
+    pub fn print_seconds(
+        &self,
+        limits: MotionLimits,
+        control: &Control<'_>,
+    ) -> Result<f64, TraceError> {
+        let mut stopwatch = Stopwatch::new(limits);
+        self.for_each_event(control, |event| stopwatch.add(event))?;
+        Ok(stopwatch.seconds())
     }
 }
 
 impl Stopwatch {
-    /// Begins at rest.
-    pub fn new(limits: Limits) -> Self {
-        Self { limits, chain: Vec::new(), seconds: 0.0, most_legs: MOST_LEGS }
+    /// Creates a stopwatch at 0 s, with the nozzle at rest.
+    pub fn new(limits: MotionLimits) -> Self {
+        Self { limits, queue: Vec::new(), seconds: 0.0, max_queue: MAX_QUEUE }
     }
 
-    /// The next event.
-    pub fn take(&mut self, event: &Event) {
-        self.take_to(event, &mut |_| {});
+    /// Adds the next event.
+    pub fn add(&mut self, event: &Event) {
+        self.add_event(event, &mut |_| {});
     }
 
-    /// The next event; tells the paces of all motions and pauses that are now certain, in their
-    /// order.
-    pub(super) fn take_to(&mut self, event: &Event, told: &mut impl FnMut(Pace)) {
-        match event {
-            Event::Motion(motion) => self.motion(motion, told),
-            Event::Heat { wait: Wait::No, .. } => {}
-            Event::ToolChange { .. }
-            | Event::Heat { .. }
-            | Event::HeatersOff { .. }
-            | Event::MotorsOff { .. } => self.stop(told),
-            Event::Pause { seconds, .. } => self.rest(*seconds, told),
-        }
-    }
-
-    /// The head comes to rest, and stays so for a while.
-    fn rest(&mut self, seconds: f64, told: &mut impl FnMut(Pace)) {
-        self.stop(told);
-        self.seconds += seconds;
-        told(Pace::rest(seconds));
-    }
-
-    fn motion(&mut self, motion: &Motion, told: &mut impl FnMut(Pace)) {
-        let length = motion.length_mm();
-        if length <= 0.0 {
-            // Filament alone: the head stands meanwhile.
-            self.rest(motion.extruded_mm.abs() / motion.feed_mm_s, told);
-            return;
-        }
-        let direction = [0, 1, 2].map(|axis| (motion.to_mm[axis] - motion.from_mm[axis]) / length);
-        let cruise = motion.feed_mm_s.min(self.limits.greatest_mm_s);
-        let acceleration = motion.acceleration_mm_s2.unwrap_or(self.limits.acceleration_mm_s2);
-        let mut leg =
-            Leg { length, acceleration, cruise2: cruise * cruise, junction2: 0.0, direction };
-        if let Some(before) = self.chain.last() {
-            leg.junction2 = before.junction2_to(&leg, self.limits.square_corner_mm_s);
-        }
-        self.chain.push(leg);
-        if self.chain.len() >= self.most_legs {
-            self.settle(told);
-        }
-    }
-
-    /// The head comes to rest.
-    pub(super) fn stop(&mut self, told: &mut impl FnMut(Pace)) {
-        let speeds = speeds2(&self.chain, 0.0);
-        self.pass(self.chain.len(), &speeds, told);
-    }
-
-    /// Lets go of the legs whose speeds are the same whatever comes.
-    ///
-    /// The speeds lie between those with a stop behind the last leg and those without any limit
-    /// there.
-    /// Where both agree they agree in all legs before too: what slows down in one of them only
-    /// would have to do so in every leg up to the last.
-    fn settle(&mut self, told: &mut impl FnMut(Pace)) {
-        let (least, greatest) = (speeds2(&self.chain, 0.0), speeds2(&self.chain, f64::INFINITY));
-        let settled = least.iter().zip(&greatest).rposition(|(least, greatest)| least >= greatest);
-        // At least half of them, lest each leg be looked at again and again.
-        let settled = settled.unwrap_or(0).max(self.chain.len() / 2);
-        self.pass(settled, &least, told);
-        if let Some(first) = self.chain.first_mut() {
-            first.junction2 = least[settled];
-        }
-    }
-
-    /// Counts the time of the first legs, and lets go of them.
-    fn pass(&mut self, legs: usize, speeds: &[f64], told: &mut impl FnMut(Pace)) {
-        let passed = self.chain.drain(..legs).zip(speeds.windows(2));
-        let paces = passed.map(|(leg, ends)| leg.pace(ends[0], ends[1]));
-        self.seconds += paces.inspect(|&pace| told(pace)).map(|pace| pace.seconds()).sum::<f64>();
-    }
-
-    /// The time until the head rests after the last event, in s.
+    /// The time in s until the nozzle rests after the last event.
     pub fn seconds(mut self) -> f64 {
         self.stop(&mut |_| {});
         self.seconds
     }
-}
 
-impl Leg {
-    /// Square of the greatest speed through the corner between this leg and the next.
-    fn junction2_to(&self, next: &Self, square_corner: f64) -> f64 {
-        let straight: f64 = (0..3).map(|axis| self.direction[axis] * next.direction[axis]).sum();
-        let limit = self.cruise2.min(next.cruise2);
-        // Half the angle between the legs, of which straight on is a right one.
-        let sine = (0.5 * (1.0 + straight)).clamp(0.0, 1.0).sqrt();
-        // δ a, in which the acceleration cancels out.
-        let corner2 = square_corner * square_corner * (std::f64::consts::SQRT_2 - 1.0);
-        if 1.0 - sine < 1e-9 { limit } else { limit.min(corner2 * sine / (1.0 - sine)) }
+    /// Adds the next event, and emits the profiles of all motions and pauses that have become
+    /// fixed, in order.
+    pub(crate) fn add_event(&mut self, event: &Event, emit: &mut impl FnMut(SpeedProfile)) {
+        match event {
+            Event::Motion(motion) => self.add_motion(motion, emit),
+            Event::Heat { wait: Wait::No, .. } => {}
+            Event::ToolChange { .. }
+            | Event::Heat { .. }
+            | Event::HeatersOff { .. }
+            | Event::MotorsOff { .. } => self.stop(emit),
+            Event::Pause { seconds, .. } => self.stand_still(*seconds, emit),
+        }
     }
 
-    /// By how much the square of the speed can change along it.
-    fn change2(&self) -> f64 {
+    fn add_motion(&mut self, motion: &Motion, emit: &mut impl FnMut(SpeedProfile)) {
+        let length = motion.length_mm();
+        if length <= 0.0 {
+            // Only filament moves.
+            self.stand_still(motion.extruded_mm.abs() / motion.feed_mm_s, emit);
+            return;
+        }
+        let direction = [0, 1, 2].map(|axis| (motion.to_mm[axis] - motion.from_mm[axis]) / length);
+        let cruise = motion.feed_mm_s.min(self.limits.max_speed_mm_s);
+        let acceleration = motion.acceleration_mm_s2.unwrap_or(self.limits.acceleration_mm_s2);
+        let cruise2 = cruise * cruise;
+        // The first motion after a stop starts at rest.
+        let mut next = PlannedMotion { length, acceleration, cruise2, junction2: 0.0, direction };
+        if let Some(last) = self.queue.last() {
+            next.junction2 = last.junction2_to(&next, self.limits.square_corner_mm_s);
+        }
+        self.queue.push(next);
+        if self.queue.len() >= self.max_queue {
+            self.flush_fixed(emit);
+        }
+    }
+
+    /// The nozzle comes to rest, and stands still for some time.
+    fn stand_still(&mut self, seconds: f64, emit: &mut impl FnMut(SpeedProfile)) {
+        self.stop(emit);
+        self.seconds += seconds;
+        emit(SpeedProfile::standstill(seconds));
+    }
+
+    /// The nozzle comes to rest: the speeds of all motions in the queue are now fixed.
+    pub(crate) fn stop(&mut self, emit: &mut impl FnMut(SpeedProfile)) {
+        let speeds2 = corner_speeds2(&self.queue, 0.0);
+        self.flush(self.queue.len(), &speeds2, emit);
+    }
+
+    /// Removes the motions from the queue whose speeds no later motion can change.
+    ///
+    /// Later motions influence the queue only through the speed at its end, and a higher speed
+    /// there lowers none of the others.
+    /// So the final speeds lie between `min`, for a stop at the end, and `max`, for no limit there.
+    /// A corner that is slower in `min` is so because of the stop: the nozzle slows down from it
+    /// through every motion up to the end, and all corners on the way are slower too.
+    /// Hence a corner where `min` and `max` agree is fixed, and so are all corners before it.
+    fn flush_fixed(&mut self, emit: &mut impl FnMut(SpeedProfile)) {
+        let min = corner_speeds2(&self.queue, 0.0);
+        let max = corner_speeds2(&self.queue, f64::INFINITY);
+        let fixed = min.iter().zip(&max).rposition(|(min, max)| min >= max);
+        // Always remove at least half of the queue: otherwise the same motions would be planned
+        // again after every further motion, in quadratic time.
+        let fixed = fixed.unwrap_or(0).max(self.queue.len() / 2);
+        self.flush(fixed, &min, emit);
+        if let Some(first) = self.queue.first_mut() {
+            // The speed at which the removed motions end.
+            first.junction2 = min[fixed];
+        }
+    }
+
+    /// Removes the first motions of the queue, and adds up their time.
+    fn flush(&mut self, count: usize, speeds2: &[f64], emit: &mut impl FnMut(SpeedProfile)) {
+        let flushed = self.queue.drain(..count).zip(speeds2.windows(2));
+        let profiles = flushed.map(|(motion, ends)| motion.profile(ends[0], ends[1]));
+        self.seconds += profiles
+            .inspect(|&profile| emit(profile))
+            .map(|profile| profile.seconds())
+            .sum::<f64>();
+    }
+}
+
+impl PlannedMotion {
+    /// Square of the maximum speed through the corner between this motion and the next.
+    fn junction2_to(&self, next: &Self, square_corner: f64) -> f64 {
+        let cosine: f64 = (0..3).map(|axis| self.direction[axis] * next.direction[axis]).sum();
+        let limit = self.cruise2.min(next.cruise2);
+        // sin(θ/2), from the cosine of the change of direction, which is π - θ.
+        let sine = (0.5 * (1.0 + cosine)).clamp(0.0, 1.0).sqrt();
+        // δ a, which does not depend on the acceleration.
+        let deviation2 = square_corner * square_corner * (SQRT_2 - 1.0);
+        // In line, the circle is infinitely large.
+        if 1.0 - sine < 1e-9 { limit } else { limit.min(deviation2 * sine / (1.0 - sine)) }
+    }
+
+    /// Maximum difference between the squares of the speeds at its ends.
+    fn max_change2(&self) -> f64 {
         2.0 * self.acceleration * self.length
     }
 
-    /// From one speed to another, both given as squares and within reach of each other.
-    fn pace(&self, begin2: f64, end2: f64) -> Pace {
-        let peak2 = self.cruise2.min(f64::midpoint(begin2, end2) + self.change2() / 2.0);
-        Pace::motion(self.length, self.acceleration, [begin2, peak2, end2])
+    /// The profile between two speeds, given as squares, that differ by what is possible.
+    fn profile(&self, start2: f64, end2: f64) -> SpeedProfile {
+        // Without a limit, the nozzle speeds up until it has to slow down again: the ramps meet at
+        // the mean of the squared end speeds plus half of the possible change.
+        let cruise2 = self.cruise2.min(f64::midpoint(start2, end2) + self.max_change2() / 2.0);
+        SpeedProfile::motion(self.length, self.acceleration, [start2, cruise2, end2])
     }
 }
 
-/// Squares of the speeds at the ends of the legs, from the first one's junction to `end2`: the
-/// greatest that break no limit.
+/// Squares of the maximum speeds at all corners: one per motion for its start, and `end2`, the
+/// limit at the end of the last one.
 ///
-/// Backwards, each leg must be able to slow down to what follows; then forwards, to speed up from
-/// what comes before.
-fn speeds2(chain: &[Leg], end2: f64) -> Vec<f64> {
-    let mut speeds: Vec<f64> = chain.iter().map(|leg| leg.junction2).chain([end2]).collect();
-    for (at, leg) in chain.iter().enumerate().rev() {
-        speeds[at] = speeds[at].min(speeds[at + 1] + leg.change2());
+/// The backward pass makes sure that each motion can slow down to what follows, the forward pass
+/// that it can speed up from what precedes.
+/// The forward pass does not break the result of the backward pass: it lowers a speed only where
+/// the nozzle speeds up, and never below the speed at the corner before.
+fn corner_speeds2(queue: &[PlannedMotion], end2: f64) -> Vec<f64> {
+    let mut speeds2: Vec<f64> = queue.iter().map(|motion| motion.junction2).chain([end2]).collect();
+    for (index, motion) in queue.iter().enumerate().rev() {
+        speeds2[index] = speeds2[index].min(speeds2[index + 1] + motion.max_change2());
     }
-    for (at, leg) in chain.iter().enumerate() {
-        speeds[at + 1] = speeds[at + 1].min(speeds[at] + leg.change2());
+    for (index, motion) in queue.iter().enumerate() {
+        speeds2[index + 1] = speeds2[index + 1].min(speeds2[index] + motion.max_change2());
     }
-    speeds
+    speeds2
 }
 
 #[cfg(test)]

@@ -1,46 +1,51 @@
-//! What a print takes: changes of tool, ways, time, filament.
+//! Sums over a whole program: tool changes, distances, time, filament.
 
 use std::f64::consts::PI;
 
+use beadwork_base::Control;
 use serde::Serialize;
 
-use crate::{Event, Feature, Limits, Program, Stopwatch, TraceError};
+use crate::event::{Event, TraceError};
+use crate::feature::Feature;
+use crate::program::Program;
+use crate::time::{MotionLimits, Stopwatch};
 
-/// What a print takes.
+/// Sums over a whole print.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Totals {
-    /// Layers of the part: as many as the program has comments of a layer's beginning.
+    /// Number of layers of the part.
     pub layers: usize,
     /// Changes from one tool to another.
     pub tool_changes: usize,
-    /// Breaks between the beads of a layer, over all layers: pieces of the paths beyond the first
-    /// of each layer.
-    /// What changes of tool and the tower break does not count.
+    /// Printhead lifts, over all layers: breaks between two beads of a layer, each followed by a
+    /// travel move.
+    /// Breaks that are due to a tool change or the prime tower do not count.
     pub lifts: usize,
-    /// Way of the head without extruding, in mm, from its home on.
+    /// Distance that the nozzle moves without extruding, in mm, from its home position on.
     pub travel_mm: f64,
-    /// Way of the head while it prints the part, in mm.
+    /// Distance that the nozzle moves while it prints the part, in mm.
     pub extrusion_mm: f64,
-    /// Way of the head while it prints the tower, in mm.
-    pub tower_mm: f64,
-    /// How long it takes, in s; see [`Stopwatch`] for what that leaves out.
+    /// Distance that the nozzle moves while it prints the prime tower, in mm.
+    #[serde(rename = "tower_mm")]
+    pub prime_tower_mm: f64,
+    /// Printing time in s, as computed by a [`Stopwatch`].
     pub print_seconds: f64,
-    /// What each tool extrudes, one entry for each tool.
+    /// One entry per tool, in order.
     pub tools: Vec<ToolUse>,
 }
 
 /// What a tool extrudes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ToolUse {
-    /// Its number.
+    /// Number of the tool.
     pub tool: u8,
-    /// Filament in mm.
+    /// Length of filament in mm.
     pub filament_mm: f64,
     /// Volume in mm³.
     pub volume_mm3: f64,
     /// Weight in g.
     pub grams: f64,
-    /// How much of the filament goes into the tower, in mm.
+    /// Length of the filament that goes into the prime tower, in mm.
     pub purge_mm: f64,
 }
 
@@ -54,54 +59,60 @@ pub struct Filament {
 }
 
 impl Filament {
-    /// Cross-section in mm².
+    /// Area of the cross-section in mm².
     pub fn area_mm2(&self) -> f64 {
         PI * self.diameter_mm * self.diameter_mm / 4.0
     }
 }
 
 impl Totals {
-    /// Adds up the motions of a program, whose tools have these filaments and which a machine with
-    /// these limits runs.
-    /// [`Totals::layers`] and [`Totals::lifts`] stay 0: only the planner of a print knows them.
+    /// Sums up a program for a printer with these limits, whose tools have these filaments, one per
+    /// tool.
+    /// Filament of tools beyond the last one is not counted.
     ///
-    /// Linear in the lines; the error is that of the first line that cannot be followed.
+    /// [`Totals::layers`] and [`Totals::lifts`] stay 0: only the planner of the print knows them.
+    ///
+    /// Linear in lines and chords of arcs.
+    /// Progress counts lines.
     pub fn measure(
         program: &Program,
-        limits: Limits,
+        limits: MotionLimits,
         filaments: &[Filament],
+        control: &Control<'_>,
     ) -> Result<Self, TraceError> {
         let tools =
             (0..filaments.len()).map(|tool| ToolUse { tool: tool as u8, ..ToolUse::default() });
         let mut totals = Self { tools: tools.collect(), ..Self::default() };
-        let mut watch = Stopwatch::new(limits);
-        for event in program.trace() {
-            let event = event?;
-            watch.take(&event);
-            match event {
-                Event::Motion(motion) if motion.is_stroke() => {
-                    let in_tower = motion.feature == Feature::PrimeTower;
-                    let way =
-                        if in_tower { &mut totals.tower_mm } else { &mut totals.extrusion_mm };
-                    *way += motion.length_mm();
-                    if let Some(tool) = totals.tools.get_mut(usize::from(motion.tool)) {
-                        tool.filament_mm += motion.extruded_mm;
-                        tool.purge_mm += if in_tower { motion.extruded_mm } else { 0.0 };
-                    }
-                }
-                Event::Motion(motion) => totals.travel_mm += motion.length_mm(),
-                Event::ToolChange { from, .. } => {
-                    totals.tool_changes += usize::from(from.is_some())
-                }
-                _ => {}
-            }
-        }
-        totals.print_seconds = watch.seconds();
+        let mut stopwatch = Stopwatch::new(limits);
+        program.for_each_event(control, |event| {
+            stopwatch.add(event);
+            totals.add(event);
+        })?;
+        totals.print_seconds = stopwatch.seconds();
         for (tool, filament) in totals.tools.iter_mut().zip(filaments) {
             tool.volume_mm3 = tool.filament_mm * filament.area_mm2();
-            // 1000 mm³ are one cm³.
-            tool.grams = tool.volume_mm3 / 1000.0 * filament.density_g_cm3;
+            tool.grams = tool.volume_mm3 / MM3_PER_CM3 * filament.density_g_cm3;
         }
         Ok(totals)
     }
+
+    /// Adds everything about an event but its time.
+    fn add(&mut self, event: &Event) {
+        match event {
+            Event::Motion(motion) if motion.is_extrusion() => {
+                let in_tower = motion.feature == Feature::PrimeTower;
+                let sum = if in_tower { &mut self.prime_tower_mm } else { &mut self.extrusion_mm };
+                *sum += motion.length_mm();
+                if let Some(tool) = self.tools.get_mut(usize::from(motion.tool)) {
+                    tool.filament_mm += motion.extruded_mm;
+                    tool.purge_mm += if in_tower { motion.extruded_mm } else { 0.0 };
+                }
+            }
+            Event::Motion(motion) => self.travel_mm += motion.length_mm(),
+            Event::ToolChange { from, .. } => self.tool_changes += usize::from(from.is_some()),
+            _ => {}
+        }
+    }
 }
+
+const MM3_PER_CM3: f64 = 1000.0;

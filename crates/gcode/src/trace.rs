@@ -1,208 +1,99 @@
-//! What a program makes the printer do: motions, changes of tool, heat and pauses.
+//! Interprets a program: keeps track of the printer's state and yields what the printer does.
 //!
-//! The printer is one of plastic as Marlin and Klipper drive them.
-//! At the beginning it stands at 0, takes coordinates as places and lengths of filament as counted
-//! from the start, and has the first tool.
-//! `G28` puts the named axes to 0 without a motion.
-//! Filament is counted from move to move while places are (`G91`), and after `M83` until `M82`.
-//! Klipper does just that; Marlin differs in that `G90` ends `M83`, and `M82` holds after `G91`:
-//! [`Program::check`] refuses programs in which that matters.
-//! Macros, offsets of tools and retractions by the firmware do nothing here, for only the printer
-//! knows what they do.
+//! The state follows an FDM printer with Marlin or Klipper.
+//! It starts at position 0 with absolute positioning, absolute extrusion and tool 0. `G28` sets the
+//! named axes to 0 without a motion.
+//!
+//! Lengths of filament are relative with `G91`, and from `M83` to `M82`, as in Klipper.
+//! Marlin differs in that `G90` also ends `M83`, and `M82` overrides an earlier `G91`.
+//! A program that repeats `M83` after every `G90` and `G91` means the same to both.
+//!
+//! Macros, tool offsets and firmware retraction have no effect: only the printer knows what they
+//! do.
 
-use std::iter::Enumerate;
 use std::slice::Iter;
 
-use thiserror::Error;
+use beadwork_base::Control;
 
-use super::arc::Chords;
-use super::feature::Note;
-use crate::{Command, Feature, Line, Move, Number, Program, Wait, parse};
+use crate::arc::Chords;
+use crate::command::{Command, Move, Wait};
+use crate::event::{Event, Heater, Motion, TraceError};
+use crate::feature::{Feature, Marker};
+use crate::number::Number;
+use crate::program::{Line, Program};
+use crate::words::verbatim_acceleration;
 
-/// A straight motion, or filament pushed or drawn back in place.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
-    /// Where it begins: x, y, z in mm.
-    pub from_mm: [f64; 3],
-    /// Where it ends: x, y, z in mm.
-    pub to_mm: [f64; 3],
-    /// Filament in mm; less than 0 when it is drawn back.
-    pub extruded_mm: f64,
-    /// Asked speed in mm/s, more than 0: of the head, or of the filament if the head stands.
-    pub feed_mm_s: f64,
-    /// Acceleration in mm/s², if the program has set one for such moves.
-    pub acceleration_mm_s2: Option<f64>,
-    /// The tool.
-    pub tool: u8,
-    /// What is printed, as the last comment says.
-    pub feature: Feature,
-    /// Number of the layer from 0, as the last comment says: counted from the bed, unless the
-    /// program has a raft below.
-    /// [`Layer::number`](super::Layer::number) in the programs written here.
-    pub layer: Option<u32>,
-    /// Number of the line, from 1.
-    pub line: usize,
-}
+/// Speed of a motion before the program sets a feed rate, in mm/s: Klipper's default.
+const INITIAL_FEED_MM_S: f64 = 25.0;
 
-impl Motion {
-    /// Length of the head's way, in mm.
-    pub fn length_mm(&self) -> f64 {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.to_mm[axis] - self.from_mm[axis]);
-        (x * x + y * y + z * z).sqrt()
-    }
-
-    /// Whether it lays down a bead: the head moves and extrudes.
-    pub fn is_stroke(&self) -> bool {
-        self.extruded_mm > 0.0 && self.length_mm() > 0.0
-    }
-}
-
-/// What can be heated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Heater {
-    /// The nozzle of a tool, or the one nozzle while it has that tool's filament.
-    Nozzle(u8),
-    /// The bed.
-    Bed,
-}
-
-impl std::fmt::Display for Heater {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Nozzle(tool) => write!(f, "nozzle of tool {tool}"),
-            Self::Bed => f.write_str("bed"),
-        }
-    }
-}
-
-/// What happens in a program.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Event {
-    /// The head or the filament moves.
-    Motion(Motion),
-    /// Another tool is selected.
-    ToolChange {
-        /// The tool before; `None` if nothing was extruded or selected before.
-        from: Option<u8>,
-        /// The tool after.
-        to: u8,
-        /// Number of the line, from 1.
-        line: usize,
-    },
-    /// Something gets another temperature.
-    Heat {
-        /// What.
-        heater: Heater,
-        /// The temperature, in degrees Celsius.
-        celsius: f64,
-        /// What is waited for; [`Wait::Heating`] if it is the bed.
-        wait: Wait,
-        /// Number of the line, from 1.
-        line: usize,
-    },
-    /// All heaters are switched off, Klipper's `TURN_OFF_HEATERS`.
-    HeatersOff {
-        /// Number of the line, from 1.
-        line: usize,
-    },
-    /// The motors let go, `M84` or `M18`: where the head is then is not certain.
-    MotorsOff {
-        /// Number of the line, from 1.
-        line: usize,
-    },
-    /// Nothing moves for a while.
-    Pause {
-        /// How long, in s.
-        seconds: f64,
-        /// Number of the line, from 1.
-        line: usize,
-    },
-}
-
-/// A line that makes no sense.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
-#[non_exhaustive]
-pub enum TraceError {
-    /// It asks for inches.
-    #[error("line {line}: inches are not supported")]
-    Inches {
-        /// Number of the line, from 1.
-        line: usize,
-    },
-    /// It asks for arcs in another plane than that of x and y.
-    #[error("line {line}: arcs are not supported in other planes than that of x and y")]
-    Plane {
-        /// Number of the line, from 1.
-        line: usize,
-    },
-    /// It asks for a speed that is not positive.
-    #[error("line {line}: a speed of {feed_mm_min} mm/min")]
-    Feed {
-        /// Number of the line, from 1.
-        line: usize,
-        /// The speed, in mm/min.
-        feed_mm_min: f64,
-    },
-    /// It asks for an acceleration that is not positive.
-    #[error("line {line}: an acceleration of {acceleration_mm_s2} mm/s²")]
-    Acceleration {
-        /// Number of the line, from 1.
-        line: usize,
-        /// The acceleration, in mm/s².
-        acceleration_mm_s2: f64,
-    },
-    /// It asks for an arc without centre and radius, around its own beginning, or with a radius
-    /// that does not reach its end.
-    #[error("line {line}: no such arc")]
-    Arc {
-        /// Number of the line, from 1.
-        line: usize,
-    },
-}
-
-/// Speed of a motion before the program asks for one, in mm/s: Klipper's.
-const FIRST_FEED_MM_S: f64 = 25.0;
+/// Lines that are traced between two checks for interruption.
+/// One line can be an arc of 720 motions, so this is about half a million motions at most.
+const LINES_PER_CHECK: usize = 1 << 10;
 
 impl Program {
-    /// The events of the program in order, one at a time; it ends after an error.
-    /// Arcs come as straight motions.
-    /// Linear in lines and chords.
+    /// Returns an iterator over the events of the program, in order.
+    /// It ends after an error.
+    ///
+    /// Arcs are replaced by chords, straight motions that deviate from them by at most 5 µm.
+    /// Linear in lines and chords; nothing is computed before the iterator is advanced.
     pub fn trace(&self) -> Trace<'_> {
         Trace {
-            lines: self.lines.iter().enumerate(),
+            lines: self.lines.iter(),
+            line_number: 0,
             arc: None,
-            at: [0.0; 3],
-            origin: [0.0; 3],
-            filament: 0.0,
+            position_mm: [0.0; 3],
+            origin_mm: [0.0; 3],
+            filament_mm: 0.0,
             relative: false,
-            relative_filament: false,
-            feed: FIRST_FEED_MM_S,
-            acceleration: None,
+            relative_extrusion: false,
+            feed_mm_s: INITIAL_FEED_MM_S,
+            print_acceleration: None,
             travel_acceleration: None,
             tool: None,
             feature: Feature::Unknown,
             layer: None,
         }
     }
+
+    /// Calls `visit` with every event of the program, in order.
+    /// Progress counts lines.
+    pub(crate) fn for_each_event(
+        &self,
+        control: &Control<'_>,
+        mut visit: impl FnMut(&Event),
+    ) -> Result<(), TraceError> {
+        let mut trace = self.trace();
+        for (number, lines) in self.lines.chunks(LINES_PER_CHECK).enumerate() {
+            control.check()?;
+            control.report(number * LINES_PER_CHECK, self.lines.len());
+            trace.lines = lines.iter();
+            for event in &mut trace {
+                visit(&event?);
+            }
+        }
+        control.report(self.lines.len(), self.lines.len());
+        Ok(())
+    }
 }
 
-/// The events of a program, from [`Program::trace`].
+/// Iterator over the events of a program, from [`Program::trace`].
 #[derive(Debug)]
 pub struct Trace<'a> {
-    lines: Enumerate<Iter<'a, Line>>,
-    /// What is left of an arc.
+    lines: Iter<'a, Line>,
+    /// Number of the last line that was interpreted, from 1.
+    line_number: usize,
+    /// The rest of an arc: a motion from the current end of the chords, and the chords to come.
     arc: Option<(Motion, Chords)>,
-    /// Where the head is.
-    at: [f64; 3],
-    /// What the program calls 0.
-    origin: [f64; 3],
-    /// What the program calls the length of extruded filament.
-    filament: f64,
+    position_mm: [f64; 3],
+    /// Position at which the program's coordinates are 0: `G92` moves it.
+    origin_mm: [f64; 3],
+    /// Length of extruded filament as the program counts it, for absolute extrusion.
+    filament_mm: f64,
     relative: bool,
-    relative_filament: bool,
-    feed: f64,
-    acceleration: Option<f64>,
+    relative_extrusion: bool,
+    feed_mm_s: f64,
+    /// Accelerations in mm/s², if the program has set them.
+    print_acceleration: Option<f64>,
     travel_acceleration: Option<f64>,
     tool: Option<u8>,
     feature: Feature,
@@ -223,22 +114,22 @@ impl Iterator for Trace<'_> {
             self.arc = None;
         }
         loop {
-            let (index, line) = self.lines.next()?;
-            if let Some(note) = line.comment().and_then(Note::read) {
-                match note {
-                    Note::NextLayer => {
-                        self.layer = Some(self.layer.map_or(0, |last| last.saturating_add(1)))
-                    }
-                    Note::Layer(layer) => self.layer = layer,
-                    Note::Feature(feature) => self.feature = feature,
+            let line = self.lines.next()?;
+            self.line_number += 1;
+            match line.comment().and_then(Marker::read) {
+                Some(Marker::NextLayer) => {
+                    self.layer = Some(self.layer.map_or(0, |last| last.saturating_add(1)));
                 }
+                Some(Marker::Layer(layer)) => self.layer = layer,
+                Some(Marker::Feature(feature)) => self.feature = feature,
+                None => {}
             }
             let Some(command) = line.command() else { continue };
-            match self.apply(command, index + 1) {
+            match self.apply(command, self.line_number) {
                 Ok(Some(event)) => return Some(Ok(event)),
                 Ok(None) => {}
                 Err(error) => {
-                    self.lines = [].iter().enumerate();
+                    self.lines = [].iter();
                     return Some(Err(error));
                 }
             }
@@ -247,6 +138,7 @@ impl Iterator for Trace<'_> {
 }
 
 impl Trace<'_> {
+    /// Applies a command to the state; returns the event that it causes, if any.
     fn apply(&mut self, command: &Command, line: usize) -> Result<Option<Event>, TraceError> {
         match *command {
             Command::Move(Move { x, y, z, e, f, .. }) => {
@@ -271,51 +163,49 @@ impl Trace<'_> {
             }
             Command::Home { x, y, z } => {
                 let all = !(x || y || z);
-                for (axis, _) in
-                    [x, y, z].into_iter().enumerate().filter(|&(_, named)| named || all)
-                {
-                    self.at[axis] = 0.0;
-                    self.origin[axis] = 0.0;
+                for (axis, is_named) in [x, y, z].into_iter().enumerate() {
+                    if is_named || all {
+                        self.position_mm[axis] = 0.0;
+                        self.origin_mm[axis] = 0.0;
+                    }
                 }
             }
             Command::SetPosition { x, y, z, e } => {
                 let all = [x, y, z, e].iter().all(Option::is_none).then_some(Number::ZERO);
                 for (axis, value) in [x, y, z].into_iter().enumerate() {
                     if let Some(value) = value.or(all) {
-                        self.origin[axis] = self.at[axis] - value.to_f64();
+                        self.origin_mm[axis] = self.position_mm[axis] - value.to_f64();
                     }
                 }
-                self.filament = e.or(all).map_or(self.filament, Number::to_f64);
+                self.filament_mm = e.or(all).map_or(self.filament_mm, Number::to_f64);
             }
-            Command::Absolute => self.relative = false,
-            Command::Relative => self.relative = true,
-            Command::AbsoluteExtrusion => self.relative_filament = false,
-            Command::RelativeExtrusion => self.relative_filament = true,
+            Command::AbsolutePositioning => self.relative = false,
+            Command::RelativePositioning => self.relative = true,
+            Command::AbsoluteExtrusion => self.relative_extrusion = false,
+            Command::RelativeExtrusion => self.relative_extrusion = true,
             Command::Tool(to) => {
                 let from = self.tool.replace(to);
                 return Ok((from != Some(to)).then_some(Event::ToolChange { from, to, line }));
             }
             Command::Acceleration { print, travel, retract, all } => {
-                let checked = |value: Option<Number>| acceleration(value, line);
+                let checked = |value: Option<Number>| checked_acceleration(value, line);
                 let (print, travel, all) = (checked(print)?, checked(travel)?, checked(all)?);
                 checked(retract)?;
-                self.acceleration = print.or(all).or(self.acceleration);
+                self.print_acceleration = print.or(all).or(self.print_acceleration);
                 self.travel_acceleration = travel.or(all).or(self.travel_acceleration);
             }
-            Command::VelocityLimit { acceleration: value, .. } => self.accelerate(value, line)?,
-            Command::Other(ref text) => return self.other(text.as_str(), line),
+            Command::VelocityLimit { acceleration, .. } => {
+                self.set_acceleration(acceleration, line)?;
+            }
+            Command::Other(ref text) => return self.apply_verbatim(text.as_str(), line),
             Command::NozzleTemperature { celsius, tool, wait } => {
                 let heater = Heater::Nozzle(tool.or(self.tool).unwrap_or(0));
                 return Ok(Some(Event::Heat { heater, celsius: celsius.to_f64(), wait, line }));
             }
             Command::BedTemperature { celsius, wait } => {
                 let wait = if wait { Wait::Heating } else { Wait::No };
-                return Ok(Some(Event::Heat {
-                    heater: Heater::Bed,
-                    celsius: celsius.to_f64(),
-                    wait,
-                    line,
-                }));
+                let (heater, celsius) = (Heater::Bed, celsius.to_f64());
+                return Ok(Some(Event::Heat { heater, celsius, wait, line }));
             }
             Command::Fan(_)
             | Command::Jerk { .. }
@@ -326,8 +216,8 @@ impl Trace<'_> {
         Ok(None)
     }
 
-    /// What a command that is not typed does.
-    fn other(&mut self, text: &str, line: usize) -> Result<Option<Event>, TraceError> {
+    /// Applies a verbatim command, of which a few are understood.
+    fn apply_verbatim(&mut self, text: &str, line: usize) -> Result<Option<Event>, TraceError> {
         let is = |name: &str| text.eq_ignore_ascii_case(name);
         if is("G20") {
             return Err(TraceError::Inches { line });
@@ -340,27 +230,28 @@ impl Trace<'_> {
         if name.eq_ignore_ascii_case("TURN_OFF_HEATERS") {
             return Ok(Some(Event::HeatersOff { line }));
         }
-        // With S it says when to switch off motors that rest.
+        // With S, the command only sets how long motors may idle before they are switched off.
         let switches = ["M84", "M18"].iter().any(|known| name.eq_ignore_ascii_case(known));
         if switches && !words.any(|word| word.starts_with(['S', 's'])) {
             return Ok(Some(Event::MotorsOff { line }));
         }
-        // With words that its type does not hold it still limits what follows.
-        self.accelerate(parse::acceleration(text), line)?;
+        // SET_VELOCITY_LIMIT with parameters that its type cannot hold is verbatim, but its ACCEL
+        // applies to the motions that follow.
+        self.set_acceleration(verbatim_acceleration(text), line)?;
         Ok(None)
     }
 
-    fn accelerate(&mut self, value: Option<Number>, line: usize) -> Result<(), TraceError> {
-        let value = acceleration(value, line)?;
-        self.acceleration = value.or(self.acceleration);
+    fn set_acceleration(&mut self, value: Option<Number>, line: usize) -> Result<(), TraceError> {
+        let value = checked_acceleration(value, line)?;
+        self.print_acceleration = value.or(self.print_acceleration);
         self.travel_acceleration = value.or(self.travel_acceleration);
         Ok(())
     }
 
-    /// The straight motion to a place; the head is there from now on.
+    /// Moves the nozzle to the given coordinates; returns the straight motion to them.
     fn motion(
         &mut self,
-        place: [Option<Number>; 3],
+        coordinates: [Option<Number>; 3],
         e: Option<Number>,
         f: Option<Number>,
         line: usize,
@@ -370,34 +261,34 @@ impl Trace<'_> {
             if feed <= Number::ZERO {
                 return Err(TraceError::Feed { line, feed_mm_min });
             }
-            self.feed = feed_mm_min / 60.0;
+            self.feed_mm_s = feed_mm_min / 60.0;
         }
-        let from_mm = self.at;
-        for (axis, value) in place.into_iter().enumerate() {
+        let from_mm = self.position_mm;
+        for (axis, value) in coordinates.into_iter().enumerate() {
             if let Some(value) = value {
-                let zero = if self.relative { self.at[axis] } else { self.origin[axis] };
-                self.at[axis] = zero + value.to_f64();
+                let zero = if self.relative { from_mm[axis] } else { self.origin_mm[axis] };
+                self.position_mm[axis] = zero + value.to_f64();
             }
         }
         let extruded_mm = match e.map(Number::to_f64) {
             None => 0.0,
-            Some(length) if self.relative || self.relative_filament => length,
+            Some(length) if self.relative || self.relative_extrusion => length,
             Some(length) => {
-                let before = std::mem::replace(&mut self.filament, length);
+                let before = std::mem::replace(&mut self.filament_mm, length);
                 length - before
             }
         };
         if extruded_mm > 0.0 {
-            // Who extrudes before selecting a tool has the first one.
+            // A program that extrudes before it selects a tool uses the first one.
             self.tool.get_or_insert(0);
         }
         Ok(Motion {
             from_mm,
-            to_mm: self.at,
+            to_mm: self.position_mm,
             extruded_mm,
-            feed_mm_s: self.feed,
+            feed_mm_s: self.feed_mm_s,
             acceleration_mm_s2: if extruded_mm > 0.0 {
-                self.acceleration
+                self.print_acceleration
             } else {
                 self.travel_acceleration
             },
@@ -409,7 +300,7 @@ impl Trace<'_> {
     }
 }
 
-fn acceleration(value: Option<Number>, line: usize) -> Result<Option<f64>, TraceError> {
+fn checked_acceleration(value: Option<Number>, line: usize) -> Result<Option<f64>, TraceError> {
     match value.map(Number::to_f64) {
         Some(acceleration_mm_s2) if acceleration_mm_s2 <= 0.0 => {
             Err(TraceError::Acceleration { line, acceleration_mm_s2 })

@@ -1,13 +1,9 @@
 //! Parts that need no file: for trials, tests and tables.
 
 use std::f64::consts::TAU;
-use std::fmt;
-use std::str::FromStr;
-
-use thiserror::Error;
 
 use super::model::{Body, Material, Model};
-use super::shapes::Shape;
+use super::shapes::Solid;
 use super::surface::Mesh;
 
 /// A part made by a few lines of code.
@@ -26,58 +22,32 @@ pub enum Example {
     Palette,
 }
 
-/// There is no such example.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("unknown example '{0}': one of rectangular, u-shape, pyramid, logo-plate, palette")]
-pub struct UnknownExample(pub String);
-
 impl Example {
-    /// All of them.
-    pub const ALL: [Self; 5] =
-        [Self::Rectangular, Self::UShape, Self::Pyramid, Self::LogoPlate, Self::Palette];
-
-    /// Its name, as the command line has it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rectangular => "rectangular",
-            Self::UShape => "u-shape",
-            Self::Pyramid => "pyramid",
-            Self::LogoPlate => "logo-plate",
-            Self::Palette => "palette",
-        }
-    }
-
     /// The part.
     pub fn model(self) -> Model {
         match self {
-            Self::Rectangular => single(&Shape::Cuboid { size_mm: [60.0, 20.0, 3.0] }),
+            Self::Rectangular => single(&Solid::Cuboid { size_mm: [60.0, 20.0, 3.0] }),
             Self::UShape => {
                 let corners =
                     [[0, 0], [25, 0], [25, 30], [65, 30], [65, 0], [90, 0], [90, 50], [0, 50]];
                 let outline_mm =
                     corners.map(|corner| corner.map(|halves| f64::from(halves) / 2.0)).to_vec();
-                single(&Shape::Prism { outline_mm, z_mm: [0.0, 3.0] })
+                single(&Solid::Prism { outline_mm, z_mm: [0.0, 3.0] })
             }
-            Self::Pyramid => single(&Shape::Frustum { sides_mm: [30.0, 2.0], height_mm: 19.25 }),
+            Self::Pyramid => single(&Solid::Frustum { sides_mm: [30.0, 2.0], height_mm: 19.25 }),
             Self::LogoPlate => logo_plate(),
             Self::Palette => palette(),
         }
     }
 }
 
-impl fmt::Display for Example {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-impl FromStr for Example {
-    type Err = UnknownExample;
-
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
-        let found = Self::ALL.into_iter().find(|example| example.name() == name);
-        found.ok_or_else(|| UnknownExample(name.to_owned()))
-    }
+beadwork_base::named_enum! {
+    Example, "example":
+    Rectangular = "rectangular",
+    UShape = "u-shape",
+    Pyramid = "pyramid",
+    LogoPlate = "logo-plate",
+    Palette = "palette",
 }
 
 fn body(name: &str, mesh: Mesh, material: usize) -> Body {
@@ -88,7 +58,7 @@ fn material(name: &str, colour: [u8; 3]) -> Material {
     Material { name: name.to_owned(), colour: Some(colour) }
 }
 
-fn single(shape: &Shape) -> Model {
+fn single(shape: &Solid) -> Model {
     Model {
         bodies: vec![body("part", shape.mesh(), 0)],
         materials: vec![material("grey", [170, 174, 178])],
@@ -106,10 +76,10 @@ fn logo_plate() -> Model {
         };
         (0..96).map(corner).collect()
     };
-    let prism = |outline_mm| Shape::Prism { outline_mm, z_mm: inlay }.mesh();
+    let prism = |outline_mm| Solid::Prism { outline_mm, z_mm: inlay }.mesh();
     Model {
         bodies: vec![
-            body("plate", Shape::Cuboid { size_mm: [60.0, 40.0, 2.0] }.mesh(), 0),
+            body("plate", Solid::Cuboid { size_mm: [60.0, 40.0, 2.0] }.mesh(), 0),
             body("disc", prism(disc(9.0)), 1),
             body("eye", prism(disc(4.5)), 0),
             body("bar", prism(bar), 1),
@@ -137,7 +107,7 @@ fn palette() -> Model {
     let square = |(number, (name, _)): (usize, &(&str, [u8; 3]))| {
         let [x, y] = [number % 4, number / 4].map(|place| 15.0 * place as f64);
         let outline_mm = vec![[x, y], [x + 15.0, y], [x + 15.0, y + 15.0], [x, y + 15.0]];
-        body(name, Shape::Prism { outline_mm, z_mm: [0.0, 2.0] }.mesh(), number)
+        body(name, Solid::Prism { outline_mm, z_mm: [0.0, 2.0] }.mesh(), number)
     };
     Model {
         bodies: colours.iter().enumerate().map(square).collect(),

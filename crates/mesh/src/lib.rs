@@ -23,9 +23,9 @@ mod stl;
 mod surface;
 mod threemf;
 
-pub use example::{Example, UnknownExample};
-pub use model::{Body, Format, Limits, Material, Materials, Model, ReadError};
-pub use placement::{PlaceError, Placement, Transform};
-pub use repair::{RepairError, Repaired};
-pub use shapes::Shape;
+pub use example::Example;
+pub use model::{Body, Format, ReadLimits, Material, MaterialRule, Model, ReadError};
+pub use placement::{PlacementError, Placement, Transform};
+pub use repair::{RepairError, RepairReport};
+pub use shapes::Solid;
 pub use surface::{Bounds, Mesh, MeshError};

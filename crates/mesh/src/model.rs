@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use beadwork_base::{Control, Interrupted};
 use thiserror::Error;
 
 use super::surface::{Bounds, Mesh, MeshError};
@@ -52,7 +53,7 @@ pub enum Format {
 
 impl Format {
     /// The format that the ending of a file name stands for, in upper or lower case.
-    pub fn of_name(name: &str) -> Option<Self> {
+    pub fn from_file_name(name: &str) -> Option<Self> {
         let (_, ending) = name.rsplit_once('.')?;
         match ending.to_ascii_lowercase().as_str() {
             "stl" => Some(Self::Stl),
@@ -66,14 +67,14 @@ impl Format {
 /// How much a file may hold.
 /// A small file can unpack to any size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
+pub struct ReadLimits {
     /// Most bytes that the parts of an archive may unpack to, together.
     pub unpacked_bytes: u64,
     /// Most triangles of all bodies.
     pub triangles: usize,
 }
 
-impl Default for Limits {
+impl Default for ReadLimits {
     /// 1 GiB unpacked, 32 million triangles: what is read takes at most some ten times what was
     /// unpacked.
     fn default() -> Self {
@@ -132,7 +133,7 @@ pub enum ReadError {
         #[source]
         source: zip::result::ZipError,
     },
-    /// It holds more than the [`Limits`] allow.
+    /// It holds more than the [`ReadLimits`] allow.
     #[error("it holds more than {most} {what}")]
     TooLarge {
         /// The limit.
@@ -151,6 +152,9 @@ pub enum ReadError {
     /// It has nothing to print.
     #[error("it holds no triangles")]
     NoTriangles,
+    /// The caller ended the call.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 impl ReadError {
@@ -161,20 +165,26 @@ impl ReadError {
 
 /// How bodies come to the numbers of their materials, the tools that print them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Materials {
+pub enum MaterialRule {
     /// As the files say; each body they say nothing of has one of its own.
     #[default]
     Stated,
     /// Each body has one of its own, whatever the files say.
-    Bodies,
+    PerBody,
     /// All bodies have the same.
-    One,
+    Single,
 }
 
 impl Model {
     /// Reads a file's bytes.
     /// Linear in them.
-    pub fn read(format: Format, bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
+    pub fn read(
+        format: Format,
+        bytes: &[u8],
+        limits: &ReadLimits,
+        control: &Control<'_>,
+    ) -> Result<Self, ReadError> {
+        control.check()?;
         if bytes.is_empty() {
             return Err(ReadError::Empty);
         }
@@ -212,7 +222,7 @@ impl Model {
     ///
     /// # Panics
     /// If a body or its paint names a material that is not there.
-    pub fn assign(&mut self, rule: Materials) {
+    pub fn assign_materials(&mut self, rule: MaterialRule) {
         let stated = std::mem::take(&mut self.materials);
         let own = |number: usize, body: &Body| {
             let name = if body.name.is_empty() {
@@ -223,7 +233,7 @@ impl Model {
             Material { name, colour: None }
         };
         match rule {
-            Materials::One => {
+            MaterialRule::Single => {
                 self.materials = vec![
                     stated
                         .first()
@@ -234,13 +244,13 @@ impl Model {
                     (body.material, body.paint) = (Some(0), Vec::new());
                 }
             }
-            Materials::Bodies => {
+            MaterialRule::PerBody => {
                 for (number, body) in self.bodies.iter_mut().enumerate() {
                     self.materials.push(own(number, body));
                     (body.material, body.paint) = (Some(number), Vec::new());
                 }
             }
-            Materials::Stated => {
+            MaterialRule::Stated => {
                 let painted = self
                     .bodies
                     .iter()
@@ -280,13 +290,13 @@ impl Model {
 
     /// The smallest box around all bodies.
     pub fn bounds(&self) -> Bounds {
-        let mut bounds = Bounds::NONE;
-        self.bodies.iter().for_each(|body| bounds.join(&body.mesh.bounds()));
+        let mut bounds = Bounds::EMPTY;
+        self.bodies.iter().for_each(|body| bounds.merge(&body.mesh.bounds()));
         bounds
     }
 
     /// Triangles of all bodies.
-    pub fn triangles(&self) -> usize {
+    pub fn triangle_count(&self) -> usize {
         self.bodies.iter().map(|body| body.mesh.triangles().len()).sum()
     }
 }

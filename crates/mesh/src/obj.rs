@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::model::{Body, Limits, Material, Model, ReadError};
+use super::model::{Body, ReadLimits, Material, Model, ReadError};
 use super::stl::point;
 use super::surface::Mesh;
 
@@ -14,7 +14,7 @@ use super::surface::Mesh;
 /// Each `usemtl` names a material; a body of several is painted.
 /// Colours stand in another file (`mtllib`) and are not read; curves and surfaces of higher order
 /// are passed over, as are texture coordinates and normals.
-pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
+pub(super) fn read(bytes: &[u8], limits: &ReadLimits) -> Result<Model, ReadError> {
     let mut reader = Reader { limits: *limits, ..Reader::default() };
     // A backslash at the end of a line joins it to the next; not one in a comment, which may end in
     // the name of a folder.
@@ -59,7 +59,7 @@ struct Faces {
 
 #[derive(Default)]
 struct Reader {
-    limits: Limits,
+    limits: ReadLimits,
     vertices: Vec<[f64; 3]>,
     done: Vec<Faces>,
     faces: Faces,
@@ -183,6 +183,8 @@ fn used_only(vertices: &[[f64; 3]], mut triangles: Vec<[u32; 3]>) -> Mesh {
 
 #[cfg(test)]
 mod tests {
+    use beadwork_base::Control;
+
     use super::*;
     use crate::Format;
 
@@ -190,12 +192,12 @@ mod tests {
         usemtl red\nf 1/1 2/1 3/1 \\\n  4/1\nf 1 2 5\no second\nf -5//1 -4//1 -1//1\nusemtl blue\nf 1 3 5\n";
 
     fn refused(text: &str) -> String {
-        Model::read(Format::Obj, text.as_bytes(), &Limits::default()).unwrap_err().to_string()
+        Model::read(Format::Obj, text.as_bytes(), &ReadLimits::default(), &Control::default()).unwrap_err().to_string()
     }
 
     #[test]
     fn bodies_polygons_and_materials_are_read() {
-        let model = read(TWO.as_bytes(), &Limits::default()).unwrap();
+        let model = read(TWO.as_bytes(), &ReadLimits::default()).unwrap();
         let [first, second] = &model.bodies[..] else { panic!("two bodies") };
         assert_eq!((first.name.as_str(), first.material), ("first", Some(0)));
         assert_eq!(first.mesh.triangles(), [[0, 1, 2], [0, 2, 3], [0, 1, 4]]);
@@ -209,16 +211,16 @@ mod tests {
     #[test]
     fn lines_are_joined_but_not_over_comments() {
         let text = "# C:\\parts\\\nv 0 0 0 # \\\nv 1 0 0\nv 0 1 0\nf 1 2 \\\n3";
-        assert_eq!(read(text.as_bytes(), &Limits::default()).unwrap().triangles(), 1);
+        assert_eq!(read(text.as_bytes(), &ReadLimits::default()).unwrap().triangle_count(), 1);
         // The last line too, though nothing follows it.
         let text = text.to_owned() + " \\";
-        assert_eq!(read(text.as_bytes(), &Limits::default()).unwrap().triangles(), 1);
+        assert_eq!(read(text.as_bytes(), &ReadLimits::default()).unwrap().triangle_count(), 1);
     }
 
     #[test]
     fn groups_are_no_bodies_and_names_may_hold_a_hash() {
         let text = "g front\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl paint#1\nf 1 2 3\ng back\nusemtl paint#2 # the other\nf 1 3 2\n";
-        let model = read(text.as_bytes(), &Limits::default()).unwrap();
+        let model = read(text.as_bytes(), &ReadLimits::default()).unwrap();
         assert_eq!((model.bodies.len(), model.bodies[0].name.as_str()), (1, "front"));
         assert_eq!(model.bodies[0].paint, [0, 1]);
         let names: Vec<_> = model.materials.iter().map(|material| material.name.as_str()).collect();

@@ -6,7 +6,7 @@ use std::io::{self, BufRead, BufReader, Cursor, Read};
 use zip::ZipArchive;
 use zip::result::ZipError;
 
-use super::model::{Limits, ReadError};
+use super::model::{ReadLimits, ReadError};
 
 /// An archive, and how much of it may still be unpacked.
 pub(super) struct Package<'a> {
@@ -18,7 +18,7 @@ pub(super) struct Package<'a> {
 }
 
 impl<'a> Package<'a> {
-    pub(super) fn open(bytes: &'a [u8], limits: &Limits) -> Result<Self, ReadError> {
+    pub(super) fn open(bytes: &'a [u8], limits: &ReadLimits) -> Result<Self, ReadError> {
         let archive = ZipArchive::new(Cursor::new(bytes)).map_err(|source| match source {
             ZipError::InvalidArchive(_) => {
                 ReadError::Kind("not a 3MF file, which is a ZIP archive")

@@ -7,6 +7,7 @@
 
 mod above;
 
+use beadwork_base::{Control, Interrupted};
 use thiserror::Error;
 
 use self::above::Above;
@@ -16,7 +17,7 @@ use super::surface::{Mesh, cross, dot, minus, spat_mm3};
 
 /// What a repair changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Repaired {
+pub struct RepairReport {
     /// Vertices that lay on others and became one with them.
     pub merged_vertices: usize,
     /// Triangles with two corners at one place, which were dropped.
@@ -27,7 +28,7 @@ pub struct Repaired {
     pub closed_holes: usize,
 }
 
-impl Repaired {
+impl RepairReport {
     /// Whether nothing but double vertices was found, which many formats can't avoid.
     pub fn was_sound(&self) -> bool {
         (self.dropped_triangles, self.flipped_triangles, self.closed_holes) == (0, 0, 0)
@@ -57,6 +58,9 @@ pub enum RepairError {
         /// One of its corners.
         at_mm: [f64; 3],
     },
+    /// The caller ended the call.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 /// Ray tests for bodies within bodies are given up beyond so many triangles looked at: some
@@ -85,8 +89,9 @@ impl Body {
     ///    Of thousands of parts inside out, one above the other, some may be left as they are.
     ///
     /// Nearly linear in the triangles; needs about as much memory as the mesh itself, beside it.
-    pub fn repair(&mut self) -> Result<Repaired, RepairError> {
-        let mut done = Repaired::default();
+    pub fn repair(&mut self, control: &Control<'_>) -> Result<RepairReport, RepairError> {
+        control.check()?;
+        let mut done = RepairReport::default();
         let triangles = self.mesh.triangles().len();
         done.merged_vertices = merge_vertices(&mut self.mesh);
         done.dropped_triangles = drop_degenerate(self);

@@ -6,7 +6,7 @@ use super::surface::Mesh;
 
 /// A solid whose surface is easily written down; closed, and turned outwards.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
+pub enum Solid {
     /// A box with one corner at the origin.
     Cuboid {
         /// Its sides along x, y and z in mm.
@@ -37,7 +37,7 @@ pub enum Shape {
     },
 }
 
-impl Shape {
+impl Solid {
     /// The surface.
     /// Linear in its triangles.
     ///
@@ -115,16 +115,16 @@ mod tests {
 
     #[test]
     fn volumes_are_those_of_the_solids() {
-        let sphere = Shape::Sphere { radius_mm: 10.0, steps: 100 }.mesh();
+        let sphere = Solid::Sphere { radius_mm: 10.0, steps: 100 }.mesh();
         assert_eq!(sphere.triangles().len(), 4 * 100 * 99);
         let volume = 4.0 / 3.0 * TAU / 2.0 * 1000.0;
         assert!((sphere.volume_mm3() / volume - 1.0).abs() < 1e-3);
-        let frustum = Shape::Frustum { sides_mm: [4.0, 1.0], height_mm: 3.0 }.mesh();
+        let frustum = Solid::Frustum { sides_mm: [4.0, 1.0], height_mm: 3.0 }.mesh();
         assert!((frustum.volume_mm3() - 21.0).abs() < 1e-9);
         // An L is not convex.
         let outline_mm =
             vec![[2.0, 2.0], [2.0, 5.0], [0.0, 5.0], [0.0, 0.0], [5.0, 0.0], [5.0, 2.0]];
-        let prism = Shape::Prism { outline_mm, z_mm: [1.0, 2.0] }.mesh();
+        let prism = Solid::Prism { outline_mm, z_mm: [1.0, 2.0] }.mesh();
         assert!((prism.volume_mm3() - 16.0).abs() < 1e-9);
     }
 }

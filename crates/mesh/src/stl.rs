@@ -1,6 +1,6 @@
 //! STL files, binary and text.
 
-use super::model::{Body, Limits, Model, ReadError};
+use super::model::{Body, ReadLimits, Model, ReadError};
 use super::surface::Welder;
 
 /// Length of a binary file's header, which says nothing, and of the count of triangles behind it.
@@ -13,7 +13,7 @@ const RECORD: usize = 50;
 ///
 /// A file is binary if its length fits the count of triangles in its header, whatever that header
 /// begins with: many programs write "solid" there.
-pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
+pub(super) fn read(bytes: &[u8], limits: &ReadLimits) -> Result<Model, ReadError> {
     let promised = match bytes.get(HEADER - 4..HEADER) {
         Some(count) => u64::from(u32::from_le_bytes(count.try_into().expect("it has four bytes"))),
         None => 0,
@@ -40,7 +40,7 @@ fn begins_as_text(bytes: &[u8]) -> bool {
         && !bytes.iter().take(1024).any(|&byte| byte == 0)
 }
 
-fn read_binary(records: &[u8], count: usize, limits: &Limits) -> Result<Model, ReadError> {
+fn read_binary(records: &[u8], count: usize, limits: &ReadLimits) -> Result<Model, ReadError> {
     check_count(count, limits)?;
     let mut welder = Welder::with_capacity(count);
     for record in records.chunks_exact(RECORD).take(count) {
@@ -57,7 +57,7 @@ fn read_binary(records: &[u8], count: usize, limits: &Limits) -> Result<Model, R
     Ok(model)
 }
 
-fn check_count(count: usize, limits: &Limits) -> Result<(), ReadError> {
+fn check_count(count: usize, limits: &ReadLimits) -> Result<(), ReadError> {
     if count > limits.triangles {
         return Err(ReadError::TooLarge { most: limits.triangles as u64, what: "triangles" });
     }
@@ -75,7 +75,7 @@ fn push(model: &mut Model, name: String, welder: Welder) -> Result<(), ReadError
 
 /// Text: keywords in any case, one to a line.
 /// Normals are not read, for the corners' order says the same and is right more often.
-fn read_text(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
+fn read_text(bytes: &[u8], limits: &ReadLimits) -> Result<Model, ReadError> {
     let mut model = Model::default();
     let mut welder = Welder::default();
     let mut name = String::new();
@@ -155,8 +155,10 @@ pub(super) fn number(word: &str) -> Result<f64, String> {
 
 #[cfg(test)]
 mod tests {
+    use beadwork_base::Control;
+
     use super::*;
-    use crate::{Format, MeshError, Shape};
+    use crate::{Format, MeshError, Solid};
 
     fn text(name: &str, triangles: &[[[f64; 3]; 3]]) -> String {
         let corner = |[x, y, z]: &[f64; 3]| format!("      vertex {x} {y} {z}\n");
@@ -183,18 +185,18 @@ mod tests {
     }
 
     fn triangles() -> Vec<[[f64; 3]; 3]> {
-        let mesh = Shape::Cuboid { size_mm: [2.0, 3.0, 4.0] }.mesh();
+        let mesh = Solid::Cuboid { size_mm: [2.0, 3.0, 4.0] }.mesh();
         mesh.triangles().iter().map(|&triangle| mesh.corners(triangle)).collect()
     }
 
     fn refused(bytes: &[u8]) -> ReadError {
-        Model::read(Format::Stl, bytes, &Limits::default()).unwrap_err()
+        Model::read(Format::Stl, bytes, &ReadLimits::default(), &Control::default()).unwrap_err()
     }
 
     #[test]
     fn both_kinds_give_the_same_mesh() {
-        let from_text = read(text("a box", &triangles()).as_bytes(), &Limits::default()).unwrap();
-        let from_binary = read(&binary(&triangles()), &Limits::default()).unwrap();
+        let from_text = read(text("a box", &triangles()).as_bytes(), &ReadLimits::default()).unwrap();
+        let from_binary = read(&binary(&triangles()), &ReadLimits::default()).unwrap();
         assert_eq!(from_text.bodies[0].name, "a box");
         assert_eq!(from_text.bodies[0].mesh, from_binary.bodies[0].mesh);
         assert_eq!(from_text.bodies[0].mesh.vertices().len(), 8);
@@ -205,13 +207,13 @@ mod tests {
     fn every_solid_is_a_body() {
         let two = text("left", &triangles())
             + &text("right", &triangles()).to_uppercase().replace('\n', "\r\n");
-        let model = read(two.as_bytes(), &Limits::default()).unwrap();
+        let model = read(two.as_bytes(), &ReadLimits::default()).unwrap();
         let names: Vec<_> = model.bodies.iter().map(|body| body.name.as_str()).collect();
         assert_eq!(names, ["left", "RIGHT"]);
         assert_eq!(model.bodies[0].mesh, model.bodies[1].mesh);
         // But one of nothing is none.
         let three = "solid nothing\nendsolid nothing\n".to_owned() + &two;
-        assert_eq!(read(three.as_bytes(), &Limits::default()).unwrap(), model);
+        assert_eq!(read(three.as_bytes(), &ReadLimits::default()).unwrap(), model);
     }
 
     #[test]
@@ -240,7 +242,7 @@ mod tests {
             matches!(error, ReadError::Mesh { source: MeshError::NotFinite { .. }, .. }),
             "{error}"
         );
-        let few = Limits { triangles: 11, ..Limits::default() };
+        let few = ReadLimits { triangles: 11, ..ReadLimits::default() };
         assert!(matches!(
             read(&binary(&triangles()), &few),
             Err(ReadError::TooLarge { most: 11, .. })

@@ -44,29 +44,29 @@ pub enum MeshError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Least x, y and z.
-    pub least: [f64; 3],
+    pub min: [f64; 3],
     /// Greatest x, y and z.
-    pub greatest: [f64; 3],
+    pub max: [f64; 3],
 }
 
 impl Bounds {
     /// Around no point: every point widens it.
-    pub const NONE: Self = Self { least: [f64::INFINITY; 3], greatest: [f64::NEG_INFINITY; 3] };
+    pub const EMPTY: Self = Self { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
 
     /// Widens the box to hold a point.
     pub fn add(&mut self, point: [f64; 3]) {
-        self.join(&Self { least: point, greatest: point });
+        self.merge(&Self { min: point, max: point });
     }
 
     /// Widens the box to hold another.
-    pub fn join(&mut self, other: &Self) {
-        self.least = [0, 1, 2].map(|axis| self.least[axis].min(other.least[axis]));
-        self.greatest = [0, 1, 2].map(|axis| self.greatest[axis].max(other.greatest[axis]));
+    pub fn merge(&mut self, other: &Self) {
+        self.min = [0, 1, 2].map(|axis| self.min[axis].min(other.min[axis]));
+        self.max = [0, 1, 2].map(|axis| self.max[axis].max(other.max[axis]));
     }
 
     /// Lengths of its sides in mm; negative only around no point.
     pub fn size_mm(&self) -> [f64; 3] {
-        [0, 1, 2].map(|axis| self.greatest[axis] - self.least[axis])
+        [0, 1, 2].map(|axis| self.max[axis] - self.min[axis])
     }
 
     /// Length of its diagonal in mm.
@@ -76,7 +76,7 @@ impl Bounds {
 
     /// Whether a point lies in it or on its sides.
     pub fn contains(&self, point: [f64; 3]) -> bool {
-        (0..3).all(|axis| (self.least[axis]..=self.greatest[axis]).contains(&point[axis]))
+        (0..3).all(|axis| (self.min[axis]..=self.max[axis]).contains(&point[axis]))
     }
 }
 
@@ -119,7 +119,7 @@ impl Mesh {
 
     /// The smallest box around all vertices that belong to a triangle.
     pub fn bounds(&self) -> Bounds {
-        let mut bounds = Bounds::NONE;
+        let mut bounds = Bounds::EMPTY;
         for &vertex in self.triangles.iter().flatten() {
             bounds.add(self.vertices[vertex as usize]);
         }
@@ -139,13 +139,13 @@ impl Mesh {
     }
 
     /// Memory of its vertices and triangles, in bytes.
-    pub fn bytes(&self) -> usize {
+    pub fn memory_bytes(&self) -> usize {
         size_of_val(&*self.vertices) + size_of_val(&*self.triangles)
     }
 
     /// Maps every vertex, in mm; `mirrored` says that the map is a reflection, so that triangles
     /// must be turned over to keep facing outwards.
-    pub fn map(&mut self, place: impl Fn([f64; 3]) -> [f64; 3], mirrored: bool) {
+    pub fn map_vertices(&mut self, place: impl Fn([f64; 3]) -> [f64; 3], mirrored: bool) {
         self.vertices.iter_mut().for_each(|vertex| *vertex = place(*vertex));
         if mirrored {
             self.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
@@ -258,7 +258,7 @@ impl Welder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Shape;
+    use crate::Solid;
 
     #[test]
     fn wrong_numbers_are_refused() {
@@ -270,10 +270,10 @@ mod tests {
 
     #[test]
     fn a_box_has_its_volume_and_size() {
-        let mesh = Shape::Cuboid { size_mm: [2.0, 3.0, 4.0] }.mesh();
+        let mesh = Solid::Cuboid { size_mm: [2.0, 3.0, 4.0] }.mesh();
         assert!((mesh.volume_mm3() - 24.0).abs() < 1e-12);
         assert_eq!(mesh.bounds().size_mm(), [2.0, 3.0, 4.0]);
-        assert_eq!(mesh.bytes(), 8 * 24 + 12 * 12);
+        assert_eq!(mesh.memory_bytes(), 8 * 24 + 12 * 12);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use std::rc::Rc;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 
-use super::model::{Body, Limits, MOST_MATERIALS, Material, Model, ReadError};
+use super::model::{Body, ReadLimits, MOST_MATERIALS, Material, Model, ReadError};
 use super::package::Package;
 use super::placement::Transform;
 use super::stl::number;
@@ -28,7 +28,7 @@ const DEEPEST: usize = 32;
 /// Names are cut after so many characters.
 const LONGEST_NAME: usize = 200;
 
-pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, ReadError> {
+pub(super) fn read(bytes: &[u8], limits: &ReadLimits) -> Result<Model, ReadError> {
     let mut package = Package::open(bytes, limits)?;
     let root = match package.find(RELATIONSHIPS) {
         Some(_) => package.read(RELATIONSHIPS, |source| model_part(RELATIONSHIPS, source))?,
@@ -67,7 +67,7 @@ fn model_part(part: &str, source: &mut dyn BufRead) -> Result<Option<String>, Re
 struct Part {
     mm: f64,
     objects: HashMap<u32, Object>,
-    /// Materials and colours by the number of their group.
+    /// MaterialRule and colours by the number of their group.
     groups: HashMap<u32, Vec<Material>>,
     items: Vec<Reference>,
 }
@@ -104,7 +104,7 @@ struct Reference {
 /// Instances of objects, from all parts that they come from.
 struct Builder<'a> {
     package: Package<'a>,
-    limits: &'a Limits,
+    limits: &'a ReadLimits,
     parts: HashMap<String, Rc<Part>>,
     model: Model,
     /// Numbers in the model of the materials of a part.
@@ -115,7 +115,7 @@ struct Builder<'a> {
 impl Builder<'_> {
     fn build(&mut self, root: &str) -> Result<(), ReadError> {
         let said = self.load(root)?;
-        let unit = Transform::scale(said.mm);
+        let unit = Transform::scaling(said.mm);
         for item in &said.items {
             let part = item.part.as_deref().unwrap_or(root);
             self.instance(part, item.object, &item.transform.then(&unit), None, 0)?;
@@ -270,7 +270,7 @@ struct PartReader {
 }
 
 impl PartReader {
-    fn read(part: &str, source: &mut dyn BufRead, limits: &Limits) -> Result<Part, ReadError> {
+    fn read(part: &str, source: &mut dyn BufRead, limits: &ReadLimits) -> Result<Part, ReadError> {
         let mut reader = Self {
             part: Part { mm: 1.0, ..Part::default() },
             object: None,

@@ -1,17 +1,17 @@
-//! Reading what was written gives the same, and whatever else comes is read or refused, never a
-//! panic.
+//! Parsing an emitted program returns it, and any other text is parsed or refused without a panic.
 
 use proptest::prelude::*;
 
 use super::*;
-use crate::CommentError;
+use crate::command::VerbatimError;
+use crate::program::CommentError;
 
 fn number(text: &str) -> Number {
     text.parse().unwrap()
 }
 
 fn read(text: &str) -> Vec<(Option<Command>, Option<String>)> {
-    Program::parse(text).unwrap().lines.into_iter().map(Line::into_parts).collect()
+    text.parse::<Program>().unwrap().lines.into_iter().map(Line::into_parts).collect()
 }
 
 fn command(text: &str) -> Command {
@@ -61,7 +61,7 @@ fn comments_are_kept() {
 }
 
 #[test]
-fn blank_lines_count() {
+fn blank_lines_are_kept() {
     assert_eq!(read("").len(), 0);
     assert_eq!(read("\n").len(), 1);
     assert_eq!(read("\r\n \n\nT0").len(), 4);
@@ -69,7 +69,7 @@ fn blank_lines_count() {
 }
 
 #[test]
-fn each_command_has_its_type() {
+fn typed_and_verbatim_commands() {
     let hot = |tool, wait| Command::NozzleTemperature { celsius: number("215"), tool, wait };
     for (text, expected) in [
         ("G4 P500", Command::Dwell { seconds: None, milliseconds: Some(number("500")) }),
@@ -82,7 +82,7 @@ fn each_command_has_its_type() {
         ("T007", Command::Tool(7)),
         ("M104 S215", hot(None, Wait::No)),
         ("M109 T1 S215", hot(Some(1), Wait::Heating)),
-        ("m109 r215 T2", hot(Some(2), Wait::Both)),
+        ("m109 r215 T2", hot(Some(2), Wait::HeatingOrCooling)),
         ("M190 S60", Command::BedTemperature { celsius: number("60"), wait: true }),
         ("M106", Command::Fan(Some(number("255")))),
         ("M106 S127.5", Command::Fan(Some(number("127.5")))),
@@ -141,7 +141,7 @@ fn each_command_has_its_type() {
 
 #[test]
 fn broken_numbers_are_named_with_their_line() {
-    let error = |text| Program::parse(text).unwrap_err().to_string();
+    let error = |text: &str| text.parse::<Program>().unwrap_err().to_string();
     assert_eq!(error("G28\n;\nG1 X1 Y1.2.3 Z1"), "line 3: 'Y1.2.3' is not a number");
     assert_eq!(error("G1 X Y2"), "line 1: 'X Y2' is not a number");
     assert_eq!(error("G1 X99999999999999999999"), "line 1: 'X99999999999999999999' is too large");
@@ -152,8 +152,49 @@ fn broken_numbers_are_named_with_their_line() {
 }
 
 #[test]
-fn bytes_need_not_be_text() {
-    let program = Program::from_bytes(b"M117 caf\xe9\nG1 X1 ; \xff\n").unwrap();
+fn verbatim_commands_are_checked() {
+    for text in [
+        "M117 Hello (world)",
+        "START_PRINT BED=80",
+        "M106 P1 S255",
+        "G29.1",
+        "T?",
+        "T1000",
+        "é",
+        "M204 X5",
+        "T255",
+        "SET_VELOCITY_LIMIT ACCEL=5 MINIMUM_CRUISE_RATIO=0.5",
+    ] {
+        assert_eq!(Verbatim::new(text).unwrap().as_str(), text);
+    }
+    for text in [
+        "", " ", " M117", "M117 ", "M84;off", "M84\n", "G1 X1", "g1x1", "N5 M84", "(M84)", "G1 Xa",
+        "M84\r",
+    ] {
+        assert_eq!(Verbatim::new(text), Err(VerbatimError(text.to_owned())), "{text}");
+    }
+}
+
+#[test]
+fn a_cancelled_call_returns_an_error() {
+    let cancel = beadwork_base::CancelToken::new();
+    let seen = std::sync::Mutex::new(Vec::new());
+    let progress = |progress| {
+        seen.lock().unwrap().push(progress);
+        cancel.cancel();
+    };
+    let control =
+        Control { cancel: Some(&cancel), progress: Some(&progress), ..Control::default() };
+    let text = "G1 X1\n".repeat(10_000);
+    let error = Program::parse(&text, &control);
+    assert_eq!(error, Err(ParseError::Interrupted(Interrupted::Cancelled)));
+    assert_eq!(*seen.lock().unwrap(), [beadwork_base::Progress { done: 0, total: 60_000 }]);
+}
+
+#[test]
+fn bytes_that_are_not_utf8_are_replaced() {
+    let program =
+        Program::from_bytes(b"M117 caf\xe9\nG1 X1 ; \xff\n", &Control::default()).unwrap();
     assert_eq!(program.lines[0].command(), Some(&Command::other("M117 caf\u{fffd}").unwrap()));
     assert_eq!(program.lines[1].comment(), Some(" \u{fffd}"));
 }
@@ -188,11 +229,11 @@ fn commands() -> impl Strategy<Value = Command> {
             Command::Arc(Box::new(Arc { clockwise, x, y, z, i, j, r, e, f }))
         },
     );
-    let wait = prop::sample::select(vec![Wait::No, Wait::Heating, Wait::Both]);
+    let wait = prop::sample::select(vec![Wait::No, Wait::Heating, Wait::HeatingOrCooling]);
     let heat = (some_number(), prop::option::of(any::<u8>()), wait);
     let plain = prop::sample::select(vec![
-        Command::Absolute,
-        Command::Relative,
+        Command::AbsolutePositioning,
+        Command::RelativePositioning,
         Command::AbsoluteExtrusion,
         Command::RelativeExtrusion,
         Command::Retract,
@@ -240,14 +281,14 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 6_000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn reading_what_was_written_gives_the_same(program in programs()) {
+    fn parsing_an_emitted_program_returns_it(program in programs()) {
         let text = program.emit();
-        prop_assert_eq!(Program::parse(&text), Ok(program.clone()), "{}", text);
-        prop_assert_eq!(Program::from_bytes(text.as_bytes()), Ok(program));
+        prop_assert_eq!(text.parse(), Ok(program.clone()), "{}", text);
+        prop_assert_eq!(Program::from_bytes(text.as_bytes(), &Control::default()), Ok(program));
     }
 
     #[test]
-    fn damage_is_never_a_panic(
+    fn damaged_programs_do_not_panic(
         program in programs(),
         changes in prop::collection::vec((any::<prop::sample::Index>(), prop_oneof![
             any::<u8>(),
@@ -263,7 +304,7 @@ proptest! {
             if inserts { bytes.insert(at, byte) } else { bytes[at] = byte }
         }
         bytes.truncate(cut.index(4 * bytes.len()));
-        if let Ok(read) = Program::from_bytes(&bytes) {
+        if let Ok(read) = Program::from_bytes(&bytes, &Control::default()) {
             prop_assert!(read.lines.len() <= bytes.len());
             let parts = read.lines.iter().map(|line| {
                 let command = if let Some(Command::Other(text)) = line.command() { text.as_str().len() } else { 0 };
@@ -271,16 +312,16 @@ proptest! {
             });
             // A byte that is not UTF-8 takes three when replaced.
             prop_assert!(parts.sum::<usize>() <= 3 * bytes.len());
-            // What was read is a program like any other.
-            prop_assert_eq!(Program::parse(&read.emit()), Ok(read));
+            // A program read from damaged text is emitted and parsed like any other.
+            prop_assert_eq!(read.emit().parse(), Ok(read));
         }
     }
 
     #[test]
-    fn any_bytes_are_read_or_refused(bytes in prop::collection::vec(any::<u8>(), 0..200), text in "[GMTN0-9XYZ(). *;\n\r-]{0,80}") {
+    fn any_bytes_are_parsed_or_refused(bytes in prop::collection::vec(any::<u8>(), 0..200), text in "[GMTN0-9XYZ(). *;\n\r-]{0,80}") {
         for bytes in [&bytes[..], text.as_bytes()] {
-            if let Ok(read) = Program::from_bytes(bytes) {
-                prop_assert_eq!(Program::parse(&read.emit()), Ok(read));
+            if let Ok(read) = Program::from_bytes(bytes, &Control::default()) {
+                prop_assert_eq!(read.emit().parse(), Ok(read));
             }
         }
     }

@@ -1,6 +1,6 @@
-//! Modes, dialects, and what makes no sense.
+//! Positioning and extrusion modes, dialects of slicers, and programs that are refused.
 
-#![expect(clippy::float_cmp, reason = "places of straight moves are those of the text")]
+#![expect(clippy::float_cmp, reason = "straight moves end exactly at the coordinates of the text")]
 
 use super::*;
 
@@ -83,7 +83,7 @@ M82
 ";
 
 fn events(text: &str) -> Vec<Event> {
-    Program::parse(text).unwrap().trace().collect::<Result<_, _>>().unwrap()
+    text.parse::<Program>().unwrap().trace().collect::<Result<_, _>>().unwrap()
 }
 
 fn motions(text: &str) -> Vec<Motion> {
@@ -96,26 +96,26 @@ fn near(a: f64, b: f64) -> bool {
 }
 
 #[test]
-fn relative_extrusion_with_types_before() {
+fn relative_extrusion_in_prusaslicer_style() {
     let all = motions(PRUSA);
     let lines: Vec<usize> = all.iter().map(|motion| motion.line).collect();
     assert_eq!(lines[..6], [17, 18, 19, 20, 24, 25]);
-    let strokes: Vec<_> = all.iter().filter(|motion| motion.is_stroke()).collect();
-    assert_eq!(strokes[0].from_mm, [10.0, 10.0, 0.2]);
-    assert_eq!(strokes[0].to_mm, [30.0, 10.0, 0.2]);
-    assert!(near(strokes[0].feed_mm_s, 20.0) && near(strokes[0].extruded_mm, 0.6));
-    assert_eq!(strokes[0].acceleration_mm_s2, Some(1250.0));
+    let extrusions: Vec<_> = all.iter().filter(|motion| motion.is_extrusion()).collect();
+    assert_eq!(extrusions[0].from_mm, [10.0, 10.0, 0.2]);
+    assert_eq!(extrusions[0].to_mm, [30.0, 10.0, 0.2]);
+    assert!(near(extrusions[0].feed_mm_s, 20.0) && near(extrusions[0].extruded_mm, 0.6));
+    assert_eq!(extrusions[0].acceleration_mm_s2, Some(1250.0));
     assert_eq!(all[2].acceleration_mm_s2, Some(1000.0));
     assert_eq!(
-        (strokes[0].feature, strokes[0].layer, strokes[0].tool),
+        (extrusions[0].feature, extrusions[0].layer, extrusions[0].tool),
         (Feature::OuterWall, Some(0), 0)
     );
     let arc: Vec<_> =
-        strokes.iter().filter(|motion| motion.feature == Feature::SolidInfill).collect();
+        extrusions.iter().filter(|motion| motion.feature == Feature::SolidInfill).collect();
     assert!(arc.len() > 20 && arc.iter().all(|chord| chord.line == 27));
     assert!(near(arc.iter().map(|chord| chord.extruded_mm).sum(), 1.2));
     assert!(arc.iter().all(|chord| chord.to_mm[0] >= 30.0 - 1e-9), "clockwise, down on the right");
-    let last = strokes.last().unwrap();
+    let last = extrusions.last().unwrap();
     assert_eq!((last.feature, last.tool, last.to_mm), (Feature::PrimeTower, 1, [60.0, 50.0, 0.2]));
     assert_eq!(all.last().unwrap().layer, Some(1));
     let changes: Vec<_> = events(PRUSA)
@@ -132,13 +132,13 @@ fn relative_extrusion_with_types_before() {
 }
 
 #[test]
-fn absolute_extrusion_with_numbered_layers() {
+fn absolute_extrusion_in_cura_style() {
     let all = motions(CURA);
-    let pushed: Vec<_> = all.iter().map(|motion| motion.extruded_mm).collect();
+    let extruded: Vec<_> = all.iter().map(|motion| motion.extruded_mm).collect();
     let expected = [-5.0, 0.0, 5.0, 0.75, 0.0, 0.75, -5.0, 0.0, 5.0, 0.75, 0.0];
     assert!(
-        pushed.len() == expected.len() && pushed.iter().zip(expected).all(|(&a, b)| near(a, b)),
-        "{pushed:?}"
+        extruded.len() == expected.len() && extruded.iter().zip(expected).all(|(&a, b)| near(a, b)),
+        "{extruded:?}"
     );
     let layers: Vec<_> = all.iter().map(|motion| motion.layer).collect();
     assert_eq!(layers[2..8], [None, None, Some(0), Some(0), Some(0), Some(1)]);
@@ -152,26 +152,26 @@ fn absolute_extrusion_with_numbered_layers() {
 }
 
 #[test]
-fn renamed_places_stay_where_they_are() {
+fn g92_does_not_move_the_nozzle() {
     let all = motions("G1 X10 Y10\nG92 X0 E7\nG1 X5 E8\nG92\nG1 X1 Y1 E1\nG28 X\nG1 X3");
-    let places: Vec<_> = all.iter().map(|motion| motion.to_mm[..2].to_vec()).collect();
-    assert_eq!(places, [[10.0, 10.0], [15.0, 10.0], [16.0, 11.0], [3.0, 11.0]]);
+    let positions: Vec<_> = all.iter().map(|motion| motion.to_mm[..2].to_vec()).collect();
+    assert_eq!(positions, [[10.0, 10.0], [15.0, 10.0], [16.0, 11.0], [3.0, 11.0]]);
     assert!(near(all[1].extruded_mm, 1.0) && near(all[2].extruded_mm, 1.0));
-    assert_eq!(all[3].from_mm[0].to_bits(), 0.0_f64.to_bits(), "home is 0");
+    assert_eq!(all[3].from_mm[0].to_bits(), 0.0_f64.to_bits(), "homing sets x to 0");
 }
 
 #[test]
-fn filament_is_relative_while_places_are() {
-    let pushed = |text| motions(text).iter().map(|motion| motion.extruded_mm).collect::<Vec<_>>();
+fn extrusion_is_relative_while_positioning_is() {
+    let extruded = |text| motions(text).iter().map(|motion| motion.extruded_mm).collect::<Vec<_>>();
     // The end that Cura writes.
     let cura = "M82\nG92 E0\nG1 X9 E100\nM140 S0\nM107\nG91\nG1 E-2 F2700\nG1 E-2 Z0.2 F2400\nG1 X5 Y5 F3000\nG90\n";
-    assert_eq!(pushed(cura), [100.0, -2.0, -2.0, 0.0]);
-    assert_eq!(pushed("M83\nG91\nG90\nG1 E1\nG1 E1\nM82\nG1 E1"), [1.0, 1.0, 1.0]);
-    assert_eq!(pushed("G91\nG1 E1\nG90\nG1 E1\nG1 E1"), [1.0, 1.0], "as Klipper counts");
+    assert_eq!(extruded(cura), [100.0, -2.0, -2.0, 0.0]);
+    assert_eq!(extruded("M83\nG91\nG90\nG1 E1\nG1 E1\nM82\nG1 E1"), [1.0, 1.0, 1.0]);
+    assert_eq!(extruded("G91\nG1 E1\nG90\nG1 E1\nG1 E1"), [1.0, 1.0], "as Klipper counts");
 }
 
 #[test]
-fn limits_of_either_dialect() {
+fn accelerations_of_both_dialects() {
     let accelerations = |text: &str| {
         let text = format!("{text}\nG1 X1 E1\nG1 X2");
         motions(&text).iter().map(|motion| motion.acceleration_mm_s2).collect::<Vec<_>>()
@@ -195,7 +195,7 @@ fn heat_and_motors() {
     let expected = [
         heat(Heater::Nozzle(0), 200.0, Wait::No, 1),
         Event::ToolChange { from: None, to: 2, line: 2 },
-        heat(Heater::Nozzle(2), 190.0, Wait::Both, 3),
+        heat(Heater::Nozzle(2), 190.0, Wait::HeatingOrCooling, 3),
         heat(Heater::Nozzle(1), 0.0, Wait::No, 4),
         heat(Heater::Bed, 60.0, Wait::No, 5),
         heat(Heater::Bed, 61.0, Wait::Heating, 6),
@@ -217,7 +217,7 @@ fn pauses_in_either_unit() {
 }
 
 #[test]
-fn nonsense_ends_the_trace() {
+fn errors_end_the_trace() {
     for (text, expected) in [
         ("G1 X1\ng20\nG1 X2", TraceError::Inches { line: 2 }),
         ("G1 X1\nG18\nG1 X2", TraceError::Plane { line: 2 }),
@@ -232,7 +232,7 @@ fn nonsense_ends_the_trace() {
         ("G2 X5", TraceError::Arc { line: 1 }),
         ("G3 X5 R2", TraceError::Arc { line: 1 }),
     ] {
-        let program = Program::parse(&format!("{text}\nG1 X99")).unwrap();
+        let program = format!("{text}\nG1 X99").parse::<Program>().unwrap();
         let all: Vec<_> = program.trace().collect();
         assert_eq!(all.last(), Some(&Err(expected)), "{text}");
     }

@@ -51,15 +51,15 @@ impl Above {
 
 fn build(mesh: &Mesh, order: &mut [u32], boxes: &mut Vec<[f64; 5]>, node: usize, axis: usize) {
     let corners = |triangle: u32| mesh.corners(mesh.triangles()[triangle as usize]);
-    let mut bounds = Bounds::NONE;
+    let mut bounds = Bounds::EMPTY;
     order
         .iter()
         .for_each(|&triangle| corners(triangle).iter().for_each(|&corner| bounds.add(corner)));
     if boxes.len() <= node {
         boxes.resize(node + 1, [0.0; 5]);
     }
-    let Bounds { least, greatest } = bounds;
-    boxes[node] = [least[0], greatest[0], least[1], greatest[1], greatest[2]];
+    let Bounds { min, max } = bounds;
+    boxes[node] = [min[0], max[0], min[1], max[1], max[2]];
     if order.len() <= LEAF {
         return;
     }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use proptest::prelude::*;
 
 use super::*;
-use crate::Shape;
+use crate::Solid;
 
 fn body(mesh: Mesh) -> Body {
     Body { name: String::new(), mesh, material: None, paint: Vec::new() }
@@ -23,7 +23,7 @@ fn is_closed(mesh: &Mesh) -> bool {
     balance.values().all(|&balance| balance == 0)
 }
 
-fn parts(shapes: &[(Shape, [f64; 3], bool)]) -> Mesh {
+fn parts(shapes: &[(Solid, [f64; 3], bool)]) -> Mesh {
     let mut vertices = Vec::new();
     let mut triangles = Vec::new();
     for (shape, shift, inverted) in shapes {
@@ -42,47 +42,47 @@ fn parts(shapes: &[(Shape, [f64; 3], bool)]) -> Mesh {
 
 #[test]
 fn a_sound_body_stays_as_it_is() {
-    let mut sound = body(Shape::Sphere { radius_mm: 5.0, steps: 8 }.mesh());
+    let mut sound = body(Solid::Sphere { radius_mm: 5.0, steps: 8 }.mesh());
     let before = sound.clone();
-    assert_eq!(sound.repair().unwrap(), Repaired::default());
+    assert_eq!(sound.repair(&Control::default()).unwrap(), RepairReport::default());
     assert_eq!(sound, before);
 }
 
 #[test]
 fn a_body_inside_out_is_turned_over() {
     let mut inverted =
-        body(parts(&[(Shape::Cuboid { size_mm: [1.0, 2.0, 3.0] }, [5.0, 5.0, 5.0], true)]));
-    assert_eq!(inverted.repair().unwrap().flipped_triangles, 12);
+        body(parts(&[(Solid::Cuboid { size_mm: [1.0, 2.0, 3.0] }, [5.0, 5.0, 5.0], true)]));
+    assert_eq!(inverted.repair(&Control::default()).unwrap().flipped_triangles, 12);
     assert!((inverted.mesh.volume_mm3() - 6.0).abs() < 1e-9);
 }
 
 #[test]
 fn a_cavity_stays_and_a_body_in_a_cavity_is_turned() {
-    let cube = |side: f64| Shape::Cuboid { size_mm: [side; 3] };
+    let cube = |side: f64| Solid::Cuboid { size_mm: [side; 3] };
     let hollow =
         [(cube(10.0), [0.0; 3], false), (cube(6.0), [2.0; 3], true), (cube(2.0), [4.0; 3], true)];
     let mut hollow = body(parts(&hollow));
-    assert_eq!(hollow.repair().unwrap().flipped_triangles, 12);
+    assert_eq!(hollow.repair(&Control::default()).unwrap().flipped_triangles, 12);
     assert!((hollow.mesh.volume_mm3() - (1000.0 - 216.0 + 8.0)).abs() < 1e-9);
 }
 
 #[test]
 fn a_hollow_body_that_is_inside_out_stays_hollow() {
-    let cube = |side: f64| Shape::Cuboid { size_mm: [side; 3] };
+    let cube = |side: f64| Solid::Cuboid { size_mm: [side; 3] };
     let inverted =
         [(cube(10.0), [0.0; 3], true), (cube(6.0), [2.0; 3], false), (cube(2.0), [4.0; 3], true)];
     let mut inverted = body(parts(&inverted));
-    assert_eq!(inverted.repair().unwrap().flipped_triangles, 36);
+    assert_eq!(inverted.repair(&Control::default()).unwrap().flipped_triangles, 36);
     assert!((inverted.mesh.volume_mm3() - (1000.0 - 216.0 + 8.0)).abs() < 1e-9);
 }
 
 #[test]
 fn a_missing_triangle_is_filled() {
-    let mut open = body(Shape::Cuboid { size_mm: [10.0; 3] }.mesh());
+    let mut open = body(Solid::Cuboid { size_mm: [10.0; 3] }.mesh());
     open.mesh.parts_mut().1.pop();
     open.paint = vec![0; 11];
     open.paint[10] = 7;
-    assert_eq!(open.repair().unwrap(), Repaired { closed_holes: 1, ..Repaired::default() });
+    assert_eq!(open.repair(&Control::default()).unwrap(), RepairReport { closed_holes: 1, ..RepairReport::default() });
     assert!((open.mesh.volume_mm3() - 1000.0).abs() < 1e-9);
     assert_eq!(open.paint.len(), 12);
 }
@@ -90,15 +90,15 @@ fn a_missing_triangle_is_filled() {
 #[test]
 fn what_encloses_nothing_is_refused() {
     let point = Mesh::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]; 12]).unwrap();
-    assert_eq!(body(point).repair(), Err(RepairError::NoArea(12)));
+    assert_eq!(body(point).repair(&Control::default()), Err(RepairError::NoArea(12)));
     let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let sheet = Mesh::new(corners, vec![[0, 1, 2]]).unwrap();
-    assert_eq!(body(sheet).repair(), Err(RepairError::NoVolume(1)));
+    assert_eq!(body(sheet).repair(&Control::default()), Err(RepairError::NoVolume(1)));
 }
 
 #[test]
 fn a_large_crooked_hole_is_refused() {
-    let mut half = body(Shape::Sphere { radius_mm: 10.0, steps: 12 }.mesh());
+    let mut half = body(Solid::Sphere { radius_mm: 10.0, steps: 12 }.mesh());
     // A wedge: what is left has a rim that is far from flat.
     let vertices = half.mesh.vertices().to_vec();
     half.mesh.parts_mut().1.retain(|corners| {
@@ -106,7 +106,7 @@ fn a_large_crooked_hole_is_refused() {
             .map(|axis| corners.iter().map(|&vertex| vertices[vertex as usize][axis]).sum::<f64>());
         x < 0.0 || y < 0.0
     });
-    assert!(matches!(half.repair(), Err(RepairError::Hole { .. })));
+    assert!(matches!(half.repair(&Control::default()), Err(RepairError::Hole { .. })));
 }
 
 proptest! {
@@ -121,7 +121,7 @@ proptest! {
         apart: bool,
         offset in 0..1000_i32,
     ) {
-        let sphere = Shape::Sphere { radius_mm: 10.0, steps }.mesh();
+        let sphere = Solid::Sphere { radius_mm: 10.0, steps }.mesh();
         let shift = f64::from(offset);
         let points: Vec<[f64; 3]> = sphere.vertices().iter().map(|&[x, y, z]| [x + shift, y, z - shift]).collect();
         let mut triangles = sphere.triangles().to_vec();
@@ -134,7 +134,7 @@ proptest! {
             (points, triangles)
         };
         let mut damaged = body(Mesh::new(points, triangles).unwrap());
-        let done = damaged.repair().unwrap();
+        let done = damaged.repair(&Control::default()).unwrap();
         prop_assert!(is_closed(&damaged.mesh));
         prop_assert!(done.closed_holes <= missing.len());
         // A pole's triangle filled or a corner cut: not more than the missing triangles' share.
@@ -155,7 +155,7 @@ proptest! {
         if painted {
             any.paint = vec![3; any.mesh.triangles().len()];
         }
-        if any.repair().is_ok() {
+        if any.repair(&Control::default()).is_ok() {
             prop_assert!(is_closed(&any.mesh));
             prop_assert!(!painted || any.paint.len() == any.mesh.triangles().len());
         }

@@ -3,11 +3,12 @@
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
 
+use beadwork_base::Control;
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
 use super::*;
-use crate::{Format, Materials};
+use crate::{Format, MaterialRule};
 
 const TETRA: &str = r#"<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/><vertex x="0" y="1" z="0"/>
 <vertex x="0" y="0" z="1"/></vertices><triangles><triangle v1="0" v2="2" v3="1"/><triangle v1="0" v2="1" v3="3"/>
@@ -29,7 +30,7 @@ fn model(resources: &str, build: &str) -> String {
 }
 
 fn read_parts(parts: &[(&str, &str)]) -> Result<Model, ReadError> {
-    Model::read(Format::ThreeMf, &archive(parts), &Limits::default())
+    Model::read(Format::ThreeMf, &archive(parts), &ReadLimits::default(), &Control::default())
 }
 
 fn read_model(resources: &str, build: &str) -> Result<Model, ReadError> {
@@ -54,13 +55,13 @@ fn units_transforms_and_components_are_applied() {
     for (body, volume) in model.bodies.iter().zip([8.0 * sixth, sixth, sixth]) {
         assert!((body.mesh.volume_mm3() - volume).abs() < 1e-6, "{}", body.mesh.volume_mm3());
     }
-    assert_eq!(model.bodies[0].mesh.bounds().least, [254.0, 0.0, 0.0]);
-    model.assign(Materials::Stated);
+    assert_eq!(model.bodies[0].mesh.bounds().min, [254.0, 0.0, 0.0]);
+    model.assign_materials(MaterialRule::Stated);
     assert_eq!(
         model.bodies.iter().map(|body| body.material).collect::<Vec<_>>(),
         [Some(0), Some(1), Some(2)]
     );
-    model.assign(Materials::One);
+    model.assign_materials(MaterialRule::Single);
     assert_eq!(model.materials.len(), 1);
 }
 
@@ -76,7 +77,7 @@ fn materials_come_from_groups_of_object_and_triangle() {
     );
     let build = r#"<item objectid="1"/><item objectid="2"/><item objectid="3"/>"#;
     let mut model = read_model(&resources, build).unwrap();
-    model.assign(Materials::Stated);
+    model.assign_materials(MaterialRule::Stated);
     let names: Vec<_> = model.materials.iter().map(|material| material.name.as_str()).collect();
     assert_eq!(names, ["PLA & co", "ABS", "#0000FF"]);
     assert_eq!(model.materials[1].colour, Some([0, 255, 0]));
@@ -98,7 +99,7 @@ fn objects_may_stand_in_other_parts() {
         ("3D/other.model", &other),
     ])
     .unwrap();
-    assert_eq!(read.triangles(), 4);
+    assert_eq!(read.triangle_count(), 4);
     let error = read_parts(&[("_rels/.rels", list), ("odd/place.model", &root)]).unwrap_err();
     assert_eq!(error.to_string(), "the part /3D/other.model is missing");
     let error = read_parts(&[("_rels/.rels", list)]).unwrap_err();
@@ -146,7 +147,7 @@ fn what_is_wrong_is_named() {
         read_parts(&[("a.txt", "")]).unwrap_err().to_string(),
         "the part 3D/3dmodel.model is missing"
     );
-    let error = Model::read(Format::ThreeMf, b"no archive at all", &Limits::default()).unwrap_err();
+    let error = Model::read(Format::ThreeMf, b"no archive at all", &ReadLimits::default(), &Control::default()).unwrap_err();
     assert_eq!(error.to_string(), "it is not a 3MF file, which is a ZIP archive");
 }
 
@@ -178,8 +179,8 @@ fn what_unpacks_beyond_the_limit_is_stopped() {
     let spaces = " ".repeat(8 << 20);
     let bomb = archive(&[("3D/3dmodel.model", &model(&spaces, ""))]);
     assert!(bomb.len() < 20_000);
-    let limits = Limits { unpacked_bytes: 1 << 20, ..Limits::default() };
-    let error = Model::read(Format::ThreeMf, &bomb, &limits).unwrap_err();
+    let limits = ReadLimits { unpacked_bytes: 1 << 20, ..ReadLimits::default() };
+    let error = Model::read(Format::ThreeMf, &bomb, &limits, &Control::default()).unwrap_err();
     assert_eq!(error.to_string(), "it holds more than 1048576 bytes unpacked");
     // Objects made of two of the one before: 2^30 bodies of 4 triangles.
     let mut resources = format!(r#"<object id="1">{TETRA}</object>"#);
@@ -188,10 +189,10 @@ fn what_unpacks_beyond_the_limit_is_stopped() {
         write!(resources, r#"<object id="{id}"><components>{part}{part}</components></object>"#)
             .unwrap();
     }
-    let limits = Limits { triangles: 10_000, ..Limits::default() };
+    let limits = ReadLimits { triangles: 10_000, ..ReadLimits::default() };
     let bomb = archive(&[("3D/3dmodel.model", &model(&resources, r#"<item objectid="30"/>"#))]);
     assert!(matches!(
-        Model::read(Format::ThreeMf, &bomb, &limits),
+        Model::read(Format::ThreeMf, &bomb, &limits, &Control::default()),
         Err(ReadError::TooLarge { .. })
     ));
 }
