@@ -6,6 +6,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use beadwork_base::Control;
 use beadwork_gcode::{Event, Feature, Program};
 use beadwork_tests::{beadwork, fail, misused, run, text};
 use serde_json::Value;
@@ -51,13 +52,13 @@ fn a_part_becomes_gcode_with_totals_beside_it() {
     assert_eq!(totals["materials"], serde_json::json!(["white", "blue"]));
 
     // What the file says is what the file does.
-    let program = Program::from_bytes(&fs::read(&gcode).unwrap()).unwrap();
+    let program = Program::from_bytes(&fs::read(&gcode).unwrap(), &Control::default()).unwrap();
     let (mut changes, mut part_mm) = (0, 0.0);
     for event in program.trace() {
         match event.unwrap() {
             Event::ToolChange { from: Some(_), .. } => changes += 1,
             Event::Motion(motion)
-                if motion.is_stroke() && motion.feature == Feature::SolidInfill =>
+                if motion.is_extrusion() && motion.feature == Feature::SolidInfill =>
             {
                 part_mm += motion.length_mm();
             }

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use anyhow::{Context, bail};
 use beadwork_base::Threads;
 use beadwork_mesh::{
-    Bounds, Example, Format, Limits, Materials, Model, Placement, Repaired, Transform,
+    Bounds, Example, Format, MaterialRule, Model, Placement, ReadLimits, RepairReport, Transform,
 };
 use beadwork_part::slice::{FillRule, Layers, Settings, slice};
 use clap::ValueEnum;
@@ -118,7 +118,7 @@ pub struct Part {
     /// The layers.
     pub layers: Layers,
     /// Name and repairs of each body that was not sound.
-    pub repaired: Vec<(String, Repaired)>,
+    pub repaired: Vec<(String, RepairReport)>,
     /// Bounding box of the placed mesh, in mm.
     pub bounds: Bounds,
 }
@@ -157,8 +157,7 @@ impl PartArgs {
                         _ => format!("{} {}", name_of(path), number + 1),
                     };
                 }
-                let done = body
-                    .repair()
+                let done = control::quiet(Threads::One, |control| body.repair(control))?
                     .with_context(|| format!("'{}', body {}", path.display(), body.name))?;
                 if !done.was_sound() {
                     repaired.push((body.name.clone(), done));
@@ -166,14 +165,14 @@ impl PartArgs {
             }
             model.append(read).with_context(|| format!("cannot add '{}'", path.display()))?;
         }
-        model.assign(match self.materials {
-            Rule::Stated => Materials::Stated,
-            Rule::Bodies => Materials::Bodies,
-            Rule::One => Materials::One,
+        model.assign_materials(match self.materials {
+            Rule::Stated => MaterialRule::Stated,
+            Rule::Bodies => MaterialRule::PerBody,
+            Rule::One => MaterialRule::Single,
         });
-        let Numbers(turn_degrees) = self.rotate;
+        let Numbers(rotation_degrees) = self.rotate;
         let centre_mm = self.centre.map(|Numbers(centre)| centre);
-        Placement { scale: self.scale, turn_degrees, centre_mm, bed_mm }.apply(&mut model)?;
+        Placement { scale: self.scale, rotation_degrees, centre_mm, bed_mm }.apply(&mut model)?;
         let settings = Settings {
             cell_mm: self.bead,
             layer_mm: self.layer,
@@ -194,14 +193,17 @@ impl PartArgs {
         if let Some(name) = path.to_str().and_then(|name| name.strip_prefix(EXAMPLE)) {
             return Ok(name.parse::<Example>()?.model());
         }
-        let Some(format) = Format::of_name(&path.to_string_lossy()) else {
+        let Some(format) = Format::from_file_name(&path.to_string_lossy()) else {
             bail!("{}: unknown extension; expected .stl, .3mf or .obj", path.display());
         };
         let in_file = || format!("cannot read '{}'", path.display());
         let bytes = fs::read(path).with_context(in_file)?;
-        let mut model = Model::read(format, &bytes, &Limits::default()).with_context(in_file)?;
+        let mut model = control::with_bar("read", Threads::One, |control| {
+            Model::read(format, &bytes, &ReadLimits::default(), control)
+        })?
+        .with_context(in_file)?;
         if format != Format::ThreeMf {
-            let unit = Transform::scale(self.unit.mm());
+            let unit = Transform::scaling(self.unit.mm());
             model.bodies.iter_mut().for_each(|body| unit.apply(&mut body.mesh));
         }
         Ok(model)
@@ -217,8 +219,8 @@ fn name_of(path: &Path) -> String {
 }
 
 /// Describes repairs in words.
-pub fn describe(repaired: &Repaired) -> String {
-    let Repaired { dropped_triangles, flipped_triangles, closed_holes, .. } = *repaired;
+pub fn describe(repaired: &RepairReport) -> String {
+    let RepairReport { dropped_triangles, flipped_triangles, closed_holes, .. } = *repaired;
     let count = |count: usize, one: &str, many: &str| match count {
         0 => None,
         1 => Some(format!("1 {one}")),

@@ -60,7 +60,7 @@ pub fn print(
         profile.print(&part.name, &layers, frame, settings)?;
     let text = program.emit();
     drop(program);
-    let program = Program::parse(&text)?;
+    let program = control::quiet(Threads::One, |control| Program::parse(&text, control))??;
     let checked = control::quiet(Threads::One, |control| {
         print::check(&program, &layers, frame, &settings, control)
     })?;

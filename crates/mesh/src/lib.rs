@@ -24,8 +24,8 @@ mod surface;
 mod threemf;
 
 pub use example::Example;
-pub use model::{Body, Format, ReadLimits, Material, MaterialRule, Model, ReadError};
-pub use placement::{PlacementError, Placement, Transform};
+pub use model::{Body, Format, Material, MaterialRule, Model, ReadError, ReadLimits};
+pub use placement::{Placement, PlacementError, Transform};
 pub use repair::{RepairError, RepairReport};
 pub use shapes::Solid;
 pub use surface::{Bounds, Mesh, MeshError};

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::model::{Body, ReadLimits, Material, Model, ReadError};
+use super::model::{Body, Material, Model, ReadError, ReadLimits};
 use super::stl::point;
 use super::surface::Mesh;
 
@@ -192,7 +192,9 @@ mod tests {
         usemtl red\nf 1/1 2/1 3/1 \\\n  4/1\nf 1 2 5\no second\nf -5//1 -4//1 -1//1\nusemtl blue\nf 1 3 5\n";
 
     fn refused(text: &str) -> String {
-        Model::read(Format::Obj, text.as_bytes(), &ReadLimits::default(), &Control::default()).unwrap_err().to_string()
+        Model::read(Format::Obj, text.as_bytes(), &ReadLimits::default(), &Control::default())
+            .unwrap_err()
+            .to_string()
     }
 
     #[test]

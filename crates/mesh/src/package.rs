@@ -6,7 +6,7 @@ use std::io::{self, BufRead, BufReader, Cursor, Read};
 use zip::ZipArchive;
 use zip::result::ZipError;
 
-use super::model::{ReadLimits, ReadError};
+use super::model::{ReadError, ReadLimits};
 
 /// An archive, and how much of it may still be unpacked.
 pub(super) struct Package<'a> {

@@ -106,7 +106,12 @@ pub struct Placement {
 impl Default for Placement {
     /// As it is, in the middle of a bed of 250 x 210 x 210 mm.
     fn default() -> Self {
-        Self { scale: 1.0, rotation_degrees: [0.0; 3], centre_mm: None, bed_mm: [250.0, 210.0, 210.0] }
+        Self {
+            scale: 1.0,
+            rotation_degrees: [0.0; 3],
+            centre_mm: None,
+            bed_mm: [250.0, 210.0, 210.0],
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! STL files, binary and text.
 
-use super::model::{Body, ReadLimits, Model, ReadError};
+use super::model::{Body, Model, ReadError, ReadLimits};
 use super::surface::Welder;
 
 /// Length of a binary file's header, which says nothing, and of the count of triangles behind it.
@@ -195,7 +195,8 @@ mod tests {
 
     #[test]
     fn both_kinds_give_the_same_mesh() {
-        let from_text = read(text("a box", &triangles()).as_bytes(), &ReadLimits::default()).unwrap();
+        let from_text =
+            read(text("a box", &triangles()).as_bytes(), &ReadLimits::default()).unwrap();
         let from_binary = read(&binary(&triangles()), &ReadLimits::default()).unwrap();
         assert_eq!(from_text.bodies[0].name, "a box");
         assert_eq!(from_text.bodies[0].mesh, from_binary.bodies[0].mesh);

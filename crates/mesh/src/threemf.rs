@@ -12,7 +12,7 @@ use std::rc::Rc;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 
-use super::model::{Body, ReadLimits, MOST_MATERIALS, Material, Model, ReadError};
+use super::model::{Body, MOST_MATERIALS, Material, Model, ReadError, ReadLimits};
 use super::package::Package;
 use super::placement::Transform;
 use super::stl::number;

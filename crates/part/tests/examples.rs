@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 use beadwork_base::Control;
-use beadwork_mesh::{Example, Materials, Placement};
+use beadwork_mesh::{Example, MaterialRule, Placement};
 use beadwork_part::slice::{Settings, slice};
 
 #[test]
@@ -17,9 +17,13 @@ fn they_are_sound_and_of_the_sizes_stated() {
         assert_eq!(example.name().parse(), Ok(example));
         let mut model = example.model();
         for body in &mut model.bodies {
-            assert!(body.repair().unwrap().was_sound(), "{example}: {}", body.name);
+            assert!(
+                body.repair(&Control::default()).unwrap().was_sound(),
+                "{example}: {}",
+                body.name
+            );
         }
-        model.assign(Materials::Stated);
+        model.assign_materials(MaterialRule::Stated);
         Placement::default().apply(&mut model).unwrap();
         let layers = slice(&model, &Settings::default(), &Control::default()).unwrap();
         let frame = layers.frame;

@@ -10,9 +10,9 @@ use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
 
 use beadwork_base::Control;
-use beadwork_gcode::{Limits as Speeds, Program};
+use beadwork_gcode::{MotionLimits as Speeds, Program};
 use beadwork_mesh::{
-    Body, Format, Limits, Materials, Mesh, Model, Placement, ReadError, RepairError, Shape,
+    Body, Format, MaterialRule, Mesh, Model, Placement, ReadError, ReadLimits, RepairError, Solid,
     Transform,
 };
 use beadwork_part::slice::{self, SliceError};
@@ -20,7 +20,7 @@ use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
 fn read(format: Format, bytes: impl AsRef<[u8]>) -> Result<Model, ReadError> {
-    Model::read(format, bytes.as_ref(), &Limits::default())
+    Model::read(format, bytes.as_ref(), &ReadLimits::default(), &Control::default())
 }
 
 fn pack<'a>(parts: impl IntoIterator<Item = (&'a str, &'a str)>) -> Vec<u8> {
@@ -74,9 +74,9 @@ fn stl_of_one_line_and_of_many_solids() {
 #[test]
 fn obj_of_one_face_and_of_many_bodies() {
     let face = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf{}\n", " 1 2 3".repeat(350_000));
-    assert_eq!(read(Format::Obj, &face).unwrap().triangles(), 1_049_998);
+    assert_eq!(read(Format::Obj, &face).unwrap().triangle_count(), 1_049_998);
     let joined = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf{}\n", " 1 2 3 \\\n".repeat(100_000));
-    assert_eq!(read(Format::Obj, &joined).unwrap().triangles(), 299_998);
+    assert_eq!(read(Format::Obj, &joined).unwrap().triangle_count(), 299_998);
     let mut bodies = "v 0 0 0\n".repeat(100_000);
     (0..100_000).for_each(|body| writeln!(bodies, "o {body}\nusemtl m\nf -1 -2 -3").unwrap());
     assert_eq!(read(Format::Obj, &bodies).unwrap().bodies.len(), 100_000);
@@ -156,24 +156,24 @@ fn everything_at_one_place() {
         vec![[1.0; 3]; 3_000_000 / 3],
         (0..300_000).map(|at| [at, at + 1, at + 2]).collect(),
     );
-    assert_eq!(body(point.unwrap()).repair(), Err(RepairError::NoArea(300_000)));
+    assert_eq!(body(point.unwrap()).repair(&Control::default()), Err(RepairError::NoArea(300_000)));
     let same = Mesh::new(vec![[1.0; 3]; 1], vec![[0; 3]; 300_000]);
-    assert_eq!(body(same.unwrap()).repair(), Err(RepairError::NoArea(300_000)));
+    assert_eq!(body(same.unwrap()).repair(&Control::default()), Err(RepairError::NoArea(300_000)));
     // All triangles share one edge.
     let mut vertices = vec![[0.0; 3], [0.0, 0.0, 1.0]];
     vertices.extend((0..300_000).map(|at| [f64::from(at).cos(), f64::from(at).sin(), 0.5]));
     let book = Mesh::new(vertices, (2..300_002).map(|at| [0, 1, at]).collect()).unwrap();
-    _ = body(book).repair();
+    _ = body(book).repair(&Control::default());
 }
 
 #[test]
 fn inverted_bodies_by_the_thousands_are_all_turned() {
     let spread = inverted((0..50_000).map(|at| [f64::from(at % 317), f64::from(at / 317), 0.0]));
     let mut spread = body(spread);
-    assert_eq!(spread.repair().unwrap().flipped_triangles, 200_000);
+    assert_eq!(spread.repair(&Control::default()).unwrap().flipped_triangles, 200_000);
     // One above the other, where every ray meets them all.
     let mut stacked = body(inverted((0..2_000).map(|at| [0.0, 0.0, f64::from(at)])));
-    assert_eq!(stacked.repair().unwrap().flipped_triangles, 8_000);
+    assert_eq!(stacked.repair(&Control::default()).unwrap().flipped_triangles, 8_000);
 }
 
 #[test]
@@ -185,7 +185,7 @@ fn a_hole_of_many_edges() {
             [100.0 * cos, 100.0 * sin]
         })
         .collect();
-    let cup = Shape::Prism { outline_mm, z_mm: [0.0, 5.0] }.mesh();
+    let cup = Solid::Prism { outline_mm, z_mm: [0.0, 5.0] }.mesh();
     let top = corners as u32;
     let open = cup
         .triangles()
@@ -194,14 +194,14 @@ fn a_hole_of_many_edges() {
         .filter(|triangle| triangle.iter().any(|&at| at < top))
         .collect();
     let mut cup = body(Mesh::new(cup.vertices().to_vec(), open).unwrap());
-    assert_eq!(cup.repair().unwrap().closed_holes, 1);
+    assert_eq!(cup.repair(&Control::default()).unwrap().closed_holes, 1);
 }
 
 #[test]
 fn heights_without_end() {
     let settings = slice::Settings { cell_mm: 1.0, layer_mm: 1e-3, ..slice::Settings::default() };
     let needle = |height| Model {
-        bodies: vec![body(Shape::Cuboid { size_mm: [2.0, 2.0, height] }.mesh())],
+        bodies: vec![body(Solid::Cuboid { size_mm: [2.0, 2.0, height] }.mesh())],
         materials: Vec::new(),
     };
     assert_eq!(
@@ -216,10 +216,10 @@ fn heights_without_end() {
 
 #[test]
 fn many_bodies_in_many_layers() {
-    let cube = Shape::Cuboid { size_mm: [0.9; 3] }.mesh();
+    let cube = Solid::Cuboid { size_mm: [0.9; 3] }.mesh();
     let bodies = (0..10_000).map(|at| {
         let mut mesh = cube.clone();
-        Transform::shift([f64::from(at % 100), f64::from(at / 100), f64::from(at % 200)])
+        Transform::translation([f64::from(at % 100), f64::from(at / 100), f64::from(at % 200)])
             .apply(&mut mesh);
         Body {
             name: String::new(),
@@ -231,8 +231,8 @@ fn many_bodies_in_many_layers() {
     let materials =
         ["a", "b"].map(|name| beadwork_mesh::Material { name: name.into(), colour: None });
     let mut model = Model { bodies: bodies.collect(), materials: materials.into() };
-    model.bodies.iter_mut().for_each(|body| _ = body.repair().unwrap());
-    model.assign(Materials::Stated);
+    model.bodies.iter_mut().for_each(|body| _ = body.repair(&Control::default()).unwrap());
+    model.assign_materials(MaterialRule::Stated);
     let settings = slice::Settings { cell_mm: 0.5, layer_mm: 0.1, ..slice::Settings::default() };
     assert!(slice::slice(&model, &settings, &Control::default()).unwrap().cell_count() > 10_000);
 }
@@ -245,11 +245,12 @@ fn coordinates_beyond_all_use() {
             "v 0 0 0\nv {size} 0 0\nv 0 {size} 0\nv 0 0 {size}\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
         );
         let mut model = read(Format::Obj, &text).unwrap();
-        _ = model.bodies[0].repair();
-        model.assign(Materials::Stated);
+        _ = model.bodies[0].repair(&Control::default());
+        model.assign_materials(MaterialRule::Stated);
         assert!(slice::slice(&model, &settings, &Control::default()).is_err());
         for scale in [1.0, 1e-300, 1e300] {
-            let placement = Placement { scale, turn_degrees: [45.0; 3], ..Placement::default() };
+            let placement =
+                Placement { scale, rotation_degrees: [45.0; 3], ..Placement::default() };
             if placement.apply(&mut model.clone()).is_ok() {
                 assert!(size * scale < 1000.0);
             }
@@ -260,17 +261,17 @@ fn coordinates_beyond_all_use() {
 #[test]
 fn gcode_of_endless_lines_arcs_and_numbers() {
     let speeds =
-        Speeds { acceleration_mm_s2: 1000.0, square_corner_mm_s: 5.0, greatest_mm_s: 300.0 };
+        Speeds { acceleration_mm_s2: 1000.0, square_corner_mm_s: 5.0, max_speed_mm_s: 300.0 };
     let seconds = |text: &str| {
-        let program = Program::parse(text).unwrap();
-        assert_eq!(Program::parse(&program.emit()).as_ref(), Ok(&program));
-        program.print_seconds(speeds).unwrap()
+        let program = text.parse::<Program>().unwrap();
+        assert_eq!(program.emit().parse().as_ref(), Ok(&program));
+        program.print_seconds(speeds, &Control::default()).unwrap()
     };
     for piece in ["N1 ", "N1 G", "N1*", "(a)", "(", "X1", "X ", "* ", "\u{feff}", "M117 ("] {
         let line = piece.repeat((2 << 20) / piece.len());
         for head in ["", "G1 ", "N5 ", "M117 ", "G4 "] {
-            if let Ok(program) = Program::parse(&format!("{head}{line}")) {
-                assert_eq!(Program::parse(&program.emit()).as_ref(), Ok(&program), "{piece}");
+            if let Ok(program) = format!("{head}{line}").parse::<Program>() {
+                assert_eq!(program.emit().parse().as_ref(), Ok(&program), "{piece}");
             }
         }
     }
@@ -279,5 +280,5 @@ fn gcode_of_endless_lines_arcs_and_numbers() {
     assert!(
         seconds("G91\nG1 X9000000000000 E9000000000000\nG2 X9000000000000 I4500000000000\n") > 1e9
     );
-    assert!(Program::parse("G1 X1000000000000000000").is_err());
+    assert!("G1 X1000000000000000000".parse::<Program>().is_err());
 }

@@ -38,7 +38,7 @@ use std::time::{Duration, Instant};
 use beadwork_base::Control;
 use beadwork_gcode::{Event, Program};
 use beadwork_grid::{Layout, LayoutSpec, Path, Region, Zones, cover};
-use beadwork_mesh::{Format, Limits, Materials, Mesh, Model, Placement, Shape, Transform};
+use beadwork_mesh::{Format, MaterialRule, Mesh, Model, Placement, ReadLimits, Solid, Transform};
 use beadwork_part::print::{self, Flavour, PrimeTower, Print, Printer, Purge, Title, Tool};
 use beadwork_part::{Frame, slice};
 use rand::{RngExt, SeedableRng};
@@ -117,18 +117,21 @@ impl Seed {
 }
 
 fn mesh_way(format: Format, bytes: &[u8], number: u64) -> bool {
-    let Ok(mut model) = Model::read(format, bytes, &Limits::default()) else { return false };
+    let Ok(mut model) = Model::read(format, bytes, &ReadLimits::default(), &Control::default())
+    else {
+        return false;
+    };
     let is_finite = |model: &Model| {
         model.bodies.iter().all(|body| body.mesh.vertices().iter().flatten().all(|v| v.is_finite()))
     };
-    assert!(model.triangles() > 0 && is_finite(&model));
+    assert!(model.triangle_count() > 0 && is_finite(&model));
     for body in &mut model.bodies {
         // One that can't be repaired goes on as it is: the steps behind must stand that too.
-        _ = body.repair();
+        _ = body.repair(&Control::default());
         assert!(body.paint.is_empty() || body.paint.len() == body.mesh.triangles().len());
     }
-    let rules = [Materials::Stated, Materials::Bodies, Materials::One];
-    model.assign(rules[(number % 3) as usize]);
+    let rules = [MaterialRule::Stated, MaterialRule::PerBody, MaterialRule::Single];
+    model.assign_materials(rules[(number % 3) as usize]);
     let settings =
         slice::Settings { cell_mm: 1.0, layer_mm: 1.0, max_cells: 1 << 18, ..Default::default() };
     _ = slice::slice(&model, &settings, &Control::default());
@@ -142,8 +145,8 @@ fn mesh_way(format: Format, bytes: &[u8], number: u64) -> bool {
 }
 
 fn gcode_way(bytes: &[u8]) -> bool {
-    let Ok(program) = Program::from_bytes(bytes) else { return false };
-    assert_eq!(Program::parse(&program.emit()).as_ref(), Ok(&program));
+    let Ok(program) = Program::from_bytes(bytes, &Control::default()) else { return false };
+    assert_eq!(program.emit().parse().as_ref(), Ok(&program));
     for event in program.trace() {
         match event {
             Ok(Event::Motion(motion)) => {
@@ -157,7 +160,9 @@ fn gcode_way(bytes: &[u8]) -> bool {
     let plan = Plan::new();
     let settings = Plan::settings(Flavour::Marlin);
     _ = print::check(&program, &plan.layers(), &plan.frame, &settings, &Control::default());
-    let Ok(seconds) = program.print_seconds(settings.printer.limits()) else { return false };
+    let Ok(seconds) = program.print_seconds(settings.printer.limits(), &Control::default()) else {
+        return false;
+    };
     assert!(seconds >= 0.0 && seconds.is_finite(), "{seconds} s");
     true
 }
@@ -362,12 +367,12 @@ impl Plan {
 }
 
 fn cube() -> Mesh {
-    Shape::Cuboid { size_mm: [6.0, 5.0, 4.0] }.mesh()
+    Solid::Cuboid { size_mm: [6.0, 5.0, 4.0] }.mesh()
 }
 
 fn sphere() -> Mesh {
-    let mut mesh = Shape::Sphere { radius_mm: 4.0, steps: 4 }.mesh();
-    Transform::shift([10.0, 4.0, 4.0]).apply(&mut mesh);
+    let mut mesh = Solid::Sphere { radius_mm: 4.0, steps: 4 }.mesh();
+    Transform::translation([10.0, 4.0, 4.0]).apply(&mut mesh);
     mesh
 }
 
@@ -504,7 +509,7 @@ fn threemf_seeds() -> Vec<Seed> {
         &format!(
             r#"{groups}<object id="7" pid="5">{}</object><object id="8" type="solidsupport">{}</object>"#,
             mesh_xml(&cube(), r#" pid="6" p1="0""#),
-            mesh_xml(&Shape::Frustum { sides_mm: [4.0, 2.0], height_mm: 5.0 }.mesh(), "")
+            mesh_xml(&Solid::Frustum { sides_mm: [4.0, 2.0], height_mm: 5.0 }.mesh(), "")
         ),
         "",
     );
@@ -553,7 +558,7 @@ fn shared_seeds(format: Format) -> Vec<Seed> {
             entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
         // In whatever order the folder lists them, the cases are the same.
         names.sort_unstable();
-        for name in names.into_iter().filter(|name| Format::of_name(name) == Some(format)) {
+        for name in names.into_iter().filter(|name| Format::from_file_name(name) == Some(format)) {
             let bytes = std::fs::read(folder.join(&name)).unwrap();
             match unpack(&bytes).filter(|_| format == Format::ThreeMf) {
                 Some(parts) => seeds.extend(Seed::package(&name, parts)),
@@ -672,8 +677,12 @@ fn seeds_are_sound() {
     for seed in stl_seeds().iter().chain(&obj_seeds()).chain(&threemf_seeds()).chain(&gcode_seeds())
     {
         let read = |format, bytes: &[u8]| {
-            let model = Model::read(format, bytes, &Limits::default()).unwrap();
-            model.bodies.into_iter().for_each(|mut body| _ = body.repair().unwrap());
+            let model =
+                Model::read(format, bytes, &ReadLimits::default(), &Control::default()).unwrap();
+            model
+                .bodies
+                .into_iter()
+                .for_each(|mut body| _ = body.repair(&Control::default()).unwrap());
         };
         match &seed.content {
             Content::Mesh(format, bytes) => read(*format, bytes),
@@ -681,7 +690,7 @@ fn seeds_are_sound() {
                 read(Format::ThreeMf, &pack(parts, CompressionMethod::Deflated))
             }
             Content::Gcode(bytes) => {
-                let program = Program::from_bytes(bytes).unwrap();
+                let program = Program::from_bytes(bytes, &Control::default()).unwrap();
                 program.trace().for_each(|event| _ = event.unwrap());
             }
         }

@@ -61,7 +61,7 @@ impl Report<'_> {
             })).collect::<Vec<_>>(),
             "kept_links": plan.layers.iter().filter_map(|layer| layer.kept_links).map(u64::from).sum::<u64>(),
             "checked": { "layers": printed.checked.layers, "cells": printed.checked.cells },
-            "tower": printed.settings.purge.as_ref().and_then(|purge| purge.tower).filter(|_| totals.tower_mm > 0.0).map(|tower| json!({
+            "tower": printed.settings.purge.as_ref().and_then(|purge| purge.tower).filter(|_| totals.prime_tower_mm > 0.0).map(|tower| json!({
                 "left_mm": tower.left_mm, "front_mm": tower.front_mm, "width_mm": tower.width_mm,
             })),
             "seconds": {

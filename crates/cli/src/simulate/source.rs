@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow, bail};
+use beadwork_base::Threads;
 use beadwork_console::progress::ProgressBar;
 use beadwork_console::text::count;
 use beadwork_console::{cancel, control};
@@ -43,7 +44,8 @@ impl Source {
         };
         let in_file = || format!("cannot use '{}'", path.display());
         let bytes = fs::read(path).with_context(|| format!("cannot read '{}'", path.display()))?;
-        let program = Program::from_bytes(&bytes).with_context(in_file)?;
+        let program = control::quiet(Threads::One, |control| Program::from_bytes(&bytes, control))?
+            .with_context(in_file)?;
         drop(bytes);
         let (name, part) = if args.part.is_given() {
             load_part(args, &settings)?
@@ -194,7 +196,7 @@ fn temperatures(program: &Program) -> [Option<f64>; 2] {
             Event::Heat { heater, celsius, .. } if celsius > 0.0 => {
                 found[usize::from(heater == Heater::Bed)] = Some(celsius);
             }
-            Event::Motion(motion) if motion.is_stroke() => break,
+            Event::Motion(motion) if motion.is_extrusion() => break,
             _ => {}
         }
     }

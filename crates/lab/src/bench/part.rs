@@ -11,7 +11,7 @@ use beadwork_console::plan::printed_layers;
 use beadwork_console::{control, machine, output};
 use beadwork_gcode::Program;
 use beadwork_grid::cover;
-use beadwork_mesh::{Body, Format, Limits, Materials, Mesh, Model, Placement, Shape};
+use beadwork_mesh::{Body, Format, MaterialRule, Mesh, Model, Placement, ReadLimits, Solid};
 use beadwork_part::print::{self, Print, Title};
 use beadwork_part::slice::{Layers, Settings, cut, slice};
 use serde_json::{Value, json};
@@ -47,13 +47,13 @@ const MILLION_STEPS: u32 = 501;
 pub(super) fn run(args: &PartArgs) -> anyhow::Result<()> {
     let pool = control::pool(args.threads)?;
     // First of all, while little memory was used and given back.
-    let million = stl_of(&Shape::Sphere { radius_mm: 50.0, steps: MILLION_STEPS }.mesh());
+    let million = stl_of(&Solid::Sphere { radius_mm: 50.0, steps: MILLION_STEPS }.mesh());
     let memory = memory(&million, &pool)?;
     let mut meshes =
         vec![pipeline("sphere, 1 M triangles", Format::Stl, &million, 0.2, args.repeats, &pool)?];
     if let Some(path) = &args.mesh {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let format = Format::of_name(&name)
+        let format = Format::from_file_name(&name)
             .with_context(|| format!("'{name}' is no .stl, .3mf or .obj file"))?;
         let bytes =
             std::fs::read(path).with_context(|| format!("cannot read '{}'", path.display()))?;
@@ -141,20 +141,20 @@ fn stl_of(mesh: &Mesh) -> Vec<u8> {
 }
 
 fn read(format: Format, bytes: &[u8]) -> anyhow::Result<Model> {
-    Ok(Model::read(format, bytes, &Limits::default())?)
+    Ok(Model::read(format, bytes, &ReadLimits::default(), &Control::default())?)
 }
 
 fn repair(model: &mut Model) -> anyhow::Result<()> {
     for body in &mut model.bodies {
-        body.repair()?;
+        body.repair(&Control::default())?;
     }
-    model.assign(Materials::Stated);
+    model.assign_materials(MaterialRule::Stated);
     Placement::default().apply(model)?;
     Ok(())
 }
 
 fn outlines(model: &Model, layer_mm: f64, pool: Option<&rayon::ThreadPool>) -> usize {
-    let layers = (model.bounds().greatest[2] / layer_mm) as usize;
+    let layers = (model.bounds().max[2] / layer_mm) as usize;
     let control = Control::on(Threads::of(pool));
     let of_body = |body: &Body| {
         cut(&body.mesh, &body.paint, layer_mm, layers, &control).map_or(0, |all| all.len())
@@ -194,7 +194,7 @@ fn pipeline(
             steps.iter_mut().zip(seconds).for_each(|(step, seconds)| step.push(seconds));
         }
         facts = json!({
-            "name": name, "triangles": model.triangles(), "layers": layers.layers.len(), "cells": layers.cell_count(),
+            "name": name, "triangles": model.triangle_count(), "layers": layers.layers.len(), "cells": layers.cell_count(),
         });
     }
     let [read, repair, outlines, all, alone] = steps.map(super::middle);
@@ -206,7 +206,7 @@ fn pipeline(
 fn memory(bytes: &[u8], pool: &rayon::ThreadPool) -> anyhow::Result<Value> {
     let before = machine::memory_bytes();
     let mesh_bytes =
-        |model: &Model| model.bodies.iter().map(|body| body.mesh.bytes()).sum::<usize>();
+        |model: &Model| model.bodies.iter().map(|body| body.mesh.memory_bytes()).sum::<usize>();
     let peak = |size: usize| {
         let peak = machine::peak_memory_bytes()?.saturating_sub(before?);
         Some(peak as f64 / size as f64)
@@ -222,7 +222,7 @@ fn memory(bytes: &[u8], pool: &rayon::ThreadPool) -> anyhow::Result<Value> {
     outlines(&model, 0.2, Some(pool));
     let outlined = peak(size);
     Ok(json!({
-        "triangles": model.triangles(), "mesh_bytes": size, "file_bytes": bytes.len(),
+        "triangles": model.triangle_count(), "mesh_bytes": size, "file_bytes": bytes.len(),
         "read": read, "repair": repaired, "outlines": outlined,
     }))
 }
@@ -234,7 +234,7 @@ fn heights(repeats: u64) -> anyhow::Result<Vec<Value>> {
         let mut vertices: Vec<[f64; 3]> = Vec::new();
         let mut triangles: Vec<[u32; 3]> = Vec::new();
         for storey in 0..storeys {
-            let ball = Shape::Sphere { radius_mm: 2.0, steps: 60 }.mesh();
+            let ball = Solid::Sphere { radius_mm: 2.0, steps: 60 }.mesh();
             let base = vertices.len() as u32;
             let rise = 2.0 + 4.0 * f64::from(storey);
             vertices.extend(ball.vertices().iter().map(|&[x, y, z]| [x, y, z + rise]));
@@ -258,7 +258,7 @@ fn gcode(repeats: u64) -> anyhow::Result<Value> {
     let mut model = Model {
         bodies: vec![Body {
             name: String::new(),
-            mesh: Shape::Sphere { radius_mm: 30.0, steps: 60 }.mesh(),
+            mesh: Solid::Sphere { radius_mm: 30.0, steps: 60 }.mesh(),
             material: Some(0),
             paint: Vec::new(),
         }],
@@ -283,12 +283,12 @@ fn gcode(repeats: u64) -> anyhow::Result<Value> {
         drop(Print::new(title, &layers, &sliced.frame, &settings, &Control::default()))
     });
     let written = super::median(repeats, |_| drop(print.program.emit()));
-    let read = super::median(repeats, |_| drop(Program::parse(&text)));
+    let read = super::median(repeats, |_| drop(text.parse::<Program>()));
     let checked = super::median(repeats, |_| {
         drop(print::check(&print.program, &layers, &sliced.frame, &settings, &Control::default()))
     });
     let timed = super::median(repeats, |_| {
-        black_box(print.program.print_seconds(limits)).ok();
+        black_box(print.program.print_seconds(limits, &Control::default())).ok();
     });
     Ok(json!({
         "lines": lines, "made": rate(made), "written": rate(written), "read": rate(read), "checked": rate(checked),

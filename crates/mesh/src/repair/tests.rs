@@ -82,7 +82,10 @@ fn a_missing_triangle_is_filled() {
     open.mesh.parts_mut().1.pop();
     open.paint = vec![0; 11];
     open.paint[10] = 7;
-    assert_eq!(open.repair(&Control::default()).unwrap(), RepairReport { closed_holes: 1, ..RepairReport::default() });
+    assert_eq!(
+        open.repair(&Control::default()).unwrap(),
+        RepairReport { closed_holes: 1, ..RepairReport::default() }
+    );
     assert!((open.mesh.volume_mm3() - 1000.0).abs() < 1e-9);
     assert_eq!(open.paint.len(), 12);
 }

@@ -147,7 +147,13 @@ fn what_is_wrong_is_named() {
         read_parts(&[("a.txt", "")]).unwrap_err().to_string(),
         "the part 3D/3dmodel.model is missing"
     );
-    let error = Model::read(Format::ThreeMf, b"no archive at all", &ReadLimits::default(), &Control::default()).unwrap_err();
+    let error = Model::read(
+        Format::ThreeMf,
+        b"no archive at all",
+        &ReadLimits::default(),
+        &Control::default(),
+    )
+    .unwrap_err();
     assert_eq!(error.to_string(), "it is not a 3MF file, which is a ZIP archive");
 }
 

@@ -192,7 +192,7 @@ impl<'a> Checker<'a> {
     fn motion(&mut self, motion: &Motion) -> Result<(), CheckError> {
         let Motion { line, tool, .. } = *motion;
         self.room(motion)?;
-        if !motion.is_stroke() {
+        if !motion.is_extrusion() {
             // A tool without settings matters once it extrudes.
             if let Some(drawn_mm) = self.drawn_mm.get_mut(usize::from(tool)) {
                 *drawn_mm -= motion.extruded_mm;

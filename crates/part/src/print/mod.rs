@@ -43,7 +43,7 @@
 //! let print = Print::new(title, &layers, &frame, &settings, &control)?;
 //! assert_eq!(print.totals.tool_changes, 20);
 //!
-//! let program = Program::parse(&print.program.emit())?;
+//! let program: Program = print.program.emit().parse()?;
 //! assert_eq!(print::check(&program, &layers, &frame, &settings, &control)?.cells, 400);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use beadwork_gcode::{Filament, Limits};
+use beadwork_gcode::{Filament, MotionLimits};
 use serde::Deserialize;
 use thiserror::Error;
 
@@ -84,11 +84,11 @@ impl Default for Printer {
 
 impl Printer {
     /// What limits its motions.
-    pub fn limits(&self) -> Limits {
-        Limits {
+    pub fn limits(&self) -> MotionLimits {
+        MotionLimits {
             acceleration_mm_s2: self.acceleration_mm_s2,
             square_corner_mm_s: self.square_corner_mm_s,
-            greatest_mm_s: self.max_speed_mm_s,
+            max_speed_mm_s: self.max_speed_mm_s,
         }
     }
 }

@@ -6,7 +6,9 @@
 //! the new one begins there.
 
 use beadwork_base::{Control, Interrupted};
-use beadwork_gcode::{Command, Feature, Filament, Line, Move, Number, Program, Totals, Wait};
+use beadwork_gcode::{
+    Command, Feature, Filament, Line, Move, Number, Program, Totals, TraceError, Wait,
+};
 use thiserror::Error;
 
 use super::header::header;
@@ -93,8 +95,12 @@ impl Print {
         writer.end();
         let body = Program { lines: writer.lines };
         let filaments: Vec<Filament> = settings.tools.iter().map(Tool::filament).collect();
-        let totals = Totals::measure(&body, settings.printer.limits(), &filaments)
-            .expect("checked settings make speeds above 0 and no arcs");
+        let control = control.without_progress();
+        let totals = Totals::measure(&body, settings.printer.limits(), &filaments, &control)
+            .map_err(|error| match error {
+                TraceError::Interrupted(interrupted) => interrupted,
+                _ => unreachable!("checked settings make speeds above 0 and no arcs"),
+            })?;
         let lifts = layers.iter().map(|layer| layer.path.pieces() as usize - 1).sum();
         let totals = Totals { layers: layers.len(), lifts, ..totals };
         let mut lines = header(title, frame, settings, &totals);
@@ -197,7 +203,7 @@ impl<'a> Writer<'a> {
     /// Coordinates are places, and filament is counted from move to move.
     /// In this order: `G90` makes Marlin count filament from the start.
     fn modes(&mut self) {
-        self.command(Command::Absolute);
+        self.command(Command::AbsolutePositioning);
         self.command(Command::RelativeExtrusion);
     }
 
@@ -340,7 +346,7 @@ impl<'a> Writer<'a> {
         if printer.nozzles == Nozzles::Shared && (before - after).abs() > 0.0 {
             // Klipper waits for a nozzle that cools, too, and takes no other word for it.
             let cools = after < before && printer.flavour == Flavour::Marlin;
-            self.heat(to, None, if cools { Wait::Both } else { Wait::Heating });
+            self.heat(to, None, if cools { Wait::HeatingOrCooling } else { Wait::Heating });
         }
         if let Some((tower, corners)) = &slot {
             self.tower_bead(tower, corners);

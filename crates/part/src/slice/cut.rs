@@ -233,7 +233,7 @@ fn material(body: &Body) -> Option<BodyMaterial> {
 /// The layers that a body may reach: one more at either end, because the quotients are rounded.
 fn reached_layers(bounds: &Bounds, layer_mm: f64, layer_count: usize) -> Range<usize> {
     let layer = |z: f64, more: f64| (z / layer_mm + more).clamp(0.0, layer_count as f64) as usize;
-    let range = layer(bounds.least[2], -2.0)..layer(bounds.greatest[2], 2.0);
+    let range = layer(bounds.min[2], -2.0)..layer(bounds.max[2], 2.0);
     range.start.min(range.end)..range.end
 }
 

@@ -36,7 +36,7 @@ pub(super) fn fit(bounds: &Bounds, settings: &Settings) -> Result<(Frame, usize)
         return Err(SliceError::Side { cell_mm, width, height });
     }
     // A layer exists if its centre height lies within the part.
-    let layers = (bounds.greatest[2] / layer_mm - 0.5).ceil().max(0.0);
+    let layers = (bounds.max[2] / layer_mm - 0.5).ceil().max(0.0);
     if layers * (width * height).max(MIN_LAYER_CELLS) > max_cells as f64 {
         return Err(SliceError::Cells {
             layers,
@@ -46,8 +46,8 @@ pub(super) fn fit(bounds: &Bounds, settings: &Settings) -> Result<(Frame, usize)
         });
     }
     let frame = Frame {
-        left_mm: bounds.least[0] - columns.before_mm,
-        back_mm: bounds.greatest[1] + rows.after_mm,
+        left_mm: bounds.min[0] - columns.before_mm,
+        back_mm: bounds.max[1] + rows.after_mm,
         cell_mm,
         layer_mm,
         width: width as u32,

@@ -3,7 +3,7 @@
 mod visit;
 mod voxels;
 
-use beadwork_gcode::{Event, Feature, Limits, Motion, Program, TraceError};
+use beadwork_gcode::{Event, Feature, Motion, MotionLimits, Program, TraceError};
 use beadwork_part::Frame;
 use beadwork_part::print::Printer;
 use beadwork_part::slice::Voxels;
@@ -19,7 +19,7 @@ pub use self::voxels::{VoxelsError, program_voxels};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProgramSettings {
     /// What the printer can do, where the program does not say.
-    pub limits: Limits,
+    pub limits: MotionLimits,
     /// Share of the part's voxels that the program may leave out, from 0 to 1.
     pub tolerated_share: f64,
 }
@@ -85,7 +85,7 @@ pub fn program_slots(
 ) -> Result<ProgramSlots, ProgramError> {
     let mut births = Births::new(part);
     let mut visits = Visits::new(part.frame);
-    for step in program.paced(settings.limits) {
+    for step in program.timed_events(settings.limits) {
         let (event, pace) = step?;
         match event {
             Event::Motion(motion) if is_bead(&motion) => {
@@ -117,7 +117,7 @@ impl ProgramSlots {
 /// Whether it lays down what may be of the part.
 fn is_bead(motion: &Motion) -> bool {
     let beside = [Feature::PrimeTower, Feature::Skirt, Feature::Support, Feature::Custom];
-    motion.is_stroke() && !beside.contains(&motion.feature)
+    motion.is_extrusion() && !beside.contains(&motion.feature)
 }
 
 /// Slots in the making.

@@ -75,7 +75,7 @@ impl Planned {
         let print =
             Print::new(title, &layers, &self.frame, &settings, &Control::default()).unwrap();
         // As files have it: places are rounded.
-        (Program::parse(&print.program.emit()).unwrap(), settings)
+        (print.program.emit().parse().unwrap(), settings)
     }
 }
 
@@ -108,7 +108,7 @@ proptest! {
         prop_assert!(done.missed.is_empty());
 
         let total: f64 = done.slots.iter().map(|slot| slot.seconds).sum();
-        let expected = program.print_seconds(limits).unwrap();
+        let expected = program.print_seconds(limits, &Control::default()).unwrap();
         prop_assert!((total - expected).abs() < 1e-9 * expected, "{} s, not {}", total, expected);
 
         // As slow as the speed, and no slower than stopping twice in a cell.
@@ -184,7 +184,7 @@ fn plate() -> Voxels {
 
 fn slots(text: &str) -> Vec<Slot> {
     let tolerant = ProgramSettings { tolerated_share: 1.0, ..ProgramSettings::default() };
-    program_slots(&Program::parse(text).unwrap(), &plate(), &tolerant).unwrap().slots
+    program_slots(&text.parse().unwrap(), &plate(), &tolerant).unwrap().slots
 }
 
 #[test]
@@ -253,14 +253,13 @@ fn slanted_beads_fill_what_they_cover() {
 
 #[test]
 fn programs_without_a_part_are_refused() {
-    let refused =
-        |text: &str| program_voxels(&Program::parse(text).unwrap(), 0.5, 0.25).unwrap_err();
+    let refused = |text: &str| program_voxels(&text.parse().unwrap(), 0.5, 0.25).unwrap_err();
     assert_eq!(refused("G1 X10 F600"), VoxelsError::Nothing);
     assert_eq!(refused("M83\nG1 X10 E1 F600"), VoxelsError::Low { line: 2, z_mm: 0.0 });
     assert!(matches!(refused("G20"), VoxelsError::Trace(_)));
     let far = "M83\nG1 Z0.25\nG1 X100000 E1 F600";
     assert!(matches!(refused(far), VoxelsError::TooLarge { .. }));
-    let program = Program::parse("M83\nG1 Z0.25\nG1 X10 E1 F600").unwrap();
+    let program = "M83\nG1 Z0.25\nG1 X10 E1 F600".parse().unwrap();
     assert!(matches!(program_voxels(&program, 0.0, 0.25), Err(VoxelsError::Size { .. })));
     let row = program_voxels(&program, 0.5, 0.25).unwrap();
     assert_eq!((row.frame.width, row.frame.height, row.depth, row.count()), (20, 1, 1, 20));

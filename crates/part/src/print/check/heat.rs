@@ -20,13 +20,13 @@ impl Warmth {
     fn set(&mut self, celsius: f64, wait: Wait, flavour: Flavour) {
         let (celsius, wait) = match (wait, flavour) {
             // Klipper does not see the word R, and takes 0 for the temperature.
-            (Wait::Both, Flavour::Klipper) => (0.0, Wait::No),
-            (Wait::Heating, Flavour::Klipper) => (celsius, Wait::Both),
+            (Wait::HeatingOrCooling, Flavour::Klipper) => (0.0, Wait::No),
+            (Wait::Heating, Flavour::Klipper) => (celsius, Wait::HeatingOrCooling),
             (wait, _) => (celsius, wait),
         };
         self.target = celsius;
         self.low = if wait == Wait::No { self.low.min(celsius) } else { celsius };
-        self.high = if wait == Wait::Both { celsius } else { self.high.max(celsius) };
+        self.high = if wait == Wait::HeatingOrCooling { celsius } else { self.high.max(celsius) };
     }
 
     fn check(&self, heater: Heater, asked_c: f64, line: usize) -> Result<(), CheckError> {

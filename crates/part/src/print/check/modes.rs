@@ -12,8 +12,8 @@ pub(super) fn check(program: &Program) -> Result<(), CheckError> {
     let (mut places, mut klipper, mut marlin) = (false, false, false);
     for (line, command) in (1..).zip(program.lines.iter().map(|line| line.command())) {
         match command {
-            Some(Command::Absolute) => (places, marlin) = (false, false),
-            Some(Command::Relative) => (places, marlin) = (true, true),
+            Some(Command::AbsolutePositioning) => (places, marlin) = (false, false),
+            Some(Command::RelativePositioning) => (places, marlin) = (true, true),
             Some(Command::AbsoluteExtrusion) => (klipper, marlin) = (false, false),
             Some(Command::RelativeExtrusion) => (klipper, marlin) = (true, true),
             Some(Command::Move(Move { e: Some(_), .. })) if (places || klipper) != marlin => {
@@ -44,7 +44,7 @@ mod tests {
             ("M83\nG91\nG1 E1\nG90\nG3 X1 R5", None),
         ] {
             let expected = expected.map_or(Ok(()), |line| Err(CheckError::Ambiguous { line }));
-            assert_eq!(check(&Program::parse(text).unwrap()), expected, "{text}");
+            assert_eq!(check(&text.parse().unwrap()), expected, "{text}");
         }
     }
 }

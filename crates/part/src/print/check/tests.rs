@@ -35,7 +35,7 @@ impl Case {
     fn check(&self, program: &Program) -> Result<Report, CheckError> {
         // Through the text, for that is what a printer gets.
         check(
-            &Program::parse(&program.emit()).unwrap(),
+            &program.emit().parse().unwrap(),
             &self.layers(),
             &self.frame,
             &self.settings,
@@ -145,7 +145,7 @@ fn cases() -> impl Strategy<Value = Case> {
 /// Numbers of the lines, from 0, that lay down the part or the tower.
 fn strokes_of(program: &Program, feature: Feature) -> Vec<usize> {
     let line = |event| match event {
-        Ok(Event::Motion(motion)) if motion.is_stroke() && motion.feature == feature => {
+        Ok(Event::Motion(motion)) if motion.is_extrusion() && motion.feature == feature => {
             Some(motion.line - 1)
         }
         _ => None,
@@ -160,7 +160,7 @@ fn part_lines(program: &Program) -> Vec<usize> {
 /// The program with further lines before one of its own.
 fn with_lines(program: &Program, at: usize, text: &str) -> Program {
     let mut program = program.clone();
-    program.lines.splice(at..at, Program::parse(text).unwrap().lines);
+    program.lines.splice(at..at, text.parse::<Program>().unwrap().lines);
     program
 }
 
@@ -281,7 +281,7 @@ proptest! {
     fn travel_astray_is_found(case in cases(), at: prop::sample::Index, by in 0.01..0.1_f64, side in 0..5) {
         let print = case.print();
         let first_stroke = print.program.trace().find_map(|event| match event {
-            Ok(Event::Motion(motion)) if motion.is_stroke() => Some(motion),
+            Ok(Event::Motion(motion)) if motion.is_extrusion() => Some(motion),
             _ => None,
         }).unwrap();
         let at = first_stroke.line + at.index(print.program.lines.len() - first_stroke.line);
@@ -408,7 +408,7 @@ fn fault(change: impl FnOnce(String) -> String) -> CheckError {
     let text = case.print().program.emit();
     let changed = change(text.clone());
     assert_ne!(changed, text);
-    let changed = Program::parse(&changed).unwrap();
+    let changed = changed.parse::<Program>().unwrap();
     check(&changed, &case.layers(), &case.frame, &case.settings, &Control::default()).unwrap_err()
 }
 
@@ -495,7 +495,7 @@ fn each_nozzle_must_be_hot() {
     let check = |case: &Case, from: &str, to: &str| {
         let text = case.print().program.emit();
         assert!(text.contains(from));
-        case.check(&Program::parse(&text.replace(from, to)).unwrap()).unwrap_err()
+        case.check(&text.replace(from, to).parse().unwrap()).unwrap_err()
     };
     // Without waiting for it to cool, Marlin prints on with the heat of the other material.
     let error = check(&case, "M109 R220", "M109 S220");
@@ -523,7 +523,7 @@ fn a_tower_stands_on_the_bed() {
         !(in_tower && line.contains(" E0") && (line.contains(" X") || line.contains(" Y")))
     });
     let text = without.collect::<Vec<_>>().join("\n") + "\n" + after;
-    let error = case.check(&Program::parse(&text).unwrap()).unwrap_err();
+    let error = case.check(&text.parse().unwrap()).unwrap_err();
     assert!(matches!(error, CheckError::PrimeTowerInAir { layer: 1, .. }), "{error}");
     case.settings.purge = None;
     let error = case.check(&program).unwrap_err();

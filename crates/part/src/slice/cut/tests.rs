@@ -7,15 +7,15 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::slice::{Voxels, cut};
-use beadwork_mesh::{Material, Materials, Mesh, Shape, Transform};
+use beadwork_mesh::{Material, MaterialRule, Mesh, Solid, Transform};
 
 fn body(mesh: Mesh, material: usize) -> Body {
     Body { name: String::new(), mesh, material: Some(material), paint: Vec::new() }
 }
 
-fn moved(shape: &Shape, by: [f64; 3]) -> Mesh {
+fn moved(shape: &Solid, by: [f64; 3]) -> Mesh {
     let mut mesh = shape.mesh();
-    Transform::shift(by).apply(&mut mesh);
+    Transform::translation(by).apply(&mut mesh);
     mesh
 }
 
@@ -46,7 +46,7 @@ fn winding(mesh: &Mesh, [x, y, z]: [f64; 3]) -> i32 {
 
 #[test]
 fn a_box_is_its_cells() {
-    let cuboid = moved(&Shape::Cuboid { size_mm: [10.0, 5.0, 2.0] }, [100.0, 50.0, 0.0]);
+    let cuboid = moved(&Solid::Cuboid { size_mm: [10.0, 5.0, 2.0] }, [100.0, 50.0, 0.0]);
     let layers =
         slice(&model(vec![body(cuboid, 3)]), &Settings::default(), &Control::default()).unwrap();
     assert_eq!((layers.frame.width, layers.frame.height, layers.layers.len()), (20, 10, 8));
@@ -64,7 +64,7 @@ fn a_box_is_its_cells() {
 
 #[test]
 fn empty_layers_are_found() {
-    let cube = |z: f64| body(moved(&Shape::Cuboid { size_mm: [2.0, 2.0, 1.0] }, [0.0, 0.0, z]), 0);
+    let cube = |z: f64| body(moved(&Solid::Cuboid { size_mm: [2.0, 2.0, 1.0] }, [0.0, 0.0, z]), 0);
     let layers = |bodies| slice(&model(bodies), &Settings::default(), &Control::default()).unwrap();
     let sound = layers(vec![cube(0.0), cube(1.0)]);
     assert_eq!((sound.empty_below(), sound.gap()), (0, None));
@@ -76,9 +76,9 @@ fn empty_layers_are_found() {
 
 #[test]
 fn touching_bodies_share_no_cell_and_later_bodies_win() {
-    let left = moved(&Shape::Cuboid { size_mm: [1.3, 4.0, 1.0] }, [0.0; 3]);
-    let right = moved(&Shape::Cuboid { size_mm: [2.7, 4.0, 1.0] }, [1.3, 0.0, 0.0]);
-    let inlay = moved(&Shape::Cuboid { size_mm: [1.0, 1.0, 0.5] }, [1.0, 1.0, 0.5]);
+    let left = moved(&Solid::Cuboid { size_mm: [1.3, 4.0, 1.0] }, [0.0; 3]);
+    let right = moved(&Solid::Cuboid { size_mm: [2.7, 4.0, 1.0] }, [1.3, 0.0, 0.0]);
+    let inlay = moved(&Solid::Cuboid { size_mm: [1.0, 1.0, 0.5] }, [1.0, 1.0, 0.5]);
     let layers = slice(
         &model(vec![body(left, 0), body(right, 1), body(inlay, 2)]),
         &Settings::default(),
@@ -96,7 +96,7 @@ fn touching_bodies_share_no_cell_and_later_bodies_win() {
 #[test]
 fn colours_of_a_body_do_not_depend_on_the_size_of_the_grid() {
     let coloured = |x: f64| {
-        let mut body = body(moved(&Shape::Sphere { radius_mm: 3.0, steps: 6 }, [x, 0.0, 3.0]), 0);
+        let mut body = body(moved(&Solid::Sphere { radius_mm: 3.0, steps: 6 }, [x, 0.0, 3.0]), 0);
         body.paint = (0..body.mesh.triangles().len()).map(|at| (at % 5) as u8).collect();
         body
     };
@@ -118,9 +118,9 @@ fn colours_of_a_body_do_not_depend_on_the_size_of_the_grid() {
 
 #[test]
 fn colours_reach_the_nearest_cells() {
-    // `Shape` lists the triangles of a box as two for each face: bottom and top, then the sides,
+    // `Solid` lists the triangles of a box as two for each face: bottom and top, then the sides,
     // beginning with the front.
-    let mut coloured = body(moved(&Shape::Cuboid { size_mm: [10.0, 10.0, 1.0] }, [0.0; 3]), 0);
+    let mut coloured = body(moved(&Solid::Cuboid { size_mm: [10.0, 10.0, 1.0] }, [0.0; 3]), 0);
     coloured.paint = vec![0; 12];
     coloured.paint[4..6].fill(1);
     let layers = slice(&model(vec![coloured]), &Settings::default(), &Control::default()).unwrap();
@@ -132,8 +132,8 @@ fn colours_reach_the_nearest_cells() {
 
 #[test]
 fn shells_within_shells_follow_the_rule() {
-    let outer = Shape::Cuboid { size_mm: [4.0, 4.0, 1.0] }.mesh();
-    let inner = moved(&Shape::Cuboid { size_mm: [2.0, 2.0, 1.0] }, [1.0, 1.0, 0.0]);
+    let outer = Solid::Cuboid { size_mm: [4.0, 4.0, 1.0] }.mesh();
+    let inner = moved(&Solid::Cuboid { size_mm: [2.0, 2.0, 1.0] }, [1.0, 1.0, 0.0]);
     let base = outer.vertices().len() as u32;
     let vertices = [outer.vertices(), inner.vertices()].concat();
     let shifted: Vec<[u32; 3]> =
@@ -150,7 +150,7 @@ fn shells_within_shells_follow_the_rule() {
 
 #[test]
 fn invalid_input_is_refused() {
-    let cube = || vec![body(moved(&Shape::Cuboid { size_mm: [4.0; 3] }, [0.0; 3]), 0)];
+    let cube = || vec![body(moved(&Solid::Cuboid { size_mm: [4.0; 3] }, [0.0; 3]), 0)];
     let refused = |bodies: Vec<Body>, settings: Settings| {
         slice(&model(bodies), &settings, &Control::default()).unwrap_err().to_string()
     };
@@ -193,7 +193,7 @@ fn invalid_input_is_refused() {
 
 #[test]
 fn cancelling_and_time_limits_are_told_apart() {
-    let cube = model(vec![body(moved(&Shape::Cuboid { size_mm: [4.0; 3] }, [0.0; 3]), 0)]);
+    let cube = model(vec![body(moved(&Solid::Cuboid { size_mm: [4.0; 3] }, [0.0; 3]), 0)]);
     let cancel = CancelToken::new();
     cancel.cancel();
     let cancelled = Control { cancel: Some(&cancel), ..Control::default() };
@@ -207,7 +207,7 @@ fn cancelling_and_time_limits_are_told_apart() {
 #[test]
 fn progress_counts_the_layers_that_are_cut_and_filled() {
     // 16 layers; each body is cut in those it reaches and two more above.
-    let cube = |z: f64| body(moved(&Shape::Cuboid { size_mm: [2.0, 2.0, 2.0] }, [0.0, 0.0, z]), 0);
+    let cube = |z: f64| body(moved(&Solid::Cuboid { size_mm: [2.0, 2.0, 2.0] }, [0.0, 0.0, z]), 0);
     let seen = Mutex::new(Vec::new());
     let observe = |progress: Progress| seen.lock().unwrap().push((progress.done, progress.total));
     let control = Control { progress: Some(&observe), ..Control::default() };
@@ -221,9 +221,9 @@ fn progress_counts_the_layers_that_are_cut_and_filled() {
 
 #[test]
 fn one_cut_serves_all_grids() {
-    let mut ball = body(moved(&Shape::Sphere { radius_mm: 3.0, steps: 9 }, [0.1, 0.2, 3.0]), 0);
+    let mut ball = body(moved(&Solid::Sphere { radius_mm: 3.0, steps: 9 }, [0.1, 0.2, 3.0]), 0);
     ball.paint = (0..ball.mesh.triangles().len()).map(|at| (at % 3) as u8).collect();
-    let cube = body(moved(&Shape::Cuboid { size_mm: [2.0; 3] }, [2.0, 0.0, 0.0]), 1);
+    let cube = body(moved(&Solid::Cuboid { size_mm: [2.0; 3] }, [2.0, 0.0, 0.0]), 1);
     let model = model(vec![ball, cube]);
     let control = Control::default();
     let cut = Cut::new(&model, &Settings::default(), &control).unwrap();
@@ -238,7 +238,7 @@ fn one_cut_serves_all_grids() {
 #[test]
 fn a_phase_shifts_the_grid_by_a_fraction_of_a_cell() {
     let ball =
-        model(vec![body(moved(&Shape::Sphere { radius_mm: 3.1, steps: 8 }, [50.0, 40.0, 3.1]), 0)]);
+        model(vec![body(moved(&Solid::Sphere { radius_mm: 3.1, steps: 8 }, [50.0, 40.0, 3.1]), 0)]);
     let control = Control::default();
     let sliced = |phase: [f64; 2]| {
         slice(&ball, &Settings { phase, ..Settings::default() }, &control).unwrap()
@@ -261,7 +261,7 @@ fn a_phase_shifts_the_grid_by_a_fraction_of_a_cell() {
 
 #[test]
 fn a_box_of_whole_cells_keeps_its_cells_at_any_phase() {
-    let cuboid = moved(&Shape::Cuboid { size_mm: [10.0, 5.0, 2.0] }, [100.0, 50.0, 0.0]);
+    let cuboid = moved(&Solid::Cuboid { size_mm: [10.0, 5.0, 2.0] }, [100.0, 50.0, 0.0]);
     let cuboid = model(vec![body(cuboid, 0)]);
     let cells = |phase: [f64; 2]| {
         let settings = Settings { phase, ..Settings::default() };
@@ -284,7 +284,7 @@ fn a_box_of_whole_cells_keeps_its_cells_at_any_phase() {
 
 #[test]
 fn materials_of_a_layer_are_indexed_by_row_and_column() {
-    let cuboid = moved(&Shape::Cuboid { size_mm: [2.0, 1.0, 0.5] }, [0.0; 3]);
+    let cuboid = moved(&Solid::Cuboid { size_mm: [2.0, 1.0, 0.5] }, [0.0; 3]);
     let layers =
         slice(&model(vec![body(cuboid, 3)]), &Settings::default(), &Control::default()).unwrap();
     let layer = layers.layers[0].as_ref().unwrap();
@@ -293,27 +293,27 @@ fn materials_of_a_layer_are_indexed_by_row_and_column() {
     assert_eq!(layers.voxels().layer(1), layer.materials());
     assert_eq!(Voxels::EMPTY, Zones::OUTSIDE);
     let outlines =
-        cut(&Shape::Cuboid { size_mm: [2.0, 1.0, 0.5] }.mesh(), &[], 0.25, 2, &Control::default());
+        cut(&Solid::Cuboid { size_mm: [2.0, 1.0, 0.5] }.mesh(), &[], 0.25, 2, &Control::default());
     assert_eq!(outlines.unwrap()[1].area_mm2(), 2.0);
 }
 
 #[test]
 fn materials_are_given_by_rule() {
     let two = || {
-        let mut bodies = vec![body(Shape::Cuboid { size_mm: [1.0; 3] }.mesh(), 0); 2];
+        let mut bodies = vec![body(Solid::Cuboid { size_mm: [1.0; 3] }.mesh(), 0); 2];
         bodies[1].material = None;
         let materials = vec![Material { name: "PLA".into(), colour: None }];
         Model { bodies, materials }
     };
     let numbers = |rule| {
         let mut model = two();
-        model.assign(rule);
+        model.assign_materials(rule);
         let numbers: Vec<_> = model.bodies.iter().map(|body| body.material).collect();
         (numbers, model.materials.len())
     };
-    assert_eq!(numbers(Materials::Stated), (vec![Some(0), Some(1)], 2));
-    assert_eq!(numbers(Materials::Bodies), (vec![Some(0), Some(1)], 2));
-    assert_eq!(numbers(Materials::One), (vec![Some(0), Some(0)], 1));
+    assert_eq!(numbers(MaterialRule::Stated), (vec![Some(0), Some(1)], 2));
+    assert_eq!(numbers(MaterialRule::PerBody), (vec![Some(0), Some(1)], 2));
+    assert_eq!(numbers(MaterialRule::Single), (vec![Some(0), Some(0)], 1));
 }
 
 proptest! {
@@ -330,10 +330,10 @@ proptest! {
         phase in [0.0..1.0_f64, 0.0..1.0_f64],
         is_shifted: bool,
     ) {
-        let mut ball = moved(&Shape::Sphere { radius_mm: radius, steps }, [shift.0, shift.1, radius]);
+        let mut ball = moved(&Solid::Sphere { radius_mm: radius, steps }, [shift.0, shift.1, radius]);
         // Turned, so that no cell centre lies exactly below an edge, where rays are ambiguous.
-        Transform::turn(2, 17.3).then(&Transform::turn(0, 5.1)).apply(&mut ball);
-        let cube = moved(&Shape::Cuboid { size_mm: [side; 3] }, [shift.1, -shift.0, 0.0]);
+        Transform::rotation(2, 17.3).then(&Transform::rotation(0, 5.1)).apply(&mut ball);
+        let cube = moved(&Solid::Cuboid { size_mm: [side; 3] }, [shift.1, -shift.0, 0.0]);
         let bodies = vec![body(ball, 0), body(cube, 1)];
         let settings = Settings {
             cell_mm: cell,

@@ -7,7 +7,7 @@ use rayon::ThreadPool;
 use super::*;
 use crate::slice::FillRule;
 use beadwork_base::{CancelToken, Progress};
-use beadwork_mesh::{Mesh, Shape};
+use beadwork_mesh::{Mesh, Solid};
 
 /// The outline in one plane, from a search of all triangles.
 fn slow_cut(mesh: &Mesh, colours: &[u8], plane: f64) -> Outline {
@@ -26,8 +26,8 @@ fn pool() -> ThreadPool {
 
 #[test]
 fn a_frustum_has_squares_in_all_layers() {
-    let mut mesh = Shape::Frustum { sides_mm: [8.0, 4.0], height_mm: 4.0 }.mesh();
-    mesh.map(|[x, y, z]| [x + 1.0, y + 2.0, z], false);
+    let mut mesh = Solid::Frustum { sides_mm: [8.0, 4.0], height_mm: 4.0 }.mesh();
+    mesh.map_vertices(|[x, y, z]| [x + 1.0, y + 2.0, z], false);
     let outlines = cut(&mesh, &[], 0.5, 9, &Control::default()).unwrap();
     assert!(outlines[8].is_empty());
     for (layer, outline) in outlines[..8].iter().enumerate() {
@@ -46,8 +46,8 @@ fn a_frustum_has_squares_in_all_layers() {
 fn vertices_on_planes_leave_outlines_whole() {
     // Every ring of the sphere's vertices lies on a plane or halfway between two.
     for steps in [4, 8, 16] {
-        let mut mesh = Shape::Sphere { radius_mm: 4.0, steps }.mesh();
-        mesh.map(|[x, y, z]| [x, y, ((z + 4.0) * 4.0).round() / 4.0], false);
+        let mut mesh = Solid::Sphere { radius_mm: 4.0, steps }.mesh();
+        mesh.map_vertices(|[x, y, z]| [x, y, ((z + 4.0) * 4.0).round() / 4.0], false);
         let outlines = cut(&mesh, &[], 0.5, 16, &Control::default()).unwrap();
         for outline in &outlines {
             assert_eq!(outline.loops().count(), 1);
@@ -64,7 +64,7 @@ fn hard_surfaces() -> impl Strategy<Value = (Mesh, Vec<u8>)> {
         let mut vertices = Vec::new();
         let mut triangles = Vec::new();
         for (steps, x, y, z, is_inverted) in shells {
-            let ball = Shape::Sphere { radius_mm: 3.0, steps }.mesh();
+            let ball = Solid::Sphere { radius_mm: 3.0, steps }.mesh();
             let base = vertices.len() as u32;
             let shift = [x, y, z].map(f64::from);
             vertices.extend(ball.vertices().iter().map(|point| {
@@ -101,8 +101,8 @@ proptest! {
 
 #[test]
 fn threads_change_nothing() {
-    let mut mesh = Shape::Sphere { radius_mm: 9.0, steps: 60 }.mesh();
-    mesh.map(|[x, y, z]| [x, y, z + 9.0], false);
+    let mut mesh = Solid::Sphere { radius_mm: 9.0, steps: 60 }.mesh();
+    mesh.map_vertices(|[x, y, z]| [x, y, z + 9.0], false);
     let pool = pool();
     let control = Control::on(Threads::Pool(&pool));
     let on_two = cut(&mesh, &[], 0.1, 180, &control).unwrap();
@@ -111,7 +111,7 @@ fn threads_change_nothing() {
 
 #[test]
 fn a_cancelled_cut_ends() {
-    let mesh = Shape::Sphere { radius_mm: 9.0, steps: 60 }.mesh();
+    let mesh = Solid::Sphere { radius_mm: 9.0, steps: 60 }.mesh();
     let cancel = CancelToken::new();
     let stop_after_two = |progress: Progress| {
         assert_eq!(progress.total, 90);
