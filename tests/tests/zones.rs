@@ -438,3 +438,26 @@ fn crossovers_are_compared() {
         assert!(table.contains(word), "{word} in {table}");
     }
 }
+
+#[test]
+fn path_is_written_and_part_of_the_document() {
+    let folder = tempdir().unwrap();
+    let file = folder.path().join("path.csv");
+    let arguments = ["zones", "--layout", "stripes", "--size", "9x7", "--json", "--path"];
+    let row: Value =
+        serde_json::from_str(&run(&[&arguments[..], &[text(&file)]].concat())).unwrap();
+    let pieces = row["path"].as_array().unwrap();
+    assert_eq!(pieces.len() as u64, row["pieces"].as_u64().unwrap());
+    let csv = fs::read_to_string(&file).unwrap();
+    assert_eq!(csv.lines().next(), Some("piece,x,y"));
+    assert_eq!(csv.lines().count(), 1 + 9 * 7);
+    let cells: Vec<String> = pieces
+        .iter()
+        .enumerate()
+        .flat_map(|(number, piece)| {
+            let cells = piece.as_array().unwrap();
+            cells.iter().map(move |xy| format!("{number},{},{}", xy[0], xy[1]))
+        })
+        .collect();
+    assert_eq!(csv.lines().skip(1).collect::<Vec<_>>(), cells);
+}

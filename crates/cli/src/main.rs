@@ -10,11 +10,14 @@
     reason = "the comments on flags are their help, where backticks are noise"
 )]
 
+mod completions;
+mod doctor;
 mod ends;
 mod gen_data;
 mod generations;
 mod inspect;
 mod instance;
+mod path_file;
 mod plan;
 mod simulate;
 #[cfg(feature = "learn")]
@@ -25,7 +28,7 @@ use std::process::ExitCode;
 
 use beadwork_console::output;
 use beadwork_lab::{bench, eval};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// Plans how a 3D printer's head moves: fewer tool changes, fewer lifts, more even heat.
 #[derive(Parser)]
@@ -46,6 +49,8 @@ enum Command {
     Train(train::Args),
     Eval(eval::Args),
     Bench(bench::Args),
+    Doctor(doctor::Args),
+    Completions(completions::Args),
 }
 
 fn main() -> ExitCode {
@@ -59,6 +64,8 @@ fn main() -> ExitCode {
         Command::Train(args) => train::run(&args),
         Command::Eval(args) => eval::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Doctor(args) => doctor::run(&args),
+        Command::Completions(args) => completions::run(&args, Cli::command()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

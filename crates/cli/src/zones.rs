@@ -23,6 +23,7 @@ use serde_json::json;
 use crate::ends::{Place, read_costs};
 use crate::generations;
 use crate::instance::{Instance, InstanceArgs};
+use crate::path_file;
 
 /// Find a path of few zone crossings for one layer.
 #[derive(clap::Args)]
@@ -35,7 +36,7 @@ Examples:
   beadwork zones --layout islands --size 100x100 --preset fast --svg islands.svg
   beadwork zones --layout islands --size 50x50 --method genetic --preset window --plot generations.svg
   beadwork zones --layout voronoi --size 30x30 --seed 3 --method fusion --svg learned.svg
-  beadwork zones --image logo.png --preset fast --svg logo.svg --json")]
+  beadwork zones --image logo.png --preset fast --svg logo.svg --path logo.csv")]
 pub(crate) struct Args {
     #[command(flatten)]
     instance: InstanceArgs,
@@ -78,6 +79,10 @@ pub(crate) struct Args {
     /// there is one, else the cover).
     #[arg(long, value_name = "START", default_value = "auto")]
     start: StartChoice,
+    /// Write the path as CSV: piece, x and y of each cell, in order.
+    /// With --json, the path is in the document too.
+    #[arg(long, value_name = "FILE")]
+    path: Option<PathBuf>,
     /// Draw the layer before and after.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
@@ -223,6 +228,9 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         let drawing = draw(&instance, &row, &start, &best);
         output::file(file, &drawing)?;
     }
+    if let Some(file) = &args.path {
+        output::file(file, path_file::csv(region, &best))?;
+    }
     if let (Some(file), Some(genetic)) = (&args.plot, &row.genetic) {
         output::file(file, &generations::chart(&row, genetic)?)?;
     }
@@ -233,7 +241,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         )?;
     }
     if args.json {
-        output::json(&json!(row))
+        output::json_with(&json!(row), "path", &path_file::json(region, &best))
     } else {
         output::text(&describe(&row, costs.as_ref()))
     }

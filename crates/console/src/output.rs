@@ -21,6 +21,18 @@ pub fn json(value: &serde_json::Value) -> anyhow::Result<()> {
     text(&format!("{value:#}\n"))
 }
 
+/// Writes one JSON document, an object with one more entry whose value is written on one line: a
+/// path, for example, which would take a line for each number.
+pub fn json_with(
+    object: &serde_json::Value,
+    key: &str,
+    value: &serde_json::Value,
+) -> anyhow::Result<()> {
+    let object = format!("{object:#}");
+    let entries = object.strip_suffix("\n}").context("the document is not an object")?;
+    text(&format!("{entries},\n  \"{key}\": {value}\n}}\n"))
+}
+
 /// Writes a file completely or not at all; a terminal or a pipe is written to, not replaced.
 pub fn file(path: &Path, content: impl AsRef<[u8]>) -> anyhow::Result<()> {
     if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
