@@ -1,4 +1,4 @@
-//! How a caller controls a long call.
+//! Control of long calls: threads, cancellation, time limit and progress.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,46 +7,50 @@ use thiserror::Error;
 
 use crate::Threads;
 
-/// Where a long call works, what ends it early, and who is informed of its progress.
+/// The threads of a long call, its cancel token, its time limit and its progress report.
 ///
-/// Every call of the workspace that can take longer than a fraction of a second takes one.
-/// The default works on the calling thread, runs to its end and reports nothing.
-/// None of the fields changes a result that is not interrupted.
+/// Every call of the workspace that can take longer than a fraction of a second takes a `Control`
+/// as its last argument.
+/// With the default, the call works on the calling thread, runs to its end and reports nothing.
+/// No field changes the result of a call that runs to its end.
 ///
-/// Construct it with `..Control::default()`: a minor version may add a field.
+/// Construct it with `..Control::default()`: fields may be added.
 #[derive(Clone, Copy, Default)]
 pub struct Control<'a> {
     /// The threads to work on.
     pub threads: Threads<'a>,
-    /// Ends the call soon after it is cancelled.
+    /// Token that ends the call soon after it is cancelled.
     /// Searches then return the best result so far, other calls an error.
     pub cancel: Option<&'a CancelToken>,
-    /// Polled periodically, from any thread; when true, the call ends as if it were cancelled, but
-    /// with [`Interrupted::TimeUp`].
-    /// The libraries read no clock: this is how a caller limits their time.
+    /// Polled periodically, from any thread; when it returns true, the call ends as if cancelled,
+    /// but with [`Interrupted::TimeUp`].
+    /// The libraries read no clock, so a caller who wants a time limit compares times here.
     pub time_is_up: Option<&'a (dyn Fn() -> bool + Sync)>,
     /// Called periodically, from any thread, with the progress so far.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
 }
 
 impl<'a> Control<'a> {
-    /// A control with these threads, which runs to its end and reports nothing.
+    /// A control with these threads, without cancellation, time limit or progress report.
     pub fn on(threads: Threads<'a>) -> Self {
         Self { threads, ..Self::default() }
     }
 
-    /// This control for one of several calls that share a progress report: the call itself reports
-    /// nothing.
+    /// Returns this control without its progress report, for one of several calls whose caller
+    /// reports their common progress.
     pub fn without_progress(self) -> Self {
         Self { progress: None, ..self }
     }
 
-    /// This control for work on the calling thread, for calls that are themselves made in parallel.
+    /// Returns this control with work on the calling thread, for calls that already run in
+    /// parallel.
     pub fn on_one_thread(self) -> Self {
         Self { threads: Threads::One, ..self }
     }
 
-    /// Why the call should end now, if it should.
+    /// Reason why the call should end now; `None` if it should go on.
+    ///
+    /// Costs one atomic load, and one call of `time_is_up` if that is set.
     #[inline]
     pub fn interrupted(&self) -> Option<Interrupted> {
         if self.cancel.is_some_and(CancelToken::is_cancelled) {
@@ -55,14 +59,14 @@ impl<'a> Control<'a> {
         self.time_is_up.is_some_and(|is_up| is_up()).then_some(Interrupted::TimeUp)
     }
 
-    /// Returns an error if the call should end now: for calls that have no partial result.
+    /// Returns an error if the call should end now, for calls without a partial result.
     #[inline]
     pub fn check(&self) -> Result<(), Interrupted> {
         self.interrupted().map_or(Ok(()), Err)
     }
 
-    /// Reports that `done` of `total` units of work are complete; the call's documentation names
-    /// the unit.
+    /// Reports that `done` of `total` units of work are complete.
+    /// The documentation of the call names the unit.
     #[inline]
     pub fn report(&self, done: usize, total: usize) {
         if let Some(progress) = self.progress {
@@ -71,28 +75,28 @@ impl<'a> Control<'a> {
     }
 }
 
-/// How much of a call's work is complete.
+/// The share of a call's work that is complete.
 ///
-/// Within one call `total` stays the same.
-/// Calls that work on one thread report rising `done`; on several threads reports may overtake each
-/// other.
+/// `total` stays the same within one call.
+/// On one thread `done` rises from report to report; on several threads reports may arrive out of
+/// order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    /// Units of work done; the call's documentation names the unit.
+    /// Units of work done; the documentation of the call names the unit.
     pub done: usize,
     /// Units of work in all.
     pub total: usize,
 }
 
 impl Progress {
-    /// Share of the work that is done, 0 to 1; 1 if there is none to do.
+    /// Share of the work that is done, 0 to 1; 1 if `total` is 0.
     pub fn fraction(self) -> f64 {
         if self.total == 0 { 1.0 } else { self.done as f64 / self.total as f64 }
     }
 }
 
 /// A flag that ends long calls early.
-/// Clones share the flag; it can be set from any thread, and stays set.
+/// Clones share the flag, any thread can set it, and it stays set.
 #[derive(Clone, Debug, Default)]
 pub struct CancelToken(Arc<AtomicBool>);
 
@@ -102,8 +106,8 @@ impl CancelToken {
         Self::default()
     }
 
-    /// Asks all calls that hold a clone of this token to end soon.
-    /// Returns whether that was asked before.
+    /// Ends all calls that hold a clone of this token soon.
+    /// Returns whether the token was cancelled before.
     pub fn cancel(&self) -> bool {
         self.0.swap(true, Ordering::Relaxed)
     }
@@ -120,7 +124,7 @@ impl CancelToken {
     }
 }
 
-/// Why a call ended before its work was complete.
+/// Reason why a call ended before its work was complete.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum Interrupted {
     /// [`Control::cancel`] was cancelled.

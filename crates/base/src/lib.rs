@@ -1,4 +1,4 @@
-//! What all crates of beadwork share: control of long calls, and enums with names.
+//! Conventions shared by all crates of beadwork: control of long calls, and enums with names.
 //!
 //! - [`Control`]: the threads a long call works on, how it is cancelled, and how it reports
 //!   progress.
@@ -17,7 +17,7 @@
 //! }
 //!
 //! let cancel = CancelToken::new();
-//! let control = Control { cancel: Some(&cancel), threads: Threads::Current, ..Control::default() };
+//! let control = Control { cancel: Some(&cancel), ..Control::on(Threads::Current) };
 //! assert_eq!(sum_of_squares(&[1, 2, 3], &control), Ok(14));
 //! cancel.cancel();
 //! assert_eq!(sum_of_squares(&[1, 2, 3], &control), Err(Interrupted::Cancelled));

@@ -2,27 +2,27 @@
 
 use thiserror::Error;
 
-/// A name that none of an enum's variants has.
+/// The error of parsing a name that no variant of an enum has.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("unknown {kind} '{name}': expected {}", choices(.expected))]
 #[non_exhaustive]
 pub struct UnknownName {
-    /// What was to be named: "layout", for example.
+    /// Kind of thing that was named, for example "layout".
     pub kind: &'static str,
-    /// The name that is not known.
+    /// The unknown name.
     pub name: String,
-    /// All names that are.
+    /// All valid names.
     pub expected: Vec<&'static str>,
 }
 
 impl UnknownName {
-    /// An error that lists the names that are known.
+    /// An error for `name`; its message lists the expected names.
     pub fn new(kind: &'static str, name: &str, expected: Vec<&'static str>) -> Self {
         Self { kind, name: name.to_owned(), expected }
     }
 }
 
-/// Names as people list them: `a, b or c`.
+/// Joins names in the form `a, b or c`.
 fn choices(names: &[&str]) -> String {
     match names {
         [] => "none".to_owned(),
@@ -31,17 +31,17 @@ fn choices(names: &[&str]) -> String {
     }
 }
 
-/// Gives each variant of an enum a name: `ALL` (all variants in the order of the list), `name()`,
-/// `Display` and `FromStr`, whose error is [`UnknownName`].
+/// Implements names for the variants of an enum: `ALL` (all variants in the order of the list),
+/// `name()`, `Display` and `FromStr`, whose error is [`UnknownName`].
 ///
-/// The enum itself is defined as usual; the compiler refuses a list that leaves a variant out.
+/// The enum itself is defined as usual, with variants that carry no data.
+/// The compiler rejects a list that leaves a variant out.
+/// All names must be distinct.
 ///
 /// ```
 /// #[derive(Clone, Copy, Debug, PartialEq)]
 /// pub enum Colour {
-///     /// As blood.
 ///     Red,
-///     /// As the sky.
 ///     SkyBlue,
 /// }
 ///
@@ -61,10 +61,10 @@ fn choices(names: &[&str]) -> String {
 macro_rules! named_enum {
     ($type:ident, $kind:literal: $($variant:ident = $name:literal),+ $(,)?) => {
         impl $type {
-            /// All variants, in the order of their documentation.
+            /// All variants, in the order of their declaration.
             pub const ALL: [Self; [$($name),+].len()] = [$(Self::$variant),+];
 
-            /// Its name in configuration files and on the command line.
+            /// Name in configuration files and on the command line.
             pub const fn name(self) -> &'static str {
                 match self {
                     $(Self::$variant => $name,)+

@@ -4,16 +4,17 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 
 /// The threads that a long call works on.
-/// They change the time it takes and never its result.
+/// They affect how long it takes, never its result.
 ///
-/// The global thread pool is used only where the caller asks for it: with [`Threads::Current`]
-/// outside of any pool.
+/// Rayon's global pool is used only if the caller asks for it, with [`Threads::Current`] outside of
+/// any pool.
 #[derive(Clone, Copy, Debug, Default)]
 pub enum Threads<'a> {
     /// The calling thread alone.
     #[default]
     One,
-    /// The thread pool that the calling thread belongs to; elsewhere rayon's global pool.
+    /// The thread pool that the calling thread belongs to, or rayon's global pool if it belongs to
+    /// none.
     Current,
     /// This thread pool.
     Pool(&'a ThreadPool),
@@ -40,8 +41,9 @@ impl<'a> Threads<'a> {
     }
 
     /// Maps items to results, which keep the order of the items.
-    /// Each thread works with states made by `init`, such as buffers; results must not depend on
-    /// what an item leaves in them.
+    ///
+    /// `init` makes a state, such as a buffer, that a thread reuses for several items.
+    /// Results must not depend on what earlier items left in the state.
     pub fn map_with<T: Sync, R: Send, S>(
         self,
         items: &[T],
@@ -55,7 +57,7 @@ impl<'a> Threads<'a> {
         self.either(serial, || items.par_iter().map_init(&init, &map).collect())
     }
 
-    /// Maps the numbers below `count` to results, in order.
+    /// Maps the numbers `0..count` to results, in order.
     pub fn map_numbers<R: Send>(self, count: usize, map: impl Fn(usize) -> R + Sync) -> Vec<R> {
         let serial = || (0..count).map(&map).collect();
         self.either(serial, || (0..count).into_par_iter().map(&map).collect())

@@ -410,7 +410,7 @@ mod tests {
         );
         let error = Factory::new(islands, Vec::new()).unwrap_err().to_string();
         assert!(
-            error.starts_with("islands/9x9/paper: found no room for 3 islands of 8 x 8"),
+            error.starts_with("islands/9x9/paper: islands layout: found no room for 3 islands"),
             "{error}"
         );
         let pictures = config("count = 1\npictures = 'x'\npresets = ['paper']");

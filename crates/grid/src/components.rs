@@ -1,10 +1,11 @@
-//! Connected components of a region and of its zones.
+//! Connected components of a region, and of its zones.
 
 use ndarray::ArrayView2;
 
 use crate::{Cell, Region, Zones};
 
-/// Cells grouped by connection: two neighbours of one kind belong to one component.
+/// The connected components of a region or of its zones: sets of cells in which every cell can be
+/// reached from every other one by steps between cells that share a side.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Components {
     label: Vec<u32>,
@@ -12,7 +13,7 @@ pub struct Components {
 }
 
 impl Components {
-    /// What [`Components::label`] gives outside the region.
+    /// Label of cells outside the region.
     pub const OUTSIDE: u32 = u32::MAX;
 
     /// Number of components, at least 1.
@@ -20,17 +21,19 @@ impl Components {
         self.count
     }
 
-    /// The component of a cell, from 0 in the order of their first cells; [`Components::OUTSIDE`]
-    /// outside the region.
+    /// Number of the component of a cell; [`Components::OUTSIDE`] outside the region.
+    /// Components are numbered from 0 in the order of their lowest cells.
     ///
     /// # Panics
-    /// If the cell lies outside the plane.
+    /// If the cell lies outside the grid.
     pub fn label(&self, cell: Cell) -> u32 {
         self.label[cell as usize]
     }
 
-    /// Labels of all cells of the grid of the region they were made for, as an array with the axes
-    /// `[y, x]`; [`Components::OUTSIDE`] outside the region.
+    /// Number of each cell's component, as an array with the axes `[y, x]`; [`Components::OUTSIDE`]
+    /// outside the region.
+    ///
+    /// `region` must be the region that the components were made for.
     ///
     /// # Panics
     /// If the region's grid has another number of cells.
@@ -39,18 +42,19 @@ impl Components {
     }
 }
 
-/// The connected components of the region.
-/// Linear in the plane's cells.
+/// Finds the connected components of the region.
+/// Linear in the grid's cells.
 pub fn region_components(region: &Region) -> Components {
     flood(region, |_, _| true)
 }
 
-/// The connected components of the zones: cells of one zone that hang together.
-/// Linear in the plane's cells.
+/// Finds the connected components of the zones: connected cells of equal zones.
+/// Linear in the grid's cells.
 pub fn zone_components(region: &Region, zones: &Zones) -> Components {
     flood(region, |a, b| zones.id(a) == zones.id(b))
 }
 
+/// Labels cells by flood fill, with a stack in place of recursion.
 fn flood(region: &Region, same: impl Fn(Cell, Cell) -> bool) -> Components {
     let mut label = vec![Components::OUTSIDE; region.grid_len()];
     let mut count = 0;
@@ -76,14 +80,18 @@ fn flood(region: &Region, same: impl Fn(Cell, Cell) -> bool) -> Components {
 
 #[cfg(test)]
 mod tests {
+    use ndarray::array;
+
     use super::*;
 
     #[test]
     fn diagonal_cells_do_not_touch() {
         let region = Region::from_mask(2, 2, vec![true, false, false, true]).unwrap();
-        let parts = region_components(&region);
-        assert_eq!((parts.count(), parts.label(0), parts.label(3)), (2, 0, 1));
-        assert_eq!(parts.label(1), Components::OUTSIDE);
+        let components = region_components(&region);
+        assert_eq!((components.count(), components.label(0), components.label(3)), (2, 0, 1));
+        assert_eq!(components.label(1), Components::OUTSIDE);
+        let labels = array![[0, Components::OUTSIDE], [Components::OUTSIDE, 1]];
+        assert_eq!(components.view(&region), labels);
     }
 
     #[test]

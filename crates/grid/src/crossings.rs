@@ -1,24 +1,27 @@
-//! Steps of a path between two zones, in all and as changed by switches.
+//! Zone crossings: the links of a path that lead from one zone to another.
 
-use crate::path::link;
+use crate::bits::link;
 use crate::{Cell, Path, Region, Sides, Switch, Zones};
 
-/// Which links of a region cross from one zone to another.
+/// The links of a region that cross from one zone to another.
 ///
-/// Its methods take paths, switches and cells of that region; they panic on cells outside the
-/// plane.
+/// Counts the crossings of a path, and the change of that count by a [`Switch`].
+/// Jumps between two pieces of a path are not links, so they never count.
+///
+/// All methods take paths, switches and cells of the region that this was made for, and panic on
+/// cells outside its grid.
 #[derive(Clone, Debug)]
 pub struct Crossings {
-    /// For each cell, whether its links to the right and below cross.
+    /// For each cell, [`link::RIGHT`] and [`link::BELOW`] if these links cross.
     across: Vec<u8>,
-    /// For each corner, by how much a switch from the horizontal to the vertical links changes the
-    /// crossings: -2..=2.
+    /// For each corner, the change of the number of crossings by a switch that replaces the
+    /// horizontal links by the vertical ones: -2..=2.
     gain: Vec<i8>,
 }
 
 impl Crossings {
-    /// Notes where zones meet.
-    /// Linear in the plane's cells.
+    /// Finds the links that cross.
+    /// Linear in the grid's cells.
     pub fn new(region: &Region, zones: &Zones) -> Self {
         let width = region.width();
         let crosses = |a: Cell, b: Cell| {
@@ -42,8 +45,8 @@ impl Crossings {
         Self { gain: gain.collect(), across }
     }
 
-    /// Crossings of a path.
-    /// Linear in the plane's cells.
+    /// Number of crossings of a path.
+    /// Linear in the grid's cells.
     pub fn count(&self, path: &Path) -> u32 {
         path.links
             .iter()
@@ -52,8 +55,10 @@ impl Crossings {
             .sum()
     }
 
-    /// By how much a switch changes the crossings: -2..=2.
-    /// What several do together is the sum, also where they share a side.
+    /// Change of the number of crossings by a switch: -2..=2.
+    ///
+    /// The change by several switches is the sum of their changes, even if they share a side: a
+    /// link that one switch puts in and another takes out cancels.
     #[inline]
     pub fn change(&self, switch: Switch) -> i32 {
         let gain = i32::from(self.gain[switch.corner() as usize]);
@@ -63,12 +68,12 @@ impl Crossings {
         }
     }
 
-    /// Whether the link from this cell to its right neighbour crosses.
+    /// Whether a link from this cell to its right neighbour crosses.
     pub fn right(&self, cell: Cell) -> bool {
         self.across[cell as usize] & link::RIGHT != 0
     }
 
-    /// Whether the link from this cell to the neighbour below crosses.
+    /// Whether a link from this cell to the neighbour below crosses.
     pub fn below(&self, cell: Cell) -> bool {
         self.across[cell as usize] & link::BELOW != 0
     }
@@ -82,7 +87,7 @@ mod tests {
     use crate::{Layout, LayoutSpec, Start};
 
     #[test]
-    fn the_zigzag_crosses_as_often_as_counted_by_walking() {
+    fn count_of_the_zigzag_is_that_of_a_walk_along_it() {
         let region = Region::rectangle(13, 9).unwrap();
         for layout in Layout::ALL {
             let mut spec = LayoutSpec::new(layout);

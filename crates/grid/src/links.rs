@@ -1,47 +1,53 @@
 //! The links of a path without its order.
 
-use crate::path::link;
-use crate::variant::{RULES, below, matches, right};
+use crate::bits::link;
+use crate::rules::{RULES, below, matches, right};
 use crate::{Path, PlacedVariant, Variant};
 
-/// Which neighbours a path links: all that the variants of Aali et al. look at.
+/// The links of a path: which neighbouring cells it joins, without the order of the cells.
 ///
-/// A variant whose window matches keeps the path whole, whatever lies outside.
-/// So a record of variants can be replayed on the links alone, in a few nanoseconds each, where a
-/// [`Path`] rewrites all positions between the first and the last cut.
+/// This is all that the variants of Aali et al. need, since a variant whose window matches keeps
+/// the path whole, whatever lies outside.
+/// Applying a variant to `Links` takes a few nanoseconds, where a [`Path`] rewrites all positions
+/// between the first and the last cut.
+/// So `Links` are the right choice to replay a list of variants, or to search among them.
 ///
-/// Equal links in planes of equal size are equal.
+/// Equality compares the links and the size of the grid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Links {
     width: u32,
     height: u32,
-    /// For each cell [`link::RIGHT`] and [`link::BELOW`]; two columns and two rows more than the
-    /// plane has, without links, so that windows which stick out match nothing.
+    /// [`link::RIGHT`] and [`link::BELOW`] of each cell.
+    ///
+    /// Two more columns and two more rows than the grid has, all without links, so that a window
+    /// may stick out of the grid without a check (it matches nothing then).
     bits: Vec<u8>,
 }
 
-/// The links of a row of a window, a byte a cell: three cells and one that no window has.
+/// The links of a row of a window: one byte for each of the three cells, in the order of their
+/// columns from the lowest byte, and a fourth byte that belongs to no window.
+/// Comparing and changing a row thus takes one operation.
 type Row = u32;
 
-/// A variant by the rows of its window.
+/// A rule as masks of the three rows of its window.
 #[derive(Clone, Copy)]
 struct Pattern {
     /// All links of the window.
     window: [Row; 3],
-    /// Those it must have, and no others.
-    needed: [Row; 3],
-    /// Those that it takes out or puts in.
+    /// The links that must be present, and no others of the window.
+    required: [Row; 3],
+    /// The links that are removed or added.
     changed: [Row; 3],
 }
 
 const PATTERNS: [Pattern; 12] = {
-    let mut patterns = [Pattern { window: [0; 3], needed: [0; 3], changed: [0; 3] }; 12];
+    let mut patterns = [Pattern { window: [0; 3], required: [0; 3], changed: [0; 3] }; 12];
     let mut class = 0;
     while class < RULES.len() {
         let rule = &RULES[class];
         patterns[class] = Pattern {
             window: rows(rule.window),
-            needed: rows(rule.needed),
+            required: rows(rule.required),
             changed: rows(rule.removed | rule.added),
         };
         class += 1;
@@ -49,7 +55,7 @@ const PATTERNS: [Pattern; 12] = {
     patterns
 };
 
-/// Links of a window, as the rules number them, row by row.
+/// Converts a mask of a rule to three rows.
 const fn rows(links: u16) -> [Row; 3] {
     let mut rows = [0; 3];
     let mut cell = 0;
@@ -67,11 +73,13 @@ const fn rows(links: u16) -> [Row; 3] {
 }
 
 impl Links {
-    /// The links of a path.
+    /// Copies the links of a path.
+    /// Linear in the grid's cells.
     pub fn new(path: &Path) -> Self {
         let (width, height) = (path.width(), path.height());
         let stride = width as usize + 2;
-        // The last window that begins in the plane reads one byte beyond the two further columns.
+        // A row is read as four bytes, so the window of the last cell reads one byte beyond the two
+        // extra columns.
         let mut bits = vec![0; stride * (height as usize + 2) + 1];
         for (padded, row) in
             bits.chunks_exact_mut(stride).zip(path.links.chunks_exact(width as usize))
@@ -83,21 +91,22 @@ impl Links {
         Self { width, height, bits }
     }
 
-    /// Makes these a copy of others in a plane of the same size, without allocating.
+    /// Makes these links a copy of others on a grid of the same size, without allocating.
     ///
     /// # Panics
-    /// If the planes have different sizes.
+    /// If the grids have different sizes.
     pub fn copy_from(&mut self, other: &Self) {
         assert_eq!(
             (self.width, self.height),
             (other.width, other.height),
-            "links of one plane are copied"
+            "copy_from needs links on grids of one size"
         );
         self.bits.copy_from_slice(&other.bits);
     }
 
-    /// Whether the cell at (x, y) is linked to its right neighbour, and to the one below; neither
-    /// outside the plane.
+    /// Whether the cell at (x, y) is linked to its right neighbour, and whether to the neighbour
+    /// below.
+    /// Both are false outside the grid.
     #[inline]
     pub fn right_and_below(&self, x: u32, y: u32) -> (bool, bool) {
         if x >= self.width || y >= self.height {
@@ -107,51 +116,54 @@ impl Links {
         (bits & link::RIGHT != 0, bits & link::BELOW != 0)
     }
 
-    /// Columns and rows of the plane.
+    /// Width and height of the grid, in cells.
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }
 
-    /// Bytes that it takes.
+    /// Size in memory, in bytes.
     pub fn bytes(&self) -> usize {
         self.bits.len()
     }
 
-    /// Whether a variant applies here, as [`Path::allows_variant`] tells.
+    /// Whether a variant applies; agrees with [`Path::allows_variant`].
+    /// O(1).
     #[inline]
     pub fn allows_variant(&self, placed: PlacedVariant) -> bool {
-        self.matching(placed).is_some()
+        self.matching_rows(placed).is_some()
     }
 
-    /// Applies a variant; where it does not apply it changes nothing and gives false.
+    /// Applies a variant; if it does not apply, changes nothing and returns false.
+    /// O(1).
     #[inline]
     pub fn apply_variant(&mut self, placed: PlacedVariant) -> bool {
-        let Some(rows) = self.matching(placed) else { return false };
+        let Some(rows) = self.matching_rows(placed) else { return false };
         let pattern = &PATTERNS[usize::from(placed.variant.class())];
         for (y, (row, changed)) in rows.into_iter().zip(pattern.changed).enumerate() {
-            let at = self.place(placed) + y * self.stride();
+            let at = self.index(placed) + y * self.stride();
             self.bits[at..at + 4].copy_from_slice(&(row ^ changed).to_le_bytes());
         }
         true
     }
 
-    /// Takes back a variant that was applied last among those that touch its window.
+    /// Undoes a variant that was applied, if none of the links in its window has changed since.
+    /// O(1).
     ///
     /// # Panics
-    /// If its first cell lies outside the plane.
+    /// If the window's top-left cell lies outside the grid.
     #[inline]
     pub fn undo_variant(&mut self, placed: PlacedVariant) {
         let pattern = &PATTERNS[usize::from(placed.variant.class())];
         for (y, changed) in pattern.changed.into_iter().enumerate() {
-            let at = self.place(placed) + y * self.stride();
+            let at = self.index(placed) + y * self.stride();
             for (byte, changed) in self.bits[at..at + 3].iter_mut().zip(changed.to_le_bytes()) {
                 *byte ^= changed;
             }
         }
     }
 
-    /// Visits the variants that apply at a window's first cell, in the order of their classes; none
-    /// outside the plane.
+    /// Calls `visit` for each variant that applies with this top-left cell of its window, in the
+    /// order of the classes; for none outside the grid.
     /// O(1).
     #[inline]
     pub fn for_each_variant_at(&self, x: u16, y: u16, mut visit: impl FnMut(PlacedVariant)) {
@@ -171,8 +183,8 @@ impl Links {
         }
     }
 
-    /// Visits all variants that apply, by their windows row by row.
-    /// Linear in the plane's cells.
+    /// Calls `visit` for each variant that applies, row by row of the windows' top-left cells.
+    /// Linear in the grid's cells.
     pub fn for_each_variant(&self, mut visit: impl FnMut(PlacedVariant)) {
         for y in 0..self.height as u16 {
             for x in 0..self.width as u16 {
@@ -181,15 +193,15 @@ impl Links {
         }
     }
 
-    /// The rows of a variant's window, if it applies.
+    /// The rows of a variant's window; `None` if the variant does not apply.
     #[inline]
-    fn matching(&self, placed: PlacedVariant) -> Option<[Row; 3]> {
+    fn matching_rows(&self, placed: PlacedVariant) -> Option<[Row; 3]> {
         if u32::from(placed.x) >= self.width || u32::from(placed.y) >= self.height {
             return None;
         }
         let pattern = &PATTERNS[usize::from(placed.variant.class())];
         let row = |y: usize| {
-            let at = self.place(placed) + y * self.stride();
+            let at = self.index(placed) + y * self.stride();
             Row::from_le_bytes([
                 self.bits[at],
                 self.bits[at + 1],
@@ -198,11 +210,12 @@ impl Links {
             ])
         };
         let rows = [row(0), row(1), row(2)];
-        let differs = |y: usize| rows[y] & pattern.window[y] ^ pattern.needed[y];
+        let differs = |y: usize| rows[y] & pattern.window[y] ^ pattern.required[y];
         (differs(0) | differs(1) | differs(2) == 0).then_some(rows)
     }
 
-    fn place(&self, placed: PlacedVariant) -> usize {
+    /// Index in `bits` of the top-left cell of a variant's window.
+    fn index(&self, placed: PlacedVariant) -> usize {
         usize::from(placed.y) * self.stride() + usize::from(placed.x)
     }
 

@@ -1,31 +1,55 @@
-//! Maximum simple 2-matchings: as many links as any set of paths and cycles through a region can
-//! have.
+//! Maximum simple 2-matchings of a region: sets of as many links as possible with at most two at
+//! each cell.
 //!
-//! A simple 2-matching is a set of links with at most two at each cell: disjoint paths and cycles.
-//! A cover by p paths has cells - p links, so a maximum 2-matching bounds the pieces from below,
-//! and it is the raw material of a cover.
-//! The grid is bipartite (colour it like a chessboard), hence the matching is a flow from one
-//! colour to the other and grows along alternating paths.
+//! # What they are good for
+//! A set of links with at most two at each cell consists of disjoint paths and cycles (a cell
+//! without links is a path of one cell).
+//! A cover of n cells by p paths is such a set, with n - p links.
+//! So no cover has more links than a maximum 2-matching, which bounds the number of paths from
+//! below; and if the matching's cycles can be joined to its paths, it becomes a cover of few paths.
+//!
+//! # How one is found
+//! Colour the cells like a chessboard: every link then joins a black cell to a white one, so the
+//! grid is a bipartite graph, and a maximum 2-matching is a maximum flow from the black cells to
+//! the white ones with a capacity of 2 at each cell and of 1 at each link.
+//!
+//! An **augmenting path** starts at a black cell with fewer than two links and ends at a white cell
+//! with fewer than two.
+//! Its first link is not in the matching, the second is, the third is not, and so on.
+//! Taking out the links that are in and putting in those that are not gives the first and the last
+//! cell one more link each, and leaves the cells between with two.
+//!
+//! ```text
+//!   before   B    W ---- B    W          B and W have room for one more link each
+//!   after    B -- W      B -- W
+//! ```
+//!
+//! A matching without an augmenting path is maximum (the theorem of Berge, or of maximum flow and
+//! minimum cut).
+//! Here the search for them is breadth-first and starts from all horizontal links, which leaves
+//! little to do: only cells at the ends of rows have fewer than two links.
 
 use std::collections::VecDeque;
 
 use beadwork_base::{Control, Interrupted};
 
-use crate::path::link;
+use crate::bits::link;
 use crate::{Cell, Components, Region};
 
-/// Links with at most two at each cell.
+/// A set of links of a region, at most two at each cell.
 pub(crate) struct TwoMatching<'a> {
     region: &'a Region,
-    /// The links of each cell, as bits of [`link`].
+    /// The links of each cell of the grid, as bits of [`link`].
     pub(crate) links: Vec<u8>,
 }
 
 impl<'a> TwoMatching<'a> {
-    /// A maximum one that keeps to the rows where it can.
+    /// Finds a maximum 2-matching, which follows the rows where possible.
     ///
-    /// O(cells) for each end of a row in the worst case; on parts nearly linear, for ends find each
-    /// other nearby.
+    /// O(cells) for each end of a row in the worst case.
+    /// On usual parts nearly linear in the grid's cells, because most augmenting paths are short.
+    ///
+    /// Reports the number of cells done, out of a `total` that the caller sets.
     pub(crate) fn maximum(
         region: &'a Region,
         control: &Control<'_>,
@@ -46,7 +70,8 @@ impl<'a> TwoMatching<'a> {
                 control.check()?;
                 control.report(done, total);
             }
-            if (x + y).is_multiple_of(2) {
+            let is_black = (x + y).is_multiple_of(2);
+            if is_black {
                 while matching.deficit(cell) > 0 && search.augment(&mut matching, cell) {}
             }
         }
@@ -54,15 +79,16 @@ impl<'a> TwoMatching<'a> {
         Ok(matching)
     }
 
-    /// How many links the cell lacks to have two.
+    /// Number of links that the cell lacks to have two.
     pub(crate) fn deficit(&self, cell: Cell) -> u32 {
         2 - self.links[cell as usize].count_ones()
     }
 
-    /// Puts a link between two neighbours in, or takes it out.
+    /// Puts in the link between two neighbours, or takes it out if it is in.
     pub(crate) fn toggle(&mut self, a: Cell, b: Cell) {
         let (low, high) = (a.min(b), a.max(b));
-        // In a plane of one column the cell below is the next one too.
+        // The order of the tests matters on a grid of one column, where the cell below has the next
+        // number, too.
         let (of_low, of_high) = if high - low == self.region.width() {
             (link::BELOW, link::ABOVE)
         } else {
@@ -85,8 +111,12 @@ impl<'a> TwoMatching<'a> {
         others.into_iter().filter(move |(bit, _)| bits & bit != 0).map(|(_, other)| other)
     }
 
-    /// The pieces that the cells of each component need at least, in the order of their labels:
-    /// half their deficit, and one.
+    /// Lower bound on the number of paths that cover each component, in the order of the
+    /// components' numbers, if the matching is maximum.
+    ///
+    /// A component of n cells with m links has a total deficit of 2 n - 2 m, so half of it is the
+    /// bound n - m.
+    /// If all cells have two links, they form cycles, and a cover still needs one path.
     pub(crate) fn pieces(&self, components: &Components) -> Vec<u32> {
         let mut deficits = vec![0; components.count() as usize];
         for cell in self.region.cells() {
@@ -96,68 +126,80 @@ impl<'a> TwoMatching<'a> {
     }
 }
 
-/// Breadth-first search for alternating paths.
+/// Breadth-first search for augmenting paths; its buffers serve all searches.
 struct Search {
-    /// The cell before each one seen.
+    /// The cell from which each cell was reached, in the search that reached it last.
     before: Vec<Cell>,
-    /// The search in which a cell was seen last; [`Search::DEAD`] if none can pass it.
-    seen: Vec<u32>,
+    /// The round in which a cell was reached last, or [`Search::DEAD`].
+    reached_in: Vec<u32>,
     round: u32,
-    open: VecDeque<Cell>,
+    /// Black cells whose neighbours are still to be looked at.
+    queue: VecDeque<Cell>,
 }
 
 impl Search {
+    /// Marks cells from which no augmenting path leads on.
     const DEAD: u32 = u32::MAX;
 
     fn new(cells: usize) -> Self {
-        Self { before: vec![0; cells], seen: vec![0; cells], round: 0, open: VecDeque::new() }
+        Self {
+            before: vec![0; cells],
+            reached_in: vec![0; cells],
+            round: 0,
+            queue: VecDeque::new(),
+        }
     }
 
-    /// Gives a cell one more link, if an alternating path leads from it to another cell that lacks
-    /// one.
+    /// Gives the black cell `root` one more link, if there is an augmenting path from it.
     ///
-    /// Cells of a search that failed lead nowhere in later ones either: what could be reached from
-    /// them is all they saw.
+    /// If there is none, all cells that this search reached are dead: no later augmenting path
+    /// passes them.
+    /// From these cells, only these cells and dead ones can be reached, and no white one among them
+    /// has room for another link.
+    /// Augmenting paths that stay outside do not change that.
     fn augment(&mut self, matching: &mut TwoMatching<'_>, root: Cell) -> bool {
         let region = matching.region;
         self.round += 1;
-        self.open.clear();
-        self.open.push_back(root);
-        self.seen[root as usize] = self.round;
+        self.queue.clear();
+        self.queue.push_back(root);
+        self.reached_in[root as usize] = self.round;
         let mut reached = vec![root];
-        while let Some(cell) = self.open.pop_front() {
-            for other in region.neighbours(cell) {
-                let is_new = self.seen[other as usize] != self.round
-                    && self.seen[other as usize] != Self::DEAD;
-                if !is_new || matching.linked(cell).any(|linked| linked == other) {
+        while let Some(black) = self.queue.pop_front() {
+            // To a white cell by a link that is not in the matching ...
+            for white in region.neighbours(black) {
+                if !self.is_new(white) || matching.linked(black).any(|linked| linked == white) {
                     continue;
                 }
-                self.see(other, cell, &mut reached);
-                if matching.deficit(other) > 0 {
-                    self.flip(matching, root, other);
+                self.reach(white, black, &mut reached);
+                if matching.deficit(white) > 0 {
+                    self.flip(matching, root, white);
                     return true;
                 }
-                for next in matching.linked(other) {
-                    if self.seen[next as usize] != self.round
-                        && self.seen[next as usize] != Self::DEAD
-                    {
-                        self.see(next, other, &mut reached);
-                        self.open.push_back(next);
+                // ... and back to a black cell by one that is.
+                for next in matching.linked(white) {
+                    if self.is_new(next) {
+                        self.reach(next, white, &mut reached);
+                        self.queue.push_back(next);
                     }
                 }
             }
         }
-        reached.iter().for_each(|&cell| self.seen[cell as usize] = Self::DEAD);
+        reached.iter().for_each(|&cell| self.reached_in[cell as usize] = Self::DEAD);
         false
     }
 
-    fn see(&mut self, cell: Cell, before: Cell, reached: &mut Vec<Cell>) {
-        self.seen[cell as usize] = self.round;
+    /// Whether this search has not reached a cell that could lead on.
+    fn is_new(&self, cell: Cell) -> bool {
+        self.reached_in[cell as usize] != self.round && self.reached_in[cell as usize] != Self::DEAD
+    }
+
+    fn reach(&mut self, cell: Cell, before: Cell, reached: &mut Vec<Cell>) {
+        self.reached_in[cell as usize] = self.round;
         self.before[cell as usize] = before;
         reached.push(cell);
     }
 
-    /// Puts in and takes out the links along the path that was found.
+    /// Toggles the links of the augmenting path from `root` to `end`.
     fn flip(&self, matching: &mut TwoMatching<'_>, root: Cell, end: Cell) {
         let mut cell = end;
         while cell != root {

@@ -1,67 +1,70 @@
-//! A path with every cell's place on it.
+//! A path, with the position of every cell on it.
 
 use thiserror::Error;
 
-use crate::splice::Splicer;
+use crate::bits::{link, square};
+use crate::splice_plan::SplicePlan;
 use crate::{Cell, Region, Sides, VerifyError, verify};
 
-/// Bits of [`Path::links`]: the neighbours a cell is linked to, and whether it is a corner.
-pub(crate) mod link {
-    pub(crate) const RIGHT: u8 = 1;
-    pub(crate) const BELOW: u8 = 2;
-    pub(crate) const LEFT: u8 = 4;
-    pub(crate) const ABOVE: u8 = 8;
-    /// The cell is the top-left one of a unit cell that lies in the plane.
-    pub(crate) const CORNER: u8 = 16;
-}
-
-/// An order of all cells of a region in which consecutive cells are neighbours, except where one
-/// piece ends and the next begins; of one piece, it is a Hamiltonian path.
+/// An order of all cells of a region, in one or several pieces.
 ///
-/// Invariant: every cell of the region comes exactly once, and its position and links are known.
-/// Hence neighbour and order queries cost O(1), and so does the question whether two switches keep
-/// the path whole.
-/// Two neighbouring cells are linked exactly if their positions differ by one; a step between
-/// pieces joins cells that are not neighbours, so no move ever touches it.
+/// Consecutive cells are neighbours, except where one piece ends and the next begins.
+/// A path of one piece is a Hamiltonian path of the region.
+///
+/// Invariant: every cell of the region occurs exactly once in the order, and the path stores the
+/// position and the links of every cell.
+/// Therefore queries of neighbours and positions cost O(1), and so does the test whether two
+/// switches keep the path in one piece ([`Path::allows_pair`]).
+///
+/// Two neighbouring cells are linked exactly if their positions differ by one.
+/// A jump between two pieces joins cells that are not neighbours: it is not a link, and no move
+/// changes it.
+///
+/// Memory: 9 bytes for each cell of the grid (5 outside the region).
 #[derive(Clone, Debug)]
 pub struct Path {
     pub(crate) width: u32,
     pub(crate) order: Vec<Cell>,
-    /// Position of each cell of the plane; [`Path::NOWHERE`] outside the region.
+    /// Position of each cell of the grid; [`Path::NOWHERE`] outside the region.
     pub(crate) position: Vec<u32>,
+    /// Links of each cell of the grid, as bits of [`link`].
     pub(crate) links: Vec<u8>,
-    pub(crate) splicer: Splicer,
+    /// Buffers of [`Path::apply`], kept so that applying a move does not allocate.
+    pub(crate) splice_plan: SplicePlan,
     pieces: u32,
 }
 
-/// Why an order of cells is no path of one piece.
+/// Why an order of cells is not a path of one piece.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PathError {
-    /// It does not visit every cell once.
+    /// The order does not visit every cell exactly once.
     #[error(transparent)]
     Order(#[from] VerifyError),
-    /// It visits every cell once, but in several pieces.
-    #[error("the path falls into {0} pieces")]
+    /// The order visits every cell once, but in several pieces.
+    #[error("path has {0} pieces, expected one")]
     Pieces(u32),
 }
 
 impl Path {
-    /// Position of a cell outside the region; no sum with it comes near a real position.
+    /// Position of cells outside the region.
+    /// It differs from every real position by more than one, and adding to it does not overflow.
     const NOWHERE: u32 = u32::MAX / 2;
 
-    /// The Hamiltonian path that visits the cells in this order.
+    /// Makes the Hamiltonian path that visits the cells in this order.
+    /// Linear in the grid's cells.
     pub fn hamiltonian(region: &Region, order: Vec<Cell>) -> Result<Self, PathError> {
         let path = Self::in_pieces(region, order)?;
         if path.pieces == 1 { Ok(path) } else { Err(PathError::Pieces(path.pieces)) }
     }
 
-    /// The path that visits the cells in this order, in as many pieces as it takes.
+    /// Makes the path that visits the cells in this order, with a new piece after each jump.
+    /// Linear in the grid's cells.
     pub fn in_pieces(region: &Region, order: Vec<Cell>) -> Result<Self, VerifyError> {
         let pieces = verify(region, &order)?;
         let mut position = vec![Self::NOWHERE; region.grid_len()];
-        for (place, &cell) in (0..).zip(&order) {
-            position[cell as usize] = place;
+        for (index, &cell) in (0..).zip(&order) {
+            position[cell as usize] = index;
         }
         let (width, height) = (region.width(), region.height());
         let linked = |a: Cell, b: Cell| position[a as usize].abs_diff(position[b as usize]) == 1;
@@ -80,16 +83,16 @@ impl Path {
                 links[cell as usize] |= link::CORNER;
             }
         }
-        Ok(Self { width, order, position, links, splicer: Splicer::default(), pieces })
+        Ok(Self { width, order, position, links, splice_plan: SplicePlan::default(), pieces })
     }
 
-    /// Makes this path a copy of another one of the same region, without allocating.
+    /// Makes this path a copy of another path of the same region, without allocating.
     ///
     /// # Panics
-    /// If the two have regions or planes of different sizes.
+    /// If the regions of the two have different numbers of cells, or their grids have.
     pub fn copy_from(&mut self, other: &Self) {
         let sizes = |path: &Self| (path.order.len(), path.links.len());
-        assert_eq!(sizes(self), sizes(other), "paths of one region are copied");
+        assert_eq!(sizes(self), sizes(other), "copy_from needs two paths of one region");
         self.width = other.width;
         self.pieces = other.pieces;
         self.order.copy_from_slice(&other.order);
@@ -97,55 +100,67 @@ impl Path {
         self.links.copy_from_slice(&other.links);
     }
 
-    /// The cells in the order of their visit.
+    /// The cells in the order in which the path visits them.
     pub fn order(&self) -> &[Cell] {
         &self.order
     }
 
-    /// Number of pieces, at least 1; no move changes it.
+    /// Number of pieces, at least 1; moves do not change it.
     pub fn pieces(&self) -> u32 {
         self.pieces
     }
 
-    /// Width of the plane, in cells.
+    /// Width of the grid, in cells.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Height of the plane, in cells.
+    /// Height of the grid, in cells.
     pub fn height(&self) -> u32 {
         self.links.len() as u32 / self.width
     }
 
-    /// Place of a cell of the region on the path, from 0; a number past the end for the plane's
-    /// other cells.
+    /// Position of a cell of the region on the path, from 0; for a cell of the grid outside the
+    /// region, a number beyond the path's end.
     ///
     /// # Panics
-    /// If the cell lies outside the plane, as for all queries of a cell.
+    /// If the cell lies outside the grid.
     #[inline]
     pub fn position(&self, cell: Cell) -> u32 {
         self.position[cell as usize]
     }
 
-    /// Whether the path steps between this cell of the plane and its right neighbour.
+    /// Whether the path links this cell of the grid with its right neighbour.
+    ///
+    /// # Panics
+    /// If the cell lies outside the grid.
     #[inline]
     pub fn linked_right(&self, cell: Cell) -> bool {
         self.links[cell as usize] & link::RIGHT != 0
     }
 
-    /// Whether the path steps between this cell of the plane and the neighbour below.
+    /// Whether the path links this cell of the grid with the neighbour below.
+    ///
+    /// # Panics
+    /// If the cell lies outside the grid.
     #[inline]
     pub fn linked_below(&self, cell: Cell) -> bool {
         self.links[cell as usize] & link::BELOW != 0
     }
 
-    /// The cell before this one of the region; `None` at the beginning of a piece.
+    /// The cell before this cell of the region; `None` at the start of a piece.
+    ///
+    /// # Panics
+    /// If the cell lies outside the grid.
     pub fn previous(&self, cell: Cell) -> Option<Cell> {
         let before = *self.order.get((self.position(cell) as usize).checked_sub(1)?)?;
         self.is_step(before, cell).then_some(before)
     }
 
-    /// The cell after this one of the region; `None` at the end of a piece.
+    /// The cell after this cell of the region; `None` at the end of a piece.
+    ///
+    /// # Panics
+    /// If the cell lies outside the grid.
     pub fn next(&self, cell: Cell) -> Option<Cell> {
         let after = *self.order.get(self.position(cell) as usize + 1)?;
         self.is_step(cell, after).then_some(after)
@@ -156,9 +171,9 @@ impl Path {
         self.order.chunk_by(|&a, &b| self.is_step(a, b))
     }
 
-    /// The two parallel links of the unit cell at `corner`, if exactly those two of its four sides
-    /// are linked: what a [`Switch`](crate::Switch) there can take out.
-    /// `None` also where no unit cell begins, inside the plane or not.
+    /// The sides that a [`Switch`](crate::Switch) can take out of the unit cell at `corner`: its
+    /// horizontal or its vertical ones, if these two and no others are linked.
+    /// `None` also if no unit cell begins at `corner`, inside the grid or outside of it.
     #[inline]
     pub fn sides(&self, corner: Cell) -> Option<Sides> {
         match self.square(corner) {
@@ -168,16 +183,17 @@ impl Path {
         }
     }
 
-    /// The links of the unit cell at `corner` as bits: top, left, bottom, right, and
-    /// [`link::CORNER`] if there is one.
+    /// The linked sides of the unit cell at `corner`, as bits of [`square`], and [`link::CORNER`]
+    /// if there is such a unit cell.
     #[inline]
     pub(crate) fn square(&self, corner: Cell) -> u8 {
-        let across = corner as usize + self.width as usize + 1;
-        let Some(&opposite) = self.links.get(across) else { return 0 };
+        let opposite = corner as usize + self.width as usize + 1;
+        let Some(&opposite) = self.links.get(opposite) else { return 0 };
         self.links[corner as usize] & (link::CORNER | link::RIGHT | link::BELOW)
             | opposite & (link::LEFT | link::ABOVE)
     }
 
+    /// Whether two cells with consecutive positions are linked rather than joined by a jump.
     fn is_step(&self, a: Cell, b: Cell) -> bool {
         let bits = self.links[a as usize];
         (b == a + 1 && bits & link::RIGHT != 0)
@@ -196,18 +212,6 @@ impl PartialEq for Path {
 
 impl Eq for Path {}
 
-/// Values of [`Path::square`], and the bit in it of each side.
-pub(crate) mod square {
-    use super::link;
-
-    pub(crate) const TOP: u8 = link::RIGHT;
-    pub(crate) const LEFT: u8 = link::BELOW;
-    pub(crate) const BOTTOM: u8 = link::LEFT;
-    pub(crate) const RIGHT: u8 = link::ABOVE;
-    pub(crate) const HORIZONTAL: u8 = link::CORNER | TOP | BOTTOM;
-    pub(crate) const VERTICAL: u8 = link::CORNER | LEFT | RIGHT;
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -224,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn a_path_in_pieces_breaks_between_cells_apart() {
+    fn pieces_end_where_consecutive_cells_are_not_neighbours() {
         let region = Region::rectangle(2, 2).unwrap();
         assert_eq!(Path::hamiltonian(&region, vec![0, 1, 2, 3]), Err(PathError::Pieces(2)));
         let path = Path::in_pieces(&region, vec![0, 1, 2, 3]).unwrap();

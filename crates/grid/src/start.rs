@@ -1,4 +1,4 @@
-//! The paths that a search starts from.
+//! Start paths: the paths from which a search starts.
 
 use beadwork_base::{Control, Interrupted};
 use thiserror::Error;
@@ -6,16 +6,16 @@ use thiserror::Error;
 use crate::orders::{column_zigzag, first_jump, row_zigzag, spiral};
 use crate::{Path, Region, cover};
 
-/// A way to visit a region, chosen without looking at its zones.
+/// A start path: a way to visit a region that does not depend on its zones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Start {
-    /// Rows from top to bottom, the first from left to right, then alternately.
+    /// Rows from top to bottom, alternately from left to right and back.
     RowZigzag,
-    /// Columns from left to right, the first from top to bottom, then alternately.
+    /// Columns from left to right, alternately from top to bottom and back.
     ColumnZigzag,
-    /// Round and round inwards, from the top-left cell to the right.
+    /// A clockwise spiral inwards, from the top-left cell.
     Spiral,
-    /// [`cover()`]: any region, in few pieces.
+    /// The path of [`cover()`], which exists on every region and may have several pieces.
     Cover,
 }
 
@@ -23,20 +23,21 @@ pub enum Start {
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum StartError {
-    /// Consecutive cells of this start are not neighbours on this region.
+    /// The region has no such path of one piece: consecutive cells are not neighbours.
     #[error(
-        "{start} start jumps from ({}, {}) to ({}, {}) on this region; the cover start exists on every region",
+        "{start} start jumps from ({}, {}) to ({}, {}) on this region; \
+         the cover start exists on every region",
         from.0, from.1, to.0, to.1
     )]
     Jump {
-        /// The start.
+        /// The requested start.
         start: Start,
         /// Column and row of the cell before the first jump.
         from: (u32, u32),
         /// Column and row of the cell after it.
         to: (u32, u32),
     },
-    /// The control ended the call.
+    /// The call was cancelled or reached its time limit.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
 }
@@ -50,11 +51,12 @@ beadwork_base::named_enum! {
 }
 
 impl Start {
-    /// The path of this start on a region: one piece, except for [`Start::Cover`].
+    /// Makes the path of this start on a region, in one piece except for [`Start::Cover`].
     ///
     /// The same region always gives the same path.
-    /// Linear in the grid's cells, except for the cover, which also reports progress: see
-    /// [`cover()`].
+    /// Linear in the grid's cells, except for the cover: see [`cover()`] for its cost and its
+    /// progress report.
+    /// The other starts are fast; they neither report progress nor can they be interrupted.
     pub fn path(self, region: &Region, control: &Control<'_>) -> Result<Path, StartError> {
         let order = match self {
             Self::RowZigzag => row_zigzag(region),
@@ -99,12 +101,13 @@ mod tests {
     }
 
     #[test]
-    fn a_mask_without_the_start_says_where_it_breaks() {
+    fn error_says_where_the_path_would_jump() {
         let ring = Region::from_mask(3, 3, (0..9).map(|cell| cell != 4).collect()).unwrap();
         let error = Start::RowZigzag.path(&ring, &Control::default()).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "row_zigzag start jumps from (2, 1) to (0, 1) on this region; the cover start exists on every region"
+            "row_zigzag start jumps from (2, 1) to (0, 1) on this region; \
+             the cover start exists on every region"
         );
         assert_eq!(Start::Spiral.path(&ring, &Control::default()).unwrap().pieces(), 1);
         assert_eq!(Start::Cover.path(&ring, &Control::default()).unwrap().pieces(), 1);

@@ -1,20 +1,25 @@
-//! The eight symmetries of the plane's grid, for layers, paths and moves.
+//! The eight symmetries of a square grid, applied to cells and to variants.
+//!
+//! Training data can be multiplied by eight with them: the mirror image of a layer with its moves
+//! is as good an example as the layer itself.
 
-use crate::variant::{RULES, below, right};
+use crate::rules::{RULES, below, right};
 use crate::{PlacedVariant, Variant};
 
-/// A reflection, a rotation by right angles, or both: what maps a grid of cells onto one.
+/// A symmetry of the square grid: a rotation by a multiple of 90 degrees, a reflection, or both.
+///
+/// It consists of a transposition, a flip of x and a flip of y, each done or not, in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Symmetry {
-    /// Whether x and y change places, first of all.
+    /// Whether x and y are exchanged first.
     transposed: bool,
-    /// Whether x then runs backwards.
+    /// Whether x then runs in the opposite direction.
     flipped_x: bool,
-    /// Whether y then runs backwards.
+    /// Whether y then runs in the opposite direction.
     flipped_y: bool,
 }
 
-/// For each symmetry and class the class that its variant becomes.
+/// Class that a variant's class becomes, indexed by the number of the symmetry and the class.
 const CLASSES: [[u8; 12]; 8] = {
     let mut table = [[0; 12]; 8];
     let mut symmetry = 0;
@@ -30,7 +35,7 @@ const CLASSES: [[u8; 12]; 8] = {
 };
 
 impl Symmetry {
-    /// All eight, the identity first.
+    /// All eight symmetries, the identity first.
     pub const ALL: [Self; 8] = {
         let mut all = [Self { transposed: false, flipped_x: false, flipped_y: false }; 8];
         let mut number = 0;
@@ -45,16 +50,17 @@ impl Symmetry {
         all
     };
 
+    /// Index in [`Symmetry::ALL`].
     const fn number(self) -> usize {
         self.flipped_x as usize | (self.flipped_y as usize) << 1 | (self.transposed as usize) << 2
     }
 
-    /// Columns and rows of the plane that a plane of so many becomes.
+    /// Width and height of the image of a grid with this width and height.
     pub const fn map_size(self, (width, height): (u32, u32)) -> (u32, u32) {
         if self.transposed { (height, width) } else { (width, height) }
     }
 
-    /// Where a cell of a plane of this size comes to lie.
+    /// Column and row of the image of cell (x, y) of a grid with this width and height.
     pub const fn map_cell(self, (x, y): (u32, u32), size: (u32, u32)) -> (u32, u32) {
         let (x, y) = if self.transposed { (y, x) } else { (x, y) };
         let (width, height) = self.map_size(size);
@@ -64,11 +70,14 @@ impl Symmetry {
         )
     }
 
-    /// What a move in a plane of this size becomes: it applies to the mapped path exactly where the
-    /// move applies to the path, and the results are mapped onto each other.
+    /// Image of a variant on a grid with this width and height.
+    ///
+    /// The image applies to the image of a path exactly if the variant applies to the path, and
+    /// then its result is the image of the variant's result.
     pub fn map_variant(self, placed: PlacedVariant, size: (u32, u32)) -> PlacedVariant {
         let (x, y) = (u32::from(placed.x), u32::from(placed.y));
         let (columns, rows) = placed.variant.window();
+        // Two opposite corners of the window; either may become its top-left one.
         let one = self.map_cell((x, y), size);
         let other = self.map_cell((x + columns - 1, y + rows - 1), size);
         let class = CLASSES[self.number()][usize::from(placed.variant.class())];
@@ -77,15 +86,15 @@ impl Symmetry {
     }
 }
 
-/// The class whose links are those of another, mapped.
+/// The class whose required and added links are the images of those of `class`.
 const fn mapped_class(symmetry: Symmetry, class: usize) -> u8 {
     let rule = &RULES[class];
     let size = (rule.columns, rule.rows);
-    let needed = mapped_links(symmetry, rule.needed, size);
+    let required = mapped_links(symmetry, rule.required, size);
     let added = mapped_links(symmetry, rule.added, size);
     let mut other = 0;
     while other < RULES.len() {
-        if RULES[other].needed == needed && RULES[other].added == added {
+        if RULES[other].required == required && RULES[other].added == added {
             return other as u8;
         }
         other += 1;
@@ -93,6 +102,7 @@ const fn mapped_class(symmetry: Symmetry, class: usize) -> u8 {
     panic!("the variants are closed under the symmetries")
 }
 
+/// Image of a mask of links in a window of `size` (width, height).
 const fn mapped_links(symmetry: Symmetry, links: u16, size: (u32, u32)) -> u16 {
     let mut mapped = 0;
     let mut cell = 0;
@@ -117,7 +127,7 @@ const fn mapped_links(symmetry: Symmetry, links: u16, size: (u32, u32)) -> u16 {
     mapped
 }
 
-/// Number of the link between two neighbouring cells of a window.
+/// Number of the link between two neighbouring cells (x, y) of a window.
 const fn link_between(a: (u32, u32), b: (u32, u32)) -> u32 {
     let (x, y) = (if a.0 < b.0 { a.0 } else { b.0 }, if a.1 < b.1 { a.1 } else { b.1 });
     if a.1 == b.1 { right(x, y) } else { below(x, y) }
@@ -133,9 +143,9 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::{Path, Region, Start};
+    use crate::{Path, Region, Start, VariantKind};
 
-    fn mapped(symmetry: Symmetry, path: &Path) -> Path {
+    fn image_of(symmetry: Symmetry, path: &Path) -> Path {
         let size = (path.width(), path.height());
         let (width, height) = symmetry.map_size(size);
         let region = Region::rectangle(width, height).unwrap();
@@ -147,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn they_are_eight_and_map_cells_one_to_one() {
+    fn eight_symmetries_map_cells_one_to_one() {
         let images = Symmetry::ALL.map(|symmetry| {
             let cells = (0..3 * 5).map(|cell| symmetry.map_cell((cell % 3, cell / 3), (3, 5)));
             cells.collect::<Vec<_>>()
@@ -162,9 +172,14 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig {
+            cases: 500,
+            failure_persistence: None,
+            ..ProptestConfig::default()
+        })]
 
-        /// To move and map is to map and move, for all moves that apply and all that don't.
+        /// Moving a path and mapping the result is the same as mapping it and making the mapped
+        /// move, for all moves that apply; and no others apply to the image.
         #[test]
         fn moves_are_mapped_with_their_paths(
             width in 2_u32..9,
@@ -175,23 +190,28 @@ mod tests {
             let mut path = Start::RowZigzag.path(&region, &Control::default()).unwrap();
             for choice in choices {
                 let mut all = Vec::new();
-                path.for_each_variant(&[crate::VariantKind::Transpose, crate::VariantKind::Flip], |placed| all.push(placed));
+                path.for_each_variant(&VariantKind::ALL, |placed| all.push(placed));
                 for symmetry in Symmetry::ALL {
-                    let image = mapped(symmetry, &path);
+                    let image = image_of(symmetry, &path);
                     let mut theirs = HashSet::new();
-                    image.for_each_variant(&[crate::VariantKind::Transpose, crate::VariantKind::Flip], |placed| {
+                    image.for_each_variant(&VariantKind::ALL, |placed| {
                         theirs.insert(placed);
                     });
-                    let ours: HashSet<_> = all.iter().map(|&placed| symmetry.map_variant(placed, (width, height))).collect();
+                    let size = (width, height);
+                    let ours = all.iter().map(|&placed| symmetry.map_variant(placed, size));
+                    let ours: HashSet<_> = ours.collect();
                     prop_assert_eq!(ours, theirs);
                 }
-                let Some(&placed) = all.get(choice.checked_rem(all.len()).unwrap_or(0)) else { break };
+                let Some(&placed) = all.get(choice.checked_rem(all.len()).unwrap_or(0)) else {
+                    break;
+                };
                 let mut moved = path.clone();
                 prop_assert!(moved.apply_variant(placed));
                 for symmetry in Symmetry::ALL {
-                    let mut image = mapped(symmetry, &path);
-                    prop_assert!(image.apply_variant(symmetry.map_variant(placed, (width, height))));
-                    let after = mapped(symmetry, &moved);
+                    let mut image = image_of(symmetry, &path);
+                    let mapped = symmetry.map_variant(placed, (width, height));
+                    prop_assert!(image.apply_variant(mapped));
+                    let after = image_of(symmetry, &moved);
                     for cell in 0..width * height {
                         prop_assert_eq!(image.linked_right(cell), after.linked_right(cell));
                         prop_assert_eq!(image.linked_below(cell), after.linked_below(cell));

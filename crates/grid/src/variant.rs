@@ -1,36 +1,148 @@
-//! The twelve moves of Aali et al., word for word.
+//! The twelve moves of Aali et al. ("variants"), found and applied in a path.
 //!
-//! A move looks at a window anchored at its top-left cell, whose cells are numbered row by row.
-//! It applies only where the path's links inside the window are exactly `kept` and `removed`, and
-//! only if the result is still one path.
-//! Seen from above each is two switches: a flip of two unit cells side by side, a transpose of two
-//! that touch at a corner.
+//! A move looks at a small **window** of cells.
+//! It applies where the links of the path inside the window are exactly those that its rule
+//! requires, and replaces some of them.
+//! Each move is two switches of unit cells: a **flip** of two that lie side by side, a
+//! **transpose** of two that touch at a corner.
 //!
-//! The second condition follows from the first.
-//! The needed links of each window form two strands, and the move leaves two strands between the
-//! same pairs of cells; sr, say, takes 0-1-2-5-4-3 and 6-7-8 for 0-3 and 6-7-4-1-2-5-8.
-//! Outside the window nothing changes, so one path stays one path, and looking at the window is
-//! enough.
+//! # Why looking at the window is enough
+//! The paper accepts a move only if the result is still one path.
+//! This second condition follows from the first, so nothing outside the window needs to be checked.
+//! The required links of each window form two strands, and the move leaves two strands between the
+//! same pairs of end cells.
+//! Take [`Variant::Sr`], with the cells of its window numbered row by row:
+//!
+//! ```text
+//!   0--1--2          0  1--2
+//!         |          |  |  |       before: 0-1-2-5-4-3   and   6-7-8
+//!   3--4--5   ->     3  4  5
+//!                       |  |       after:  0-3           and   6-7-4-1-2-5-8
+//!   6--7--8          6--7  8
+//! ```
+//!
+//! Before and after, one strand joins 0 to 3 and the other joins 6 to 8, and together they visit
+//! all cells of the window.
+//! The rest of the path enters and leaves the window at these four cells as before, so one path
+//! stays one path.
+//! A test checks this for all twelve moves on random paths, by walking along the links.
 
-use crate::path::link;
-use crate::{Path, Sides, Switch};
+use crate::rules::{
+    FLIPS_OF_TWO_COLUMNS, FLIPS_OF_TWO_ROWS, MATCHES, RULES, Rule, TRANSPOSES, below, fitting,
+    pack, pack_lowest, right, window,
+};
+use crate::{Path, Switch};
 
-/// A move of Aali et al.; the numbers are the classes that the network predicts.
+/// A move of Aali et al., with the paper's name.
+///
+/// The discriminants are the class numbers that the paper's network predicts.
+/// The pictures show the links inside the window before and after the move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u8)]
-#[allow(missing_docs, reason = "the names are the paper's; the table below is their meaning")]
 pub enum Variant {
+    /// Transpose `nl`:
+    /// ```text
+    /// o--o--o        o  o--o
+    ///                |  |
+    /// o--o--o   ->   o  o  o
+    /// |              |  |  |
+    /// o--o--o        o--o  o
+    /// ```
     Nl = 0,
+    /// Transpose `nr`:
+    /// ```text
+    /// o--o--o        o--o  o
+    ///                   |  |
+    /// o--o--o   ->   o  o  o
+    ///       |        |  |  |
+    /// o--o--o        o  o--o
+    /// ```
     Nr = 1,
+    /// Transpose `sl`:
+    /// ```text
+    /// o--o--o        o--o  o
+    /// |              |  |  |
+    /// o--o--o   ->   o  o  o
+    ///                |  |
+    /// o--o--o        o  o--o
+    /// ```
     Sl = 2,
+    /// Transpose `sr`:
+    /// ```text
+    /// o--o--o        o  o--o
+    ///       |        |  |  |
+    /// o--o--o   ->   o  o  o
+    ///                   |  |
+    /// o--o--o        o--o  o
+    /// ```
     Sr = 3,
+    /// Transpose `eb`:
+    /// ```text
+    /// o  o  o        o--o  o
+    /// |  |  |              |
+    /// o  o  o   ->   o--o--o
+    /// |  |  |        |
+    /// o--o  o        o--o--o
+    /// ```
     Eb = 4,
+    /// Transpose `ea`:
+    /// ```text
+    /// o--o  o        o--o--o
+    /// |  |  |        |
+    /// o  o  o   ->   o--o--o
+    /// |  |  |              |
+    /// o  o  o        o--o  o
+    /// ```
     Ea = 5,
+    /// Transpose `wa`:
+    /// ```text
+    /// o  o--o        o--o--o
+    /// |  |  |              |
+    /// o  o  o   ->   o--o--o
+    /// |  |  |        |
+    /// o  o  o        o  o--o
+    /// ```
     Wa = 6,
+    /// Transpose `wb`:
+    /// ```text
+    /// o  o  o        o  o--o
+    /// |  |  |        |
+    /// o  o  o   ->   o--o--o
+    /// |  |  |              |
+    /// o  o--o        o--o--o
+    /// ```
     Wb = 7,
+    /// Flip `n`:
+    /// ```text
+    /// o--o        o  o
+    ///             |  |
+    /// o--o   ->   o--o
+    /// |  |
+    /// o  o        o--o
+    /// ```
     N = 8,
+    /// Flip `s`:
+    /// ```text
+    /// o  o        o--o
+    /// |  |
+    /// o--o   ->   o--o
+    ///             |  |
+    /// o--o        o  o
+    /// ```
     S = 9,
+    /// Flip `e`:
+    /// ```text
+    /// o--o  o        o  o--o
+    ///    |  |   ->   |  |
+    /// o--o  o        o  o--o
+    /// ```
     E = 10,
+    /// Flip `w`:
+    /// ```text
+    /// o  o--o        o--o  o
+    /// |  |      ->      |  |
+    /// o  o--o        o--o  o
+    /// ```
     W = 11,
 }
 
@@ -39,14 +151,14 @@ pub enum Variant {
 pub enum VariantKind {
     /// Window of 3 x 3 cells; switches two unit cells that touch at a corner.
     Transpose,
-    /// Window of 3 x 2 or 2 x 3 cells; switches two unit cells side by side.
+    /// Window of 3 x 2 or 2 x 3 cells; switches two unit cells that lie side by side.
     Flip,
 }
 
-/// A variant at a place.
+/// A variant at a position of the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PlacedVariant {
-    /// The move.
+    /// The variant.
     pub variant: Variant,
     /// Column of the window's top-left cell.
     pub x: u16,
@@ -76,114 +188,8 @@ beadwork_base::named_enum! {
     Flip = "flip",
 }
 
-/// A row of the paper's tables, as masks of the twelve links of a 3 x 3 window.
-pub(crate) struct Rule {
-    pub(crate) columns: u32,
-    pub(crate) rows: u32,
-    /// All links that lie inside the window.
-    pub(crate) window: u16,
-    /// The links it must have: kept and removed.
-    pub(crate) needed: u16,
-    pub(crate) removed: u16,
-    pub(crate) added: u16,
-    /// Its two switches in the order in which they apply: column and row of the unit cell, and the
-    /// links taken out.
-    switches: [(u32, u32, Sides); 2],
-}
-
-use Sides::{Horizontal as H, Vertical as V};
-
-/// In the order of the classes.
-/// Links are pairs of cell numbers.
-pub(crate) const RULES: [Rule; 12] = [
-    rule(3, 3, "12 36 67", "01 34 45 78", "03 14 47 58", [(0, 0, H), (1, 1, H)]), // nl
-    rule(3, 3, "01 58 78", "12 34 45 67", "14 25 36 47", [(1, 0, H), (0, 1, H)]), // nr
-    rule(3, 3, "01 03 78", "12 34 45 67", "14 25 36 47", [(1, 0, H), (0, 1, H)]), // sl
-    rule(3, 3, "12 25 67", "01 34 45 78", "03 14 47 58", [(0, 0, H), (1, 1, H)]), // sr
-    rule(3, 3, "25 36 67", "03 14 47 58", "01 34 45 78", [(0, 0, V), (1, 1, V)]), // eb
-    rule(3, 3, "01 03 58", "14 25 36 47", "12 34 45 67", [(1, 0, V), (0, 1, V)]), // ea
-    rule(3, 3, "12 25 36", "03 14 47 58", "01 34 45 78", [(0, 0, V), (1, 1, V)]), // wa
-    rule(3, 3, "03 58 78", "14 25 36 47", "12 34 45 67", [(1, 0, V), (0, 1, V)]), // wb
-    rule(2, 3, "23", "01 24 35", "02 13 45", [(0, 0, H), (0, 1, V)]),             // n
-    rule(2, 3, "23", "02 13 45", "01 24 35", [(0, 1, H), (0, 0, V)]),             // s
-    rule(3, 2, "14", "01 25 34", "03 12 45", [(1, 0, V), (0, 0, H)]),             // e
-    rule(3, 2, "14", "03 12 45", "01 25 34", [(0, 0, V), (1, 0, H)]),             // w
-];
-
-/// Number of the link to the right of the cell at (x, y) of a 3 x 3 window, and below it: as
-/// [`pack`] and [`window`] put them together.
-pub(crate) const fn right(x: u32, y: u32) -> u32 {
-    if y < 2 { 5 * y + 2 * x } else { 10 + x }
-}
-
-pub(crate) const fn below(x: u32, y: u32) -> u32 {
-    5 * y + if x < 2 { 2 * x + 1 } else { 4 }
-}
-
-const fn rule(
-    columns: u32,
-    rows: u32,
-    kept: &str,
-    removed: &str,
-    added: &str,
-    switches: [(u32, u32, Sides); 2],
-) -> Rule {
-    let (kept, removed, added) =
-        (links(columns, kept), links(columns, removed), links(columns, added));
-    let mut window = 0;
-    let mut cell = 0;
-    while cell < columns * rows {
-        let (x, y) = (cell % columns, cell / columns);
-        if x + 1 < columns {
-            window |= 1 << right(x, y);
-        }
-        if y + 1 < rows {
-            window |= 1 << below(x, y);
-        }
-        cell += 1;
-    }
-    Rule { columns, rows, window, needed: kept | removed, removed, added, switches }
-}
-
-/// Reads links as the paper writes them, "12 36 67", in a window so many columns wide.
-const fn links(columns: u32, text: &str) -> u16 {
-    let text = text.as_bytes();
-    let mut mask = 0;
-    let mut at = 0;
-    while at < text.len() {
-        let (a, b) = ((text[at] - b'0') as u32, (text[at + 1] - b'0') as u32);
-        let (x, y) = (a % columns, a / columns);
-        mask |= 1 << if b == a + 1 { right(x, y) } else { below(x, y) };
-        at += 3;
-    }
-    mask
-}
-
-/// For each set of links in a 3 x 3 window the classes, as bits, whose own window has exactly the
-/// needed links.
-/// At most one transpose is among them, one flip of three columns and one of two.
-const MATCHES: [u16; 1 << 12] = {
-    let mut table = [0; 1 << 12];
-    let mut links = 0;
-    while links < table.len() {
-        let mut class = 0;
-        while class < RULES.len() {
-            if links as u16 & RULES[class].window == RULES[class].needed {
-                table[links] |= 1 << class;
-            }
-            class += 1;
-        }
-        links += 1;
-    }
-    table
-};
-
-const TRANSPOSES: u16 = 0x0FF;
-const FLIPS_OF_TWO_COLUMNS: u16 = 0x300;
-const FLIPS_OF_TWO_ROWS: u16 = 0xC00;
-
 impl Variant {
-    /// Its class number, 0..12.
+    /// Class number, 0..12.
     pub fn class(self) -> u8 {
         self as u8
     }
@@ -198,7 +204,7 @@ impl Variant {
         if self.class() < 8 { VariantKind::Transpose } else { VariantKind::Flip }
     }
 
-    /// Columns and rows of its window.
+    /// Width and height of the window, in cells.
     pub fn window(self) -> (u32, u32) {
         let rule = self.rule();
         (rule.columns, rule.rows)
@@ -210,8 +216,8 @@ impl Variant {
 }
 
 impl PlacedVariant {
-    /// The two switches it stands for, in the order in which they apply, in a plane so many cells
-    /// wide.
+    /// The two switches that make up the move, in the order in which they apply, on a grid that is
+    /// `width` cells wide.
     #[inline]
     pub fn switches(self, width: u32) -> [Switch; 2] {
         self.variant.rule().switches.map(|(x, y, from)| {
@@ -219,9 +225,11 @@ impl PlacedVariant {
         })
     }
 
-    /// Visits the places of links in its window, on all of which it depends: the column and row of
-    /// their first cell, whether they lead down rather than to the right, and whether the move
-    /// changes them.
+    /// Calls `visit` for each pair of neighbouring cells in the window: for every link that the
+    /// move depends on.
+    ///
+    /// The arguments are column and row of the left or upper cell, whether the other cell lies
+    /// below (rather than to the right), and whether the move changes the link between them.
     pub fn for_each_link(self, mut visit: impl FnMut(u32, u32, bool, bool)) {
         let rule = self.variant.rule();
         let (left, top) = (u32::from(self.x), u32::from(self.y));
@@ -240,9 +248,9 @@ impl PlacedVariant {
 }
 
 impl Path {
-    /// Whether a variant applies here: its window lies in the plane and has exactly the needed
+    /// Whether a variant applies: its window lies in the grid and contains exactly the required
     /// links.
-    /// The result is then a path of as many pieces.
+    /// Applying it then keeps the number of pieces.
     /// O(1).
     #[inline]
     pub fn allows_variant(&self, placed: PlacedVariant) -> bool {
@@ -251,7 +259,7 @@ impl Path {
         if x >= width || y >= height {
             return false;
         }
-        // Links beyond the plane's end are those of no cell.
+        // Beyond the last cell of the grid there are no links.
         let link =
             |dx: usize, dy: usize| self.links.get((y + dy) * width + x + dx).copied().unwrap_or(0);
         let upper = |dy: usize| pack(link(0, dy), link(1, dy), link(2, dy));
@@ -259,23 +267,27 @@ impl Path {
         (MATCHES[links] & fitting(width - x, height - y)) >> placed.variant.class() & 1 != 0
     }
 
-    /// Applies a variant; where it does not apply it changes nothing and gives false.
+    /// Applies a variant; if it does not apply, changes nothing and returns false.
+    ///
+    /// Costs as much as [`Path::apply`]: one rewritten position for each cell between the first and
+    /// the last cut.
     pub fn apply_variant(&mut self, placed: PlacedVariant) -> bool {
         self.allows_variant(placed) && self.apply(&placed.switches(self.width()))
     }
 
-    /// Visits all variants of these kinds that apply, by their windows row by row; the result of
-    /// each is a path of as many pieces.
-    /// Linear in the plane's cells, at a few nanoseconds each.
+    /// Calls `visit` for each variant of these kinds that applies, row by row of the windows'
+    /// top-left cells.
+    /// Applying any one of them keeps the number of pieces.
+    /// Linear in the grid's cells, at a few nanoseconds each.
     pub fn for_each_variant(&self, kinds: &[VariantKind], mut visit: impl FnMut(PlacedVariant)) {
         let (width, height) = (self.width() as usize, self.height() as usize);
-        let asked = kinds.iter().fold(0, |classes, kind| match kind {
+        let wanted = kinds.iter().fold(0, |classes, kind| match kind {
             VariantKind::Transpose => classes | TRANSPOSES,
             VariantKind::Flip => classes | FLIPS_OF_TWO_COLUMNS | FLIPS_OF_TWO_ROWS,
         });
-        // Rows are packed as a whole, since each is part of three windows.
-        // What the last windows of a row see of the next one is of no account: only variants that
-        // fit are asked for.
+        // Each row of cells is part of three windows, so all rows are packed once in advance.
+        // The last windows of a row then contain cells of the next row.
+        // This does no harm: `fitting` removes all classes whose window would reach that far.
         let links = [&self.links[..], &[0; 2]].concat();
         let pairs = self.links.iter().zip(&links[1..]);
         let lowest: Vec<u8> = pairs.clone().map(|(&a, &b)| pack_lowest(a, b)).collect();
@@ -286,7 +298,7 @@ impl Path {
             let third = lowest.get(row(y + 2)).unwrap_or(&no_row);
             let rows = upper[row(y)].iter().zip(&upper[row(y + 1)]).zip(third);
             for (x, ((&first, &second), &third)) in rows.enumerate() {
-                let mut classes = MATCHES[window(first, second, third)] & asked;
+                let mut classes = MATCHES[window(first, second, third)] & wanted;
                 if classes != 0 {
                     classes &= fitting(width - x, height - y);
                 }
@@ -301,77 +313,9 @@ impl Path {
     }
 }
 
-/// The links of three cells in one of the upper two rows of a window, in the order of [`right`] and
-/// [`below`].
-#[inline]
-fn pack(a: u8, b: u8, c: u8) -> u8 {
-    let both = link::RIGHT | link::BELOW;
-    (a & both) | (b & both) << 2 | (c & link::BELOW) << 3
-}
-
-/// The same of the lowest row, from whose cells no link leads down.
-#[inline]
-fn pack_lowest(a: u8, b: u8) -> u8 {
-    (a & link::RIGHT) | (b & link::RIGHT) << 1
-}
-
-/// The links of a window of three packed rows.
-#[inline]
-fn window(first: u8, second: u8, third: u8) -> usize {
-    usize::from(first) | usize::from(second) << 5 | usize::from(third) << 10
-}
-
-/// The classes, as bits, that match three rows of three cells, each with its links to the right and
-/// below.
-///
-/// Beside and below the plane no cell has links, and every variant needs some in each row and
-/// column of its window: one that sticks out matches nothing.
-#[inline]
-pub(crate) fn matches(first: [u8; 3], second: [u8; 3], third: [u8; 3]) -> u16 {
-    let upper = |[a, b, c]: [u8; 3]| pack(a, b, c);
-    MATCHES[window(upper(first), upper(second), pack_lowest(third[0], third[1]))]
-}
-
-/// The classes, as bits, whose windows fit where so many columns and rows are left.
-/// Their links all lie in the plane, so whatever else the window was packed from does not matter.
-#[inline]
-fn fitting(columns: usize, rows: usize) -> u16 {
-    match (columns, rows) {
-        (3.., 3..) => u16::MAX,
-        (2, 3..) => FLIPS_OF_TWO_COLUMNS,
-        (3.., 2) => FLIPS_OF_TWO_ROWS,
-        _ => 0,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn switches_change_the_links_of_the_table() {
-        for variant in Variant::ALL {
-            let rule = variant.rule();
-            let mut links = rule.needed;
-            for (x, y, from) in rule.switches {
-                let horizontal = 1 << right(x, y) | 1 << right(x, y + 1);
-                let vertical = 1 << below(x, y) | 1 << below(x + 1, y);
-                let (out, into) = match from {
-                    Sides::Horizontal => (horizontal, vertical),
-                    Sides::Vertical => (vertical, horizontal),
-                };
-                assert_eq!(
-                    links & (out | into),
-                    out,
-                    "{variant}: exactly the two links must be there"
-                );
-                links ^= out | into;
-            }
-            assert_eq!(links, rule.needed & !rule.removed | rule.added, "{variant}");
-            assert_eq!(rule.needed & rule.added, 0, "{variant}");
-            assert_eq!((rule.needed | rule.added) & !rule.window, 0, "{variant}");
-        }
-    }
 
     #[test]
     fn classes_and_names_round_trip() {

@@ -1,45 +1,47 @@
-//! The judge: checks an order of cells from its definition alone.
+//! Checks an order of cells from its definition alone.
 
 use thiserror::Error;
 
 use crate::{Cell, Region};
 
-/// What is wrong with an order of cells.
+/// Why an order of cells does not visit every cell of a region exactly once.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum VerifyError {
-    /// It has too few or too many cells.
-    #[error("the path has {got} cells, the region {expected}")]
+    /// The order has too few or too many cells.
+    #[error("path has {got} cells, the region {expected}")]
     Length {
-        /// Cells of the region.
+        /// Number of cells of the region.
         expected: usize,
-        /// Cells of the order.
+        /// Number of cells of the order.
         got: usize,
     },
-    /// A cell is not one of the region's.
+    /// A cell of the order does not belong to the region.
     #[error("cell {cell} at position {position} lies outside the region")]
     Outside {
-        /// The cell.
+        /// Number of the cell.
         cell: Cell,
-        /// Its position in the order, from 0.
+        /// Position of the cell in the order, from 0.
         position: usize,
     },
-    /// A cell comes twice.
-    #[error("cell {cell} at position {position} was visited before")]
+    /// A cell occurs twice.
+    #[error("cell {cell} at position {position} is visited for the second time")]
     Repeated {
-        /// The cell.
+        /// Number of the cell.
         cell: Cell,
-        /// Its second position in the order, from 0.
+        /// Position of its second occurrence in the order, from 0.
         position: usize,
     },
 }
 
-/// Checks that `order` visits every cell of the region once and gives the number of pieces: 1 more
-/// than the number of steps between cells that are not neighbours.
-/// A Hamiltonian path has one piece.
+/// Checks that `order` visits every cell of the region exactly once, and returns the number of
+/// pieces.
 ///
-/// Linear in the region's cells.
-/// It shares no code with the moves, so that it can judge them.
+/// A new piece begins wherever two consecutive cells are not neighbours; a Hamiltonian path has one
+/// piece.
+/// Linear in the grid's cells.
+///
+/// This function shares no code with the moves, so that tests can check the moves with it.
 pub fn verify(region: &Region, order: &[Cell]) -> Result<u32, VerifyError> {
     let expected = region.cell_count() as usize;
     if order.len() != expected {

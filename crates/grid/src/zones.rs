@@ -1,32 +1,33 @@
-//! The materials of a layer.
+//! The zones of a layer: areas of different materials.
 
 use ndarray::ArrayView2;
 use thiserror::Error;
 
 use crate::{Cell, Region};
 
-/// The zone of each cell of a region.
+/// The zone of each cell of a region: usually, the number of its material.
 ///
-/// Zones are numbered from 0; a number in between may be unused.
+/// Zones are numbered from 0, and numbers may be skipped.
+/// A zone need not be connected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Zones {
     ids: Vec<u8>,
     count: u32,
 }
 
-/// Why [`Zones`] could not be made.
+/// Why [`Zones`] could not be constructed.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ZonesError {
-    /// There is not one zone for each cell of the plane.
-    #[error("{got} zones given for a plane of {expected} cells")]
+    /// The list of zone numbers does not have one entry for each cell of the grid.
+    #[error("zone list has {got} entries, the region's grid {expected} cells")]
     Length {
-        /// Cells of the plane.
+        /// Number of cells of the grid.
         expected: usize,
-        /// Zones given.
+        /// Number of entries of the list.
         got: usize,
     },
-    /// The array has not the shape of the grid.
+    /// The shape of the array is not that of the grid.
     #[error(
         "zone array is {} x {} cells, the region's grid {} x {}",
         got.0, got.1, expected.0, expected.1
@@ -34,28 +35,28 @@ pub enum ZonesError {
     Shape {
         /// Width and height of the grid in cells.
         expected: (usize, usize),
-        /// Width and height of the array.
+        /// Width and height of the array: the lengths of its second and its first axis.
         got: (usize, usize),
     },
-    /// A cell of the region has the number that means "outside".
+    /// A cell of the region has the zone number [`Zones::OUTSIDE`].
     #[error("cell ({x}, {y}) belongs to the region but has no zone")]
     Missing {
-        /// Its column.
+        /// Column of the cell.
         x: u32,
-        /// Its row.
+        /// Row of the cell.
         y: u32,
     },
 }
 
 impl Zones {
-    /// What [`Zones::id`] gives for a cell outside the region.
+    /// Zone number of cells outside the region.
     pub const OUTSIDE: u8 = u8::MAX;
 
-    /// The largest number of zones.
+    /// Maximum number of zones.
     pub const MAX: u32 = 255;
 
-    /// Zones from one number for each cell of the plane, row by row; numbers of cells outside the
-    /// region are ignored.
+    /// Makes zones from one number for each cell of the region's grid, indexed by [`Cell`].
+    /// Numbers of cells outside the region are ignored.
     pub fn new(region: &Region, mut ids: Vec<u8>) -> Result<Self, ZonesError> {
         if ids.len() != region.grid_len() {
             return Err(ZonesError::Length { expected: region.grid_len(), got: ids.len() });
@@ -74,8 +75,8 @@ impl Zones {
         Ok(Self { ids, count })
     }
 
-    /// Zones from an array with the axes `[y, x]`, of the shape of the region's grid; numbers of
-    /// cells outside the region are ignored.
+    /// Makes zones from an array with the axes `[y, x]` and the shape of the region's grid.
+    /// Numbers of cells outside the region are ignored.
     ///
     /// ```
     /// use beadwork_grid::{Region, Zones};
@@ -97,8 +98,10 @@ impl Zones {
         Self::new(region, ids.iter().copied().collect())
     }
 
-    /// Zones of all cells of the grid of these zones' region, as an array with the axes `[y, x]`;
-    /// [`Zones::OUTSIDE`] outside the region.
+    /// Zone of each cell of the grid, as an array with the axes `[y, x]`; [`Zones::OUTSIDE`]
+    /// outside the region.
+    ///
+    /// `region` must be the region that the zones were made for.
     ///
     /// # Panics
     /// If the region's grid has another number of cells.
@@ -109,17 +112,17 @@ impl Zones {
     /// Zone of a cell; [`Zones::OUTSIDE`] outside the region.
     ///
     /// # Panics
-    /// If the cell lies outside the plane.
+    /// If the cell lies outside the grid.
     pub fn id(&self, cell: Cell) -> u8 {
         self.ids[cell as usize]
     }
 
-    /// Zones of all cells of the plane, row by row.
+    /// Zone of each cell of the grid, indexed by [`Cell`].
     pub fn ids(&self) -> &[u8] {
         &self.ids
     }
 
-    /// One more than the highest zone number, at least 1.
+    /// One more than the highest zone number, at least 1; unused numbers below it count.
     pub fn count(&self) -> u32 {
         self.count
     }
@@ -127,6 +130,8 @@ impl Zones {
 
 #[cfg(test)]
 mod tests {
+    use ndarray::array;
+
     use super::*;
 
     #[test]
@@ -136,5 +141,20 @@ mod tests {
         assert_eq!(Zones::new(&region, vec![255, 0]), Err(ZonesError::Missing { x: 0, y: 0 }));
         let zones = Zones::new(&region, vec![7, 3]).unwrap();
         assert_eq!((zones.id(0), zones.id(1), zones.count()), (7, Zones::OUTSIDE, 8));
+    }
+
+    #[test]
+    fn arrays_have_rows_as_their_first_axis() {
+        let mask = array![[true, true, false], [true, true, true]];
+        let region = Region::from_array(mask.view()).unwrap();
+        let zones = Zones::from_array(&region, array![[0, 1, 9], [2, 3, 4]].view()).unwrap();
+        assert_eq!(zones.ids(), [0, 1, Zones::OUTSIDE, 2, 3, 4]);
+        assert_eq!(zones.view(&region), array![[0, 1, Zones::OUTSIDE], [2, 3, 4]]);
+        assert_eq!(zones.id(region.cell(1, 1)), zones.view(&region)[[1, 1]]);
+        let columns = array![[0, 2], [1, 3], [9, 4]];
+        assert_eq!(Zones::from_array(&region, columns.t()), Ok(zones));
+        let error = Zones::from_array(&region, columns.view()).unwrap_err();
+        assert_eq!(error, ZonesError::Shape { expected: (3, 2), got: (2, 3) });
+        assert_eq!(error.to_string(), "zone array is 2 x 3 cells, the region's grid 3 x 2");
     }
 }

@@ -1,4 +1,4 @@
-//! The moves against a slow walk along the links.
+//! Compares all moves with a slow walk along the links.
 
 use std::collections::HashSet;
 
@@ -10,10 +10,10 @@ use rand_chacha::ChaCha8Rng;
 use super::*;
 use crate::{Links, PlacedVariant, Region, Start, Variant, cover, verify};
 
-/// A path as a set of links, changed and checked by definition.
+/// Reference implementation: a path as a set of links, changed and checked by definition.
 struct Walker {
     width: u32,
-    /// Links between neighbours and jumps between pieces, the smaller cell first.
+    /// Links between neighbours and jumps between pieces, each with the lower cell first.
     links: HashSet<(Cell, Cell)>,
     first: Cell,
     cells: usize,
@@ -30,7 +30,7 @@ impl Walker {
         }
     }
 
-    /// Applies a switch if exactly its two links are there.
+    /// Applies a switch if exactly its two links are present.
     fn switch(&mut self, region: &Region, switch: Switch) -> bool {
         let (x, y) = region.xy(switch.corner());
         if x + 1 >= region.width() || y + 1 >= region.height() {
@@ -51,7 +51,7 @@ impl Walker {
         applies
     }
 
-    /// The order from the first cell, if following the links from it sees every cell.
+    /// The order of the cells from the first one, if following the links visits every cell.
     fn walk(&self) -> Option<Vec<Cell>> {
         let mut next = std::collections::HashMap::<Cell, Vec<Cell>>::new();
         for &(a, b) in &self.links {
@@ -59,18 +59,18 @@ impl Walker {
             next.entry(b).or_default().push(a);
         }
         let mut order = vec![self.first];
-        let (mut before, mut at) = (Cell::MAX, self.first);
-        while let Some(&on) =
-            next.get(&at).and_then(|others| others.iter().find(|&&other| other != before))
+        let (mut before, mut cell) = (Cell::MAX, self.first);
+        while let Some(&after) =
+            next.get(&cell).and_then(|others| others.iter().find(|&&other| other != before))
         {
-            order.push(on);
-            (before, at) = (at, on);
-            assert!(order.len() <= self.cells, "a path of links can't return to its first cell");
+            order.push(after);
+            (before, cell) = (cell, after);
+            assert!(order.len() <= self.cells, "a walk along links can't return to its first cell");
         }
         (order.len() == self.cells).then_some(order)
     }
 
-    /// What the switches should lead to.
+    /// The order that the switches should lead to; `None` if they should be refused.
     fn expect(path: &Path, region: &Region, switches: &[Switch]) -> Option<Vec<Cell>> {
         let mut walker = Self::new(path);
         switches
@@ -86,7 +86,7 @@ fn random_region(rng: &mut ChaCha8Rng) -> Region {
     match rng.random_range(0..3) {
         0 => Region::rectangle(width, height).unwrap(),
         1 => {
-            // A few cells missing: long pieces.
+            // Few missing cells, so that pieces are long.
             let mut inside = vec![true; (width * height) as usize];
             for _ in 0..rng.random_range(0..4) {
                 let hole = rng.random_range(0..inside.len());
@@ -113,7 +113,7 @@ fn random_path(region: &Region, rng: &mut ChaCha8Rng) -> Path {
     path
 }
 
-/// Two switches, near each other more often than not, that apply more often than random ones.
+/// Draws two switches, usually near each other, that apply more often than random ones.
 fn random_pair(path: &Path, rng: &mut ChaCha8Rng) -> [Switch; 2] {
     let cells = path.width() * path.height();
     let likely =
@@ -135,7 +135,7 @@ fn random_pair(path: &Path, rng: &mut ChaCha8Rng) -> [Switch; 2] {
     })
 }
 
-/// Applies what should apply, refuses the rest, and takes it back.
+/// Checks that switches are applied as expected and undone, or refused.
 fn check(path: &Path, region: &Region, switches: &[Switch], expected: Option<Vec<Cell>>) {
     let mut changed = path.clone();
     let applied = changed.apply(switches);
@@ -155,17 +155,17 @@ fn check(path: &Path, region: &Region, switches: &[Switch], expected: Option<Vec
     );
 }
 
-/// How many sites turned out how.
+/// Counts of the cases that a sweep met.
 #[derive(Default)]
 struct Met {
-    /// Pairs that keep the path, and pairs that apply but break it: two unit cells apart, touching
-    /// at a corner, or side by side.
+    /// Pairs that apply, by the distance of the unit cells (apart, touching at a corner, side by
+    /// side) and by the result (one path, or a path and a cycle).
     pairs: [[usize; 2]; 3],
     /// Variants that apply, by class.
     variants: [usize; 12],
 }
 
-/// One region, one path, and `sites` of each kind of move.
+/// Checks `sites` pairs of switches and `sites` variants on a random path in a random region.
 fn sweep(seed: u64, sites: usize, met: &mut Met) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let region = random_region(&mut rng);
@@ -196,19 +196,20 @@ fn sweep(seed: u64, sites: usize, met: &mut Met) {
             rng.random_range(0..region.width()) as u16,
             rng.random_range(0..region.height()) as u16,
         );
-        let blind = PlacedVariant { variant: Variant::ALL[rng.random_range(0..12)], x, y };
+        let any = PlacedVariant { variant: Variant::ALL[rng.random_range(0..12)], x, y };
         let matching = Variant::ALL
             .into_iter()
             .map(|variant| PlacedVariant { variant, x, y })
             .find(|&at| path.allows_variant(at));
-        let placed = matching.unwrap_or(blind);
+        let placed = matching.unwrap_or(any);
         met.variants[usize::from(placed.variant.class())] +=
             usize::from(check_variant(&path, &region, placed));
     }
 }
 
-/// The paper's rule, read off its table text: exactly the needed links in the window, and one path
-/// afterwards.
+/// Checks a variant by the rule of the paper: it applies if the window contains exactly the
+/// required links and the result is one path.
+/// Returns whether it applies.
 fn check_variant(path: &Path, region: &Region, placed: PlacedVariant) -> bool {
     let (columns, rows) = placed.variant.window();
     let (x, y) = (u32::from(placed.x), u32::from(placed.y));
@@ -224,14 +225,14 @@ fn check_variant(path: &Path, region: &Region, placed: PlacedVariant) -> bool {
             let mut present: Vec<_> = walker.links.iter().filter_map(inside).collect();
             present.sort_unstable();
             let (kept, removed, added) = table(placed.variant);
-            let mut needed: Vec<_> = kept.iter().chain(&removed).copied().collect();
-            needed.sort_unstable();
-            if present != needed {
+            let mut required: Vec<_> = kept.iter().chain(&removed).copied().collect();
+            required.sort_unstable();
+            if present != required {
                 return None;
             }
             removed.iter().for_each(|&(a, b)| assert!(walker.links.remove(&(cell(a), cell(b)))));
             walker.links.extend(added.iter().map(|&(a, b)| (cell(a), cell(b))));
-            Some(walker.walk().expect("exactly the needed links are enough"))
+            Some(walker.walk().expect("the required links are enough"))
         })
         .flatten();
     let valid = expected.is_some();
@@ -258,7 +259,7 @@ fn check_variant(path: &Path, region: &Region, placed: PlacedVariant) -> bool {
 
 type Pairs = Vec<(u32, u32)>;
 
-/// The tables of Aali et al. once more, typed independently of the ones under test.
+/// The tables of Aali et al., typed a second time, independently of those under test.
 fn table(variant: Variant) -> (Pairs, Pairs, Pairs) {
     let parse = |text: &str| -> Pairs {
         let digit = |byte: u8| u32::from(byte - b'0');
@@ -283,9 +284,13 @@ fn table(variant: Variant) -> (Pairs, Pairs, Pairs) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 10_000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 10_000,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
-    /// 10,000 paths, 50 pairs and 50 variants on each: a million sites.
+    /// 10,000 paths with 50 pairs and 50 variants each: a million sites.
     #[test]
     fn moves_agree_with_the_walk(seed: u64) {
         sweep(seed, 50, &mut Met::default());
@@ -297,14 +302,15 @@ proptest! {
         let region = random_region(&mut rng);
         let path = random_path(&region, &mut rng);
         let cells = region.grid_len() as Cell;
-        // Each switch applies to the links that the ones before left, unless it is drawn blindly.
+        // Almost every switch applies after those before it; a few need not apply.
         let mut switches = Vec::new();
         let mut walker = Walker::new(&path);
         while switches.len() < length {
             let corner = rng.random_range(0..cells);
             let likely = [Sides::Horizontal, Sides::Vertical].map(|from| Switch::new(corner, from));
             let applies = likely.into_iter().find(|&switch| walker.switch(&region, switch));
-            if let Some(switch) = applies.or_else(|| (rng.random_range(0..50) == 0).then_some(likely[0])) {
+            let any = || (rng.random_range(0..50) == 0).then_some(likely[0]);
+            if let Some(switch) = applies.or_else(any) {
                 switches.push(switch);
             } else if rng.random_range(0..500) == 0 {
                 break;
@@ -325,7 +331,7 @@ fn the_sweep_meets_every_case() {
 }
 
 #[test]
-fn switches_outside_the_plane_are_refused() {
+fn switches_outside_the_grid_are_refused() {
     let region = Region::rectangle(3, 3).unwrap();
     let path = Start::RowZigzag.path(&region, &Control::default()).unwrap();
     for corner in [2, 5, 6, 8, 9, 1_000_000] {
