@@ -1,36 +1,35 @@
-//! Where the cells of a layer lie on the printer's bed.
+//! Position of the cells on the printer's bed.
 
-/// The place and the size of all layers' planes, in the printer's coordinates: x right, y to the
-/// back, z up, in mm.
+/// Position and size of the cell grid that all layers of a part share, in the printer's coordinates:
+/// x to the right, y to the back, z up, in mm.
 ///
-/// All layers of a part share one plane.
-/// Row 0 of it lies at the back, so that a layer printed as a picture looks as it does from above.
+/// Row 0 lies at the back, so that a layer drawn row by row looks as it does from above.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// x of the left side of column 0, in mm.
+    /// x of the left side of column 0 in mm.
     pub left_mm: f64,
-    /// y of the back side of row 0, in mm: the greatest y of the plane.
+    /// y of the back side of row 0 in mm: the maximum y of the grid.
     pub back_mm: f64,
-    /// Side of a cell, in mm: the width of a bead.
+    /// Side of a cell in mm, which is the width of a bead.
     /// More than 0.
     pub cell_mm: f64,
-    /// Height of a layer, in mm.
+    /// Height of a layer in mm.
     /// More than 0.
     pub layer_mm: f64,
-    /// Columns of the plane.
+    /// Width of the grid in cells.
     pub width: u32,
-    /// Rows of the plane.
+    /// Height of the grid in cells.
     pub height: u32,
 }
 
 impl Frame {
-    /// Middle of the cell in column `x` and row `y`: its x and y in mm.
+    /// Centre of the cell in column `x` and row `y`: x and y in mm.
     pub fn centre(&self, x: u32, y: u32) -> [f64; 2] {
-        let middle = |count: u32| (f64::from(count) + 0.5) * self.cell_mm;
-        [self.left_mm + middle(x), self.back_mm - middle(y)]
+        let offset = |count: u32| (f64::from(count) + 0.5) * self.cell_mm;
+        [self.left_mm + offset(x), self.back_mm - offset(y)]
     }
 
-    /// Left, front, right and back side of the plane, in mm.
+    /// Sides of the grid in mm: left, front, right and back.
     pub fn sides_mm(&self) -> [f64; 4] {
         let length = |count: u32| f64::from(count) * self.cell_mm;
         [
@@ -41,12 +40,12 @@ impl Frame {
         ]
     }
 
-    /// The nozzle's z while layer number `layer`, from 0, is printed: the layer's top, in mm.
+    /// Top of a layer in mm, where layers are numbered from 0: z of the nozzle while it is printed.
     pub fn top_mm(&self, layer: usize) -> f64 {
         (layer + 1) as f64 * self.layer_mm
     }
 
-    /// Volume of one cell, in mm³.
+    /// Volume of a cell in mm³.
     pub fn cell_mm3(&self) -> f64 {
         self.cell_mm * self.cell_mm * self.layer_mm
     }

@@ -1,19 +1,47 @@
-//! Parts as layers: meshes sliced into cells, deposition patterns, planned layers as checked
-//! programs, and pictures.
+//! Parts as layers of cells: slicing, deposition patterns, printing, pictures.
 //!
-//! - [`mod@slice`]: meshes cut into layers of cells, and voxels.
-//! - [`Pattern`]: the 38 named deposition orders, each on any region; [`pattern_sheet`] draws them
-//!   all.
-//! - [`print`]: planned layers as the program of a printer, and the check of such a program.
-//! - [`Picture`]: a PNG picture as a layer; each pixel is a cell, each colour a zone, transparent
-//!   pixels lie outside.
-//! - [`svg()`]: layers drawn side by side, with zones in colours, paths on top and crossings in
-//!   red.
+//! - [`mod@slice`]: cuts meshes into layers of cells; [`Voxels`](slice::Voxels) are all layers as an
+//!   array.
+//! - [`Pattern`]: the 38 named deposition orders, for any region; [`pattern_sheet`] draws them all.
+//! - [`print`]: writes planned layers as G-code for Marlin or Klipper, and checks such a program
+//!   from its text.
+//! - [`Picture`]: reads a PNG picture as a layer, and writes one.
+//! - [`svg()`]: draws layers with zones, paths and crossings.
 //!
-//! Meshes come from `beadwork-mesh`; programs are `beadwork-gcode`'s.
-//! Input and output are bytes or text: reading and writing files is up to the caller.
+//! Meshes come from `beadwork-mesh`; G-code is read and emitted by `beadwork-gcode`.
+//!
+//! # Terms
+//! A **cell** is a square one bead wide; a **layer** is a grid of cells of which some belong to the
+//! part.
+//! A **voxel** is a cell with the height of a layer.
+//! A **bead** is a line of extruded material, printed without interruption.
+//! A **material** is the number of the tool that prints it; within a layer, the cells of a material
+//! are a **zone**.
+//! The [`Frame`] is the position of the grid on the printer's bed.
 //!
 //! # Example
+//! A mesh is sliced, and the order of each layer follows a pattern:
+//! ```
+//! use beadwork_base::Control;
+//! use beadwork_mesh::{Body, Model, Solid};
+//! use beadwork_part::Pattern;
+//! use beadwork_part::slice::{self, slice};
+//!
+//! let mesh = Solid::Frustum { sides_mm: [8.0, 4.0], height_mm: 2.0 }.mesh();
+//! let body = Body { name: "frustum".into(), mesh, material: Some(0), paint: Vec::new() };
+//! let model = Model { bodies: vec![body], materials: Vec::new() };
+//!
+//! let settings = slice::Settings { cell_mm: 0.5, layer_mm: 0.25, ..slice::Settings::default() };
+//! let layers = slice(&model, &settings, &Control::default())?;
+//! assert_eq!(layers.voxels().materials().dim(), (8, 16, 16));
+//!
+//! let layer = layers.layers[7].as_ref().expect("the top layer has cells");
+//! let order = Pattern::CONVENTIONAL.order(&layer.region);
+//! assert_eq!(order.len(), layer.region.cell_count() as usize);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A layer is written as a picture and drawn with a path:
 //! ```
 //! use beadwork_base::Control;
 //! use beadwork_grid::{Layout, LayoutSpec, Region, Start};
@@ -21,15 +49,32 @@
 //!
 //! let region = Region::rectangle(20, 10)?;
 //! let zones = LayoutSpec::new(Layout::Stripes).zones(&region, 0)?;
-//! let picture = Picture { region, zones, colours: vec![[200, 0, 0], [0, 200, 0], [0, 0, 200]] };
-//! let back = Picture::from_png(&picture.to_png())?;
-//! assert_eq!(back, picture);
+//! let colours = vec![[200, 0, 0], [0, 200, 0], [0, 0, 200]];
+//! let picture = Picture { region, zones, colours };
+//! assert_eq!(Picture::from_png(&picture.to_png())?, picture);
 //!
-//! let path = Start::RowZigzag.path(&back.region, &Control::default())?;
-//! let panel = Panel { title: "row zigzag", region: &back.region, zones: &back.zones, path: Some(&path), links: &[] };
-//! assert!(svg(&[panel], Some(&back.colours)).starts_with("<svg"));
+//! let Picture { region, zones, colours } = &picture;
+//! let path = Start::RowZigzag.path(region, &Control::default())?;
+//! let panel = Panel { title: "row zigzag", region, zones, path: Some(&path), links: &[] };
+//! assert!(svg(&[panel], Some(colours)).starts_with("<svg"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//! [`print`] has an example of its own.
+//!
+//! # Guarantees
+//! Nothing here does I/O, reads a clock or starts a thread: files are bytes or text.
+//! Results do not depend on the number of threads, and texts not on the machine.
+//! A program that passes [`print::check()`] prints each cell of its layers once, in the order of the
+//! paths.
+//!
+//! # Limits
+//! A part has one bead width; layers have no perimeters, supports or bridges.
+//! Parts thinner than a bead may have no cells.
+//! [`Region::MAX_SIDE`](beadwork_grid::Region::MAX_SIDE) limits the cells of a side,
+//! [`Zones::MAX`](beadwork_grid::Zones::MAX) the number of materials.
+//!
+//! # Features
+//! None.
 #![cfg_attr(
     test,
     allow(clippy::float_cmp, reason = "numbers that are exact in binary are compared as such")

@@ -1,4 +1,4 @@
-//! PNG pictures as layers: one pixel a cell, one colour a zone.
+//! PNG pictures as layers: each pixel is a cell, each colour a zone.
 
 use std::collections::HashMap;
 use std::io::Cursor;
@@ -7,71 +7,73 @@ use beadwork_grid::{Cell, Region, RegionError, Zones};
 use png::{BitDepth, ColorType, Decoder, Encoder, Limits, Transformations};
 use thiserror::Error;
 
-/// A layer that was drawn as a picture.
+/// A layer drawn as a picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
-    /// The pixels that are not transparent.
+    /// The opaque pixels.
     pub region: Region,
-    /// Their zones, numbered by first appearance, row by row.
+    /// Their zones, numbered in the order in which colours appear, row by row.
     pub zones: Zones,
     /// Red, green and blue of each zone.
     pub colours: Vec<[u8; 3]>,
 }
 
-/// Why a picture can't be a layer.
+/// Why a picture could not be read as a layer.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum PictureError {
-    /// It is no PNG file.
-    #[error("it is not a PNG picture")]
+    /// The file is not a PNG picture.
+    #[error("file is not a PNG picture")]
     NotAPng,
-    /// It is a PNG file, but damaged or cut short.
-    #[error("its PNG data are damaged")]
+    /// The file is damaged or truncated.
+    #[error("PNG data are damaged")]
     Damaged(#[source] png::DecodingError),
-    /// It has zero size, more than [`Region::MAX_SIDE`] pixels a side, or no cells: all pixels are
-    /// transparent.
+    /// The picture has no pixels, more than [`Region::MAX_SIDE`] a side, or only transparent ones.
     #[error(transparent)]
     Region(#[from] RegionError),
-    /// It has more colours than there can be zones.
-    #[error("it has more than {max} colours: smooth edges give a colour to every shade", max = Zones::MAX)]
+    /// The picture has more colours than there can be zones.
+    #[error(
+        "picture has more than {max} colours: draw without anti-aliasing, which adds shades at edges",
+        max = Zones::MAX
+    )]
     Colours,
 }
 
-/// Pixels of less opacity lie outside the region: half, so that smoothed outlines end in their
-/// middle.
+/// Minimum alpha of a pixel of the region: half, so that the border of the region runs through the
+/// centre of anti-aliased edges.
 const OPAQUE: u8 = 128;
 
 const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
-/// Bytes that the decoder may take beside the pixels, for palettes and other small parts.
+/// Memory that the decoder may use besides the pixels, for palettes and other small chunks.
 const EXTRA_BYTES: usize = 1 << 20;
 
 impl Picture {
-    /// Reads a picture: every kind of PNG, reduced to 8 bits a channel; of an animation the first
+    /// Reads a picture of any PNG format, reduced to 8 bits per channel; of an animation, the first
     /// frame.
     ///
-    /// Each distinct colour of 8 bits a channel is a zone; how opaque a pixel is only decides
-    /// whether it belongs to the region.
+    /// Each distinct colour is a zone.
+    /// Opacity only decides whether a pixel belongs to the region.
     /// The size is checked before any pixel is decoded.
-    /// Linear in the pixels.
+    /// Linear in the number of pixels.
     pub fn from_png(bytes: &[u8]) -> Result<Self, PictureError> {
         let (width, height) = size(bytes)?;
-        let plane = Region::rectangle(width, height)?;
-        let limits = Limits { bytes: 8 * plane.grid_len() + EXTRA_BYTES };
+        let grid = Region::rectangle(width, height)?;
+        let limits = Limits { bytes: 8 * grid.grid_len() + EXTRA_BYTES };
         let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
-        // Either may be larger than the pixels, and neither says anything about the layer.
+        // Text and colour profiles may be larger than the pixels, and do not affect the layer.
         decoder.set_ignore_text_chunk(true);
         decoder.set_ignore_iccp_chunk(true);
         decoder
             .set_transformations(Transformations::normalize_to_color8() | Transformations::ALPHA);
         let mut reader = decoder.read_info().map_err(PictureError::Damaged)?;
-        let mut pixels = vec![0; 4 * plane.grid_len()];
+        let mut pixels = vec![0; 4 * grid.grid_len()];
         let frame = reader.next_frame(&mut pixels).map_err(PictureError::Damaged)?;
         let channels = frame.color_type.samples();
 
         let mut zone_of: HashMap<[u8; 3], u8> = HashMap::new();
         let mut colours = Vec::new();
-        let mut ids = vec![Zones::OUTSIDE; plane.grid_len()];
+        let mut ids = vec![Zones::OUTSIDE; grid.grid_len()];
         for (id, pixel) in ids.iter_mut().zip(pixels.chunks_exact(channels)) {
             if pixel[channels - 1] < OPAQUE {
                 continue;
@@ -94,8 +96,8 @@ impl Picture {
         Ok(Self { region, zones, colours })
     }
 
-    /// Writes the picture: 8 bits a channel, transparent outside the region.
-    /// Zones beyond the colours are black.
+    /// The picture as a PNG file with 8 bits per channel, transparent outside the region.
+    /// Zones without a colour are black.
     pub fn to_png(&self) -> Vec<u8> {
         let pixel = |cell: Cell| {
             if !self.region.contains(cell) {
@@ -110,19 +112,19 @@ impl Picture {
         let mut encoder = Encoder::new(&mut bytes, self.region.width(), self.region.height());
         encoder.set_color(ColorType::Rgba);
         encoder.set_depth(BitDepth::Eight);
-        let mut writer = encoder.write_header().expect("memory takes all bytes");
-        writer.write_image_data(&pixels).expect("there is one pixel a cell");
-        writer.finish().expect("memory takes all bytes");
+        let mut writer = encoder.write_header().expect("writing to memory cannot fail");
+        writer.write_image_data(&pixels).expect("there is one pixel for each cell");
+        writer.finish().expect("writing to memory cannot fail");
         bytes
     }
 }
 
-/// Width and height from the header, which must come first in a PNG file.
+/// Width and height from the `IHDR` chunk, which must be the first in a PNG file.
 fn size(bytes: &[u8]) -> Result<(u32, u32), PictureError> {
     let header = bytes.strip_prefix(&SIGNATURE).ok_or(PictureError::NotAPng)?;
     let field = |at: usize| {
         let field = header.get(at..at + 4)?;
-        Some(u32::from_be_bytes(field.try_into().expect("it has four bytes")))
+        Some(u32::from_be_bytes(field.try_into().expect("the slice has four bytes")))
     };
     let is_header = header.get(4..8) == Some(b"IHDR");
     match (field(8), field(12)) {
@@ -172,16 +174,15 @@ mod tests {
             .fold(!0, |rest, &byte| (0..8).fold(rest ^ u32::from(byte), |rest, _| shift(rest)))
     }
 
-    /// Makes the checksums of all whole chunks right again, so that damage reaches what lies behind
-    /// them.
-    fn mend(bytes: &mut [u8]) {
+    /// Corrects the checksums of all complete chunks, so that damage is not refused because of them.
+    fn fix_checksums(bytes: &mut [u8]) {
         let mut at = SIGNATURE.len();
         while let Some(length) = bytes.get(at..at + 4) {
             let length = u32::from_be_bytes(length.try_into().unwrap()) as usize;
             let Some(chunk) = bytes.get(at + 4..at + 8 + length) else { break };
             let sum = crc(chunk).to_be_bytes();
-            let Some(place) = bytes.get_mut(at + 8 + length..at + 12 + length) else { break };
-            place.copy_from_slice(&sum);
+            let Some(stored) = bytes.get_mut(at + 8 + length..at + 12 + length) else { break };
+            stored.copy_from_slice(&sum);
             at += 12 + length;
         }
     }
@@ -232,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn one_colour_can_stand_for_transparent() {
+    fn one_colour_can_be_declared_transparent() {
         let with_clear = |colour: ColorType, depth: BitDepth, clear: &'static [u8], data: &[u8]| {
             let mut bytes = Vec::new();
             let mut encoder = Encoder::new(&mut bytes, 2, 1);
@@ -252,20 +253,21 @@ mod tests {
             with_clear(ColorType::Rgb, eight, &[0, 1, 0, 2, 0, 3], &[1, 2, 4, 1, 2, 3]).0,
             [0, 255]
         );
-        // Of 16 bits all count: both pixels have the same colour in 8 bits.
+        // All 16 bits count: both pixels have the same colour in 8 bits.
         assert_eq!(with_clear(ColorType::Grayscale, sixteen, &[5, 1], &[5, 0, 5, 1]).0, [0, 255]);
     }
 
     #[test]
-    fn interlaced_pixels_come_to_their_places() {
-        // Two pixels in a row are two passes of one pixel each: the same data as a column of two.
+    fn interlaced_pixels_are_put_in_order() {
+        // Two interlaced pixels in a row are two passes of one pixel each: the same data as a column
+        // of two pixels.
         let mut bytes = Vec::new();
         let mut encoder = Encoder::new(&mut bytes, 1, 2);
         encoder.set_filter(Filter::NoFilter);
         encoder.write_header().unwrap().write_image_data(&[7, 8]).unwrap();
         bytes[16..24].copy_from_slice(&[0, 0, 0, 2, 0, 0, 0, 1]);
         bytes[28] = 1;
-        mend(&mut bytes);
+        fix_checksums(&mut bytes);
         let picture = Picture::from_png(&bytes).unwrap();
         assert_eq!((picture.region.width(), picture.colours), (2, vec![[7; 3], [8; 3]]));
     }
@@ -276,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn comments_and_profiles_are_passed_over() {
+    fn comments_and_profiles_are_ignored() {
         let good = encode(1, 1, ColorType::Grayscale, BitDepth::Eight, &[3]);
         for name in [b"tEXt", b"iCCP"] {
             let length = EXTRA_BYTES + 100;
@@ -285,22 +287,22 @@ mod tests {
             bytes.extend(name);
             bytes.extend(vec![b'x'; length + 4]);
             bytes.extend(&good[33..]);
-            mend(&mut bytes);
+            fix_checksums(&mut bytes);
             assert_eq!(ids(&bytes), (vec![0], vec![[3; 3]]));
         }
     }
 
     #[test]
-    fn a_header_that_promises_too_much_is_damage() {
+    fn a_header_with_a_wrong_size_is_damage() {
         let mut bytes = encode(1, 1, ColorType::Rgba, BitDepth::Sixteen, &[0; 8]);
         bytes[16..24].copy_from_slice(&[0, 0, 16, 0, 0, 0, 16, 0]);
-        mend(&mut bytes);
+        fix_checksums(&mut bytes);
         let error = Picture::from_png(&bytes).unwrap_err();
         assert!(matches!(error, PictureError::Damaged(_)) && error.source().is_some(), "{error}");
     }
 
     #[test]
-    fn what_is_no_layer_is_refused() {
+    fn invalid_pictures_are_refused() {
         let refused = |bytes: &[u8]| Picture::from_png(bytes).unwrap_err();
         assert!(matches!(refused(b""), PictureError::NotAPng));
         assert!(matches!(refused(b"GIF89a and some more bytes"), PictureError::NotAPng));
@@ -340,8 +342,8 @@ mod tests {
         })
     }
 
-    /// Pictures of other kinds, for the parts of the decoder that they alone reach.
-    fn kinds() -> impl Strategy<Value = Vec<u8>> {
+    /// Pictures of various PNG formats, which reach different parts of the decoder.
+    fn formats() -> impl Strategy<Value = Vec<u8>> {
         let fixed = [
             encode(3, 3, ColorType::Indexed, BitDepth::Eight, &[0, 1, 2, 2, 1, 0, 0, 1, 2]),
             encode(3, 2, ColorType::Indexed, BitDepth::Two, &[0b0001_1000, 0b1001_0000]),
@@ -356,7 +358,7 @@ mod tests {
         #![proptest_config(ProptestConfig { cases: 4_000, failure_persistence: None, ..ProptestConfig::default() })]
 
         #[test]
-        fn writing_and_reading_gives_the_same(bytes in pictures()) {
+        fn a_written_picture_reads_back_equal(bytes in pictures()) {
             if let Ok(picture) = Picture::from_png(&bytes) {
                 prop_assert_eq!(Picture::from_png(&picture.to_png()).unwrap(), picture);
             }
@@ -364,19 +366,19 @@ mod tests {
 
         #[test]
         fn damage_is_never_a_panic(
-            bytes in kinds(),
+            bytes in formats(),
             flips in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..4),
             end: prop::sample::Index,
             cut: bool,
-            mended: bool,
+            has_valid_checksums: bool,
         ) {
             let mut bytes = bytes;
             flips.iter().for_each(|(at, bits)| { let at = at.index(bytes.len()); bytes[at] ^= bits; });
             if cut {
                 bytes.truncate(end.index(bytes.len()));
             }
-            if mended {
-                mend(&mut bytes);
+            if has_valid_checksums {
+                fix_checksums(&mut bytes);
             }
             let _ = Picture::from_png(&bytes);
         }

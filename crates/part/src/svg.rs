@@ -1,26 +1,26 @@
-//! Layers drawn as SVG, for people: zones in colours, paths on top, crossings in red.
+//! Drawings of layers as SVG: zones in colours, paths on top, crossings in red.
 
 use std::fmt::{self, Write};
 
 use beadwork_grid::{Cell, Path, Region, Zones};
 
-/// A layer to be drawn.
+/// A layer to draw.
 #[derive(Clone, Copy, Debug)]
 pub struct Panel<'a> {
-    /// Text above it.
+    /// Text above the layer.
     pub title: &'a str,
-    /// Its cells.
+    /// The cells.
     pub region: &'a Region,
-    /// Their zones.
+    /// The zone of each cell.
     pub zones: &'a Zones,
-    /// Its path, if it has one.
+    /// The path, if there is one.
     pub path: Option<&'a Path>,
-    /// Links to draw beside it, each between two neighbours: what is not yet a path.
+    /// Further links to draw, each between two adjacent cells: those of an incomplete path.
     pub links: &'a [[Cell; 2]],
 }
 
-/// Colours that people with any colour vision tell apart, after Okabe and Ito, lightened for the
-/// dark path to stand out.
+/// Colours of the first zones: the palette of Okabe and Ito, which people with any colour vision can
+/// distinguish, lightened so that the dark path stands out.
 const PALETTE: [[u8; 3]; 8] = [
     [250, 208, 128],
     [173, 216, 240],
@@ -32,59 +32,60 @@ const PALETTE: [[u8; 3]; 8] = [
     [212, 212, 212],
 ];
 
-/// Of all text.
+/// Attributes of all text.
 pub(crate) const FONT: &str = r#"font-family="Helvetica, Arial, sans-serif""#;
 
 pub(crate) const PATH_COLOUR: &str = "#1d2126";
 const OUTSIDE_COLOUR: &str = "#e9ecef";
 const CROSSING_COLOUR: &str = "#e0001b";
 
-// All in pixels.
-/// Longer side of a panel that cells are scaled to; whole pixels a cell keep the edges of zones
-/// sharp.
+/// Panels in a row; more of them would be too small on a screen.
+const PANELS_PER_ROW: usize = 3;
+
+// All lengths are in pixels.
+/// Approximate length of the longer side of a panel.
+/// Cells are a whole number of pixels, so that the edges of zones are sharp.
 const PANEL_SIDE: f64 = 480.0;
-const SMALLEST_CELL: f64 = 4.0;
-/// More of them would be small on any screen.
-const PANELS_A_ROW: usize = 3;
-/// A layer of a few cells is no poster.
-const LARGEST_CELL: f64 = 48.0;
+const MIN_CELL: f64 = 4.0;
+/// Keeps layers of a few cells from filling the screen.
+const MAX_CELL: f64 = 48.0;
 const MARGIN: f64 = 16.0;
 const TITLE_HEIGHT: f64 = 28.0;
-/// Width of a wide letter of a title.
+/// Width of a wide letter in a title.
 const LETTER: f64 = 9.0;
 
-/// Widths of lines and diameters of marks: so many cells, but at least so many pixels.
+// Widths of lines and diameters of marks: in cells, and the minimum in pixels.
 const PATH_WIDTH: (f64, f64) = (0.14, 1.3);
 const CROSSING_WIDTH: (f64, f64) = (0.3, 2.4);
 const MARK_WIDTH: (f64, f64) = (0.6, 6.0);
 
-/// Draws layers side by side, three in a row, all to one scale.
+/// Draws layers side by side, three in a row, all on the same scale.
 ///
-/// Zones are filled with their `colours`, lightened, or with a palette where there are none.
-/// Pieces of a path begin with a ring and end with a dot; steps between zones are red.
-/// The text is the same on every machine; its length grows with the bends of the paths and the
-/// outlines of the zones.
+/// Zones are filled with their `colours`, lightened, or with colours of a palette where there are
+/// none.
+/// Each piece of a path begins with a ring and ends with a dot; steps between zones are red.
+/// The output does not depend on the machine; its length is linear in the bends of the paths and
+/// the cells on the borders of zones.
 ///
 /// # Panics
-/// If a path visits cells that its panel's zones do not have.
+/// If a path visits cells outside the grid of its panel's zones.
 pub fn svg(panels: &[Panel<'_>], colours: Option<&[[u8; 3]]>) -> String {
     let mut text = String::new();
-    write_svg(&mut text, panels, colours).expect("a string takes all text");
+    write_svg(&mut text, panels, colours).expect("writing to a string cannot fail");
     text
 }
 
 fn write_svg(out: &mut String, panels: &[Panel<'_>], colours: Option<&[[u8; 3]]>) -> fmt::Result {
     let widest = panels.iter().map(|panel| panel.region.width()).max().unwrap_or(1);
     let tallest = panels.iter().map(|panel| panel.region.height()).max().unwrap_or(1);
-    let cell =
-        (PANEL_SIDE / f64::from(widest.max(tallest))).round().clamp(SMALLEST_CELL, LARGEST_CELL);
-    // A title may be longer than its layer is wide.
-    let room = |panel: &Panel<'_>| {
+    let cell = (PANEL_SIDE / f64::from(widest.max(tallest))).round().clamp(MIN_CELL, MAX_CELL);
+    // A title may be wider than its layer.
+    let panel_width = |panel: &Panel<'_>| {
         let title = LETTER * panel.title.chars().count() as f64;
         title.max(cell * f64::from(panel.region.width())) + MARGIN
     };
-    let rows = panels.chunks(PANELS_A_ROW);
-    let row_width = |row: &[Panel<'_>]| MARGIN + row.iter().map(room).sum::<f64>();
+    let rows = panels.chunks(PANELS_PER_ROW);
+    let row_width = |row: &[Panel<'_>]| MARGIN + row.iter().map(panel_width).sum::<f64>();
     let width = rows.clone().map(row_width).fold(MARGIN, f64::max);
     let row_height = TITLE_HEIGHT + cell * f64::from(tallest) + MARGIN;
     let height = row_height * rows.len().max(1) as f64;
@@ -100,7 +101,7 @@ fn write_svg(out: &mut String, panels: &[Panel<'_>], colours: Option<&[[u8; 3]]>
             let title = escape(panel.title);
             let style = r#"font-size="15" fill="black""#;
             writeln!(out, r#"<text x="{left}" y="{}" {FONT} {style}>{title}</text>"#, top - 10.0)?;
-            // One unit is a cell: the panel's own coordinates stay whole and short.
+            // Within a panel the unit is a cell, so coordinates are short.
             writeln!(out, r#"<g transform="translate({left} {top}) scale({cell})">"#)?;
             write_zones(out, panel, colours)?;
             write_links(out, panel, cell)?;
@@ -108,18 +109,18 @@ fn write_svg(out: &mut String, panels: &[Panel<'_>], colours: Option<&[[u8; 3]]>
                 write_path(out, panel, path, cell)?;
             }
             writeln!(out, "</g>")?;
-            left += room(panel);
+            left += panel_width(panel);
         }
     }
     writeln!(out, "</svg>")
 }
 
-/// One shape for each zone, made of runs of cells along the rows.
+/// Writes one shape for each zone, made of runs of cells along the rows.
 fn write_zones(out: &mut String, panel: &Panel<'_>, colours: Option<&[[u8; 3]]>) -> fmt::Result {
     let Panel { region, zones, .. } = panel;
     let width = region.width() as usize;
     if !region.is_rectangle() {
-        // A white zone must be told from what lies outside.
+        // Cells outside are grey, because a zone may be white.
         writeln!(
             out,
             r#"<rect width="{width}" height="{}" fill="{OUTSIDE_COLOUR}"/>"#,
@@ -142,23 +143,23 @@ fn write_zones(out: &mut String, panel: &Panel<'_>, colours: Option<&[[u8; 3]]>)
     }
     for (zone, shape) in shapes.iter().enumerate().filter(|(_, shape)| !shape.is_empty()) {
         let [red, green, blue] = colour(zone, colours);
-        // Without the hairline, viewers let the white shine through between the rows.
+        // Without this thin outline, viewers show white lines between the rows.
         let style = format!("#{red:02x}{green:02x}{blue:02x}");
         writeln!(out, r#"<path fill="{style}" stroke="{style}" stroke-width=".04" d="{shape}"/>"#)?;
     }
     Ok(())
 }
 
-/// Of all lines.
+/// Attributes of all lines.
 pub(crate) const STROKE: &str = r#"fill="none" stroke-linecap="round" stroke-linejoin="round""#;
 
-/// A width in cells, of which one is `cell` pixels.
-fn wide((cells, pixels): (f64, f64), cell: f64) -> f64 {
+/// The width of a line in cells, given in cells and minimum pixels; a cell is `cell` pixels wide.
+fn line_width((cells, pixels): (f64, f64), cell: f64) -> f64 {
     let hundredths = (100.0 * cells.max(pixels / cell)).round();
     hundredths / 100.0
 }
 
-/// Links one by one, those between zones on top.
+/// Writes links one by one, those between zones on top.
 fn write_links(out: &mut String, panel: &Panel<'_>, cell: f64) -> fmt::Result {
     type Links<'a> = Vec<&'a [Cell; 2]>;
     let is_crossing = |link: &&[Cell; 2]| panel.zones.id(link[0]) != panel.zones.id(link[1]);
@@ -171,7 +172,7 @@ fn write_links(out: &mut String, panel: &Panel<'_>, cell: f64) -> fmt::Result {
             write_line(&mut line, panel.region, &link[..])?;
         }
         if !line.is_empty() {
-            let width = wide(width, cell);
+            let width = line_width(width, cell);
             writeln!(
                 out,
                 r#"<path {STROKE} stroke="{colour}" stroke-width="{width}" d="{line}"/>"#
@@ -181,10 +182,10 @@ fn write_links(out: &mut String, panel: &Panel<'_>, cell: f64) -> fmt::Result {
     Ok(())
 }
 
-/// The path with its crossings and ends, where one cell is `cell` pixels.
+/// Writes a path with its crossings and the ends of its pieces; a cell is `cell` pixels wide.
 fn write_path(out: &mut String, panel: &Panel<'_>, path: &Path, cell: f64) -> fmt::Result {
     let (region, zones) = (panel.region, panel.zones);
-    let wide = |width: (f64, f64)| wide(width, cell);
+    let line_width = |width: (f64, f64)| line_width(width, cell);
     let mut line = String::new();
     let mut crossings = String::new();
     let mut starts = String::new();
@@ -197,20 +198,21 @@ fn write_path(out: &mut String, panel: &Panel<'_>, path: &Path, cell: f64) -> fm
         }
         for (cell, marks) in [(first, &mut starts), (last, &mut ends)] {
             let (x, y) = centre(region, cell);
-            // A line of no length with round ends is a disc.
+            // A line of length 0 with round caps is a disc.
             write!(marks, "M{x} {y}h0")?;
         }
     }
-    let width = wide(PATH_WIDTH);
+    let width = line_width(PATH_WIDTH);
     writeln!(out, r#"<path {STROKE} stroke="{PATH_COLOUR}" stroke-width="{width}" d="{line}"/>"#)?;
     if !crossings.is_empty() {
-        let width = wide(CROSSING_WIDTH);
+        let width = line_width(CROSSING_WIDTH);
         writeln!(
             out,
             r#"<path {STROKE} stroke="{CROSSING_COLOUR}" stroke-width="{width}" d="{crossings}"/>"#
         )?;
     }
-    let (mark, hole) = (wide(MARK_WIDTH), wide((MARK_WIDTH.0 * 0.6, MARK_WIDTH.1 * 0.6)));
+    let (mark, hole) =
+        (line_width(MARK_WIDTH), line_width((MARK_WIDTH.0 * 0.6, MARK_WIDTH.1 * 0.6)));
     writeln!(
         out,
         r#"<path {STROKE} stroke="{PATH_COLOUR}" stroke-width="{mark}" d="{ends}{starts}"/>"#
@@ -218,11 +220,12 @@ fn write_path(out: &mut String, panel: &Panel<'_>, path: &Path, cell: f64) -> fm
     writeln!(out, r#"<path {STROKE} stroke="white" stroke-width="{hole}" d="{starts}"/>"#)
 }
 
-/// Moves to the first cell and on along the others, straight stretches as one stroke.
+/// Appends path commands through the centres of the cells, one for each straight stretch.
 fn write_line(out: &mut String, region: &Region, cells: &[Cell]) -> fmt::Result {
     let (x, y) = centre(region, cells[0]);
     write!(out, "M{x} {y}")?;
-    // Cells are numbered row by row, so a straight stretch is one of equal steps.
+    // Cells are numbered row by row, so the cell numbers along a straight stretch differ by the same
+    // amount.
     let step = |pair: &[Cell]| i64::from(pair[1]) - i64::from(pair[0]);
     let steps: Vec<i64> = cells.windows(2).map(step).collect();
     for stretch in steps.chunk_by(|a, b| a == b) {
@@ -238,18 +241,19 @@ fn centre(region: &Region, cell: Cell) -> (f64, f64) {
     (f64::from(x) + 0.5, f64::from(y) + 0.5)
 }
 
-/// The fill of a zone: light enough for the path to stand out.
+/// The fill colour of a zone, light enough for the path to stand out.
 fn colour(zone: usize, colours: Option<&[[u8; 3]]>) -> [u8; 3] {
-    if let Some(own) = colours.and_then(|colours| colours.get(zone)) {
-        return own.map(|channel| 255 - (u16::from(255 - channel) * 2 / 5) as u8);
+    if let Some(given) = colours.and_then(|colours| colours.get(zone)) {
+        return given.map(|channel| 255 - (u16::from(255 - channel) * 2 / 5) as u8);
     }
-    PALETTE.get(zone).copied().unwrap_or_else(|| drawn_colour(zone - PALETTE.len()))
+    PALETTE.get(zone).copied().unwrap_or_else(|| generated_colour(zone - PALETTE.len()))
 }
 
-/// Light colours for zones beyond the palette.
-/// Hues about a golden angle apart differ much from number to number and come back only after 3600;
-/// three grades of lightness keep those apart whose hues come close.
-fn drawn_colour(number: usize) -> [u8; 3] {
+/// A light colour for a zone beyond the palette, distinct for each number below 3600.
+///
+/// Successive hues are about a golden angle apart, so neighbouring numbers look different; three
+/// levels of lightness separate the colours whose hues are close.
+fn generated_colour(number: usize) -> [u8; 3] {
     let hue = (number * 1_379 % 3_600) as f64 / 600.0;
     let (low, high) = [(165.0, 250.0), (130.0, 215.0), (185.0, 235.0)][number % 3];
     let channel = |peak: f64| {
@@ -259,7 +263,7 @@ fn drawn_colour(number: usize) -> [u8; 3] {
     [channel(0.0), channel(2.0), channel(4.0)]
 }
 
-/// Text as it may stand in XML, which has no way to write control characters.
+/// Escapes text for XML; control characters, which XML cannot represent, are replaced.
 fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
@@ -316,13 +320,13 @@ mod tests {
                 Panel { title: "", region: &region, zones: &zones, path: Some(&path), links: &[] };
             let drawing = svg(&[panel, Panel { path: None, ..panel }], None);
             let red = drawing.lines().find(|line| line.contains(CROSSING_COLOUR)).unwrap();
-            let strokes = red.split(" d=\"").nth(1).unwrap().matches('M').count();
-            assert_eq!(strokes, Crossings::new(&region, &zones).count(&path) as usize);
+            let crossings = red.split(" d=\"").nth(1).unwrap().matches('M').count();
+            assert_eq!(crossings, Crossings::new(&region, &zones).count(&path) as usize);
         }
     }
 
     #[test]
-    fn thin_layers_and_many_pieces() {
+    fn thin_layers_and_paths_of_several_pieces() {
         let column = Region::rectangle(1, 5).unwrap();
         let zones = LayoutSpec::new(Layout::TopBottom).zones(&column, 0).unwrap();
         let path = Start::RowZigzag.path(&column, &Control::default()).unwrap();
@@ -344,7 +348,7 @@ mod tests {
         );
     }
 
-    /// Whether every tag is closed, the innermost first, and no other markup stands between them.
+    /// Whether all tags are closed in the right order and the text between them has no markup.
     fn is_balanced(drawing: &str) -> bool {
         let mut open = Vec::new();
         for tag in drawing.split('<').skip(1) {
@@ -382,7 +386,7 @@ mod tests {
     }
 
     #[test]
-    fn panels_keep_their_places_and_sizes() {
+    fn panels_have_expected_positions_and_sizes() {
         let size = |width: u32, height: u32, title: &str| {
             let region = Region::rectangle(width, height).unwrap();
             let zones = Zones::new(&region, vec![0; region.grid_len()]).unwrap();
@@ -394,22 +398,26 @@ mod tests {
         };
         assert_eq!(size(30, 30, ""), (16 + 2 * 496, 28 + 480 + 16));
         assert_eq!(size(130, 130, ""), (16 + 2 * 536, 28 + 520 + 16));
-        assert_eq!(size(1, 96, ""), (16 + 2 * 21, 28 + 480 + 16), "a tall layer is no tower");
+        assert_eq!(
+            size(1, 96, ""),
+            (16 + 2 * 21, 28 + 480 + 16),
+            "cells of a tall layer are small"
+        );
         assert_eq!(
             size(1, 1, "a title of 21 letters"),
             (16 + 2 * 205, 28 + 48 + 16),
-            "titles don't overlap"
+            "titles do not overlap"
         );
     }
 
     #[test]
-    fn every_zone_has_a_light_colour_of_its_own() {
+    fn all_zones_have_different_light_colours() {
         let mut fills: Vec<[u8; 3]> =
             (0..Zones::MAX as usize).map(|zone| colour(zone, None)).collect();
         assert!(fills.iter().flatten().all(|&channel| channel >= 120));
         fills.sort_unstable();
         fills.dedup();
         assert_eq!(fills.len(), Zones::MAX as usize);
-        assert_eq!(colour(1, Some(&[[0; 3]])), PALETTE[1], "a zone beyond the given colours");
+        assert_eq!(colour(1, Some(&[[0; 3]])), PALETTE[1], "a zone without a given colour");
     }
 }

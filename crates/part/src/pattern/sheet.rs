@@ -1,14 +1,14 @@
-//! All patterns on one sheet, for people.
+//! A drawing of all patterns.
 
 use std::fmt::{self, Write};
 
 use beadwork_grid::{Cell, Region};
 
-use super::Pattern;
+use super::table::Pattern;
 use crate::svg::{FONT, PATH_COLOUR, STROKE};
 
-/// A small layer with what orders differ in: a slanted side, a notch and a hole of more than one
-/// cell.
+/// A small layer with features that orders treat differently: a slanted side, a notch, and a hole of
+/// several cells.
 const LAYER: [&str; 10] = [
     "..##########",
     ".###########",
@@ -27,39 +27,40 @@ const JUMP_COLOUR: &str = "#949da8";
 const START_COLOUR: &str = "#00915c";
 const END_COLOUR: &str = "#e0001b";
 
-/// Two rows of four make a family of eight: with eight in a row, each family has a row of its own.
-const A_ROW: usize = 8;
+/// Thumbnails in a row.
+/// Families have eight patterns or four, so with eight each row starts with a new family.
+const PER_ROW: usize = 8;
 
 // In pixels.
 const CELL: u32 = 13;
 const GAP: u32 = 22;
 const TITLE_HEIGHT: u32 = 24;
-const KEY_HEIGHT: u32 = 30;
+const LEGEND_HEIGHT: u32 = 30;
 
 // In cells.
 const LINE_WIDTH: f64 = 0.14;
 const JUMP_WIDTH: f64 = 0.08;
 const MARK_WIDTH: f64 = 0.62;
 
-/// Draws all 38 patterns on one small layer, as SVG: number, name, and the line from the first
-/// cell, green, to the last, red.
+/// Draws all 38 patterns on a small layer, as SVG: number, name, and the path from the first cell
+/// (green) to the last (red).
 ///
-/// Steps between cells that touch, at a side or a corner, are drawn through; longer jumps thin,
-/// grey and dashed.
-/// The text is the same on every machine.
+/// Steps between cells that touch at a side or a corner are solid lines; longer jumps are thin, grey
+/// and dashed.
+/// The output does not depend on the machine.
 pub fn pattern_sheet() -> String {
     let mut text = String::new();
-    write_sheet(&mut text).expect("a string takes all text");
+    write_sheet(&mut text).expect("writing to a string cannot fail");
     text
 }
 
 fn write_sheet(out: &mut String) -> fmt::Result {
     let mask = LAYER.iter().flat_map(|row| row.bytes().map(|cell| cell == b'#')).collect();
     let region = Region::from_mask(LAYER[0].len() as u32, LAYER.len() as u32, mask)
-        .expect("the drawn layer is a rectangle of characters");
+        .expect("the rows are equally long and have cells");
     let (across, down) = (region.width() * CELL + GAP, region.height() * CELL + GAP + TITLE_HEIGHT);
-    let width = GAP + A_ROW as u32 * across;
-    let height = Pattern::COUNT.div_ceil(A_ROW) as u32 * down + KEY_HEIGHT;
+    let width = GAP + PER_ROW as u32 * across;
+    let height = Pattern::COUNT.div_ceil(PER_ROW) as u32 * down + LEGEND_HEIGHT;
     writeln!(
         out,
         r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}">"#
@@ -67,7 +68,7 @@ fn write_sheet(out: &mut String) -> fmt::Result {
     writeln!(out, r#"<rect width="100%" height="100%" fill="white"/>"#)?;
     write_defs(out, &region)?;
     for pattern in Pattern::ALL {
-        let (row, column) = (pattern.number() / A_ROW, pattern.number() % A_ROW);
+        let (row, column) = (pattern.number() / PER_ROW, pattern.number() % PER_ROW);
         let (left, top) =
             (GAP + column as u32 * across, row as u32 * down + GAP / 2 + TITLE_HEIGHT);
         writeln!(
@@ -80,11 +81,11 @@ fn write_sheet(out: &mut String) -> fmt::Result {
         write_pattern(out, &region, &pattern.order(&region))?;
         writeln!(out, "</g>")?;
     }
-    write_key(out, height - KEY_HEIGHT / 2)?;
+    write_legend(out, height - LEGEND_HEIGHT / 2)?;
     writeln!(out, "</svg>")
 }
 
-/// The layer itself, drawn once and used by each thumbnail.
+/// The shape of the layer, defined once and used by each thumbnail.
 fn write_defs(out: &mut String, region: &Region) -> fmt::Result {
     let mut shape = String::new();
     for y in 0..region.height() {
@@ -138,16 +139,16 @@ fn write_pattern(out: &mut String, region: &Region, order: &[Cell]) -> fmt::Resu
     Ok(())
 }
 
-/// Moves to the first cell and on along the others, straight stretches as one stroke.
+/// Appends path commands through the centres of the cells, one for each straight stretch.
 fn write_line(out: &mut String, region: &Region, cells: &[Cell]) -> fmt::Result {
-    let place = |cell: Cell| {
+    let position = |cell: Cell| {
         let (x, y) = region.xy(cell);
         (x as i32, y as i32)
     };
-    let (x, y) = place(cells[0]);
+    let (x, y) = position(cells[0]);
     write!(out, "M{x}.5 {y}.5")?;
     let step = |pair: &[Cell]| {
-        let ((ax, ay), (bx, by)) = (place(pair[0]), place(pair[1]));
+        let ((ax, ay), (bx, by)) = (position(pair[0]), position(pair[1]));
         (bx - ax, by - ay)
     };
     let steps: Vec<(i32, i32)> = cells.windows(2).map(step).collect();
@@ -162,10 +163,10 @@ fn write_line(out: &mut String, region: &Region, cells: &[Cell]) -> fmt::Result 
     Ok(())
 }
 
-/// What dots and lines mean, at the height `y`.
-fn write_key(out: &mut String, y: u32) -> fmt::Result {
+/// The legend, centred on the height `y`.
+fn write_legend(out: &mut String, y: u32) -> fmt::Result {
     let text = format!(r##"{FONT} font-size="13" fill="#6b7480""##);
-    // Not every viewer knows how to centre text on a height.
+    // Not all viewers support vertical centring of text.
     let baseline = y + 5;
     let dot = MARK_WIDTH * f64::from(CELL);
     let mut x = GAP;
@@ -187,8 +188,8 @@ fn write_key(out: &mut String, y: u32) -> fmt::Result {
 mod tests {
     use super::*;
 
-    /// The committed picture is what this code draws.
-    /// To draw it anew: `BEADWORK_BLESS=1 cargo test -p beadwork-part sheet`.
+    /// Compares the committed picture with the output.
+    /// To update it: `BEADWORK_BLESS=1 cargo test -p beadwork-part sheet`.
     #[test]
     fn the_committed_sheet_is_up_to_date() {
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/pictures/patterns.svg");

@@ -1,63 +1,34 @@
-//! Orders of a whole plane, as seen from the corner where they begin.
+//! Orders of all cells of a grid, in the coordinates of a [`View`](super::view::View): u along the
+//! lines, v across them, from corner (0, 0).
 
-use beadwork_grid::{Cell, Region};
-
-/// An order of a plane from its corner (0, 0), with lines along the first coordinate.
+/// An order of a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sweep {
+    /// Lines along u, back and forth; even lines run forwards.
     Zigzag,
-    /// With the odd lines forwards: of a rectangle without its outline, the first one left.
+    /// As [`Sweep::Zigzag`], but odd lines run forwards.
+    /// It fills what an outline leaves: of a rectangle, line 1 is then the first one left.
     InnerZigzag,
+    /// Lines along u, all forwards.
     Raster,
+    /// Rings from the outside inwards.
     SpiralIn,
-    /// Visited as [`Sweep::SpiralIn`] is: the caller reverses it.
+    /// Visited as [`Sweep::SpiralIn`]: the caller reverses the order.
     SpiralOut,
+    /// Diagonals, back and forth.
     Diagonal,
 }
 
-/// A plane as seen from one of its corners: u runs along the lines, v across them, both from 0 in
-/// that corner.
-///
-/// All orders are made in this view, so that those from other corners and along the other axis are
-/// exact mirror images.
-pub(super) struct View {
-    /// Number of places along u.
-    pub(super) width: u32,
-    /// Number of places along v.
-    pub(super) height: u32,
-    transposed: bool,
-    from_right: bool,
-    from_below: bool,
-    plane_width: u32,
-    plane_height: u32,
-}
-
-impl View {
-    pub(super) fn new(region: &Region, transposed: bool, corner: u8) -> Self {
-        let (plane_width, plane_height) = (region.width(), region.height());
-        let (width, height) =
-            if transposed { (plane_height, plane_width) } else { (plane_width, plane_height) };
-        let (from_right, from_below) = (corner & 1 != 0, corner & 2 != 0);
-        Self { width, height, transposed, from_right, from_below, plane_width, plane_height }
-    }
-
-    /// The cell at a place of the view.
-    pub(super) fn cell(&self, u: u32, v: u32) -> Cell {
-        let (x, y) = if self.transposed { (v, u) } else { (u, v) };
-        let x = if self.from_right { self.plane_width - 1 - x } else { x };
-        let y = if self.from_below { self.plane_height - 1 - y } else { y };
-        y * self.plane_width + x
-    }
-}
-
-/// Visits each place of a plane once.
-pub(super) fn sweep(sweep: Sweep, width: u32, height: u32, visit: impl FnMut(u32, u32)) {
-    match sweep {
-        Sweep::Zigzag => zigzag(width, height, 0, visit),
-        Sweep::InnerZigzag => zigzag(width, height, 1, visit),
-        Sweep::Raster => raster(width, height, visit),
-        Sweep::SpiralIn | Sweep::SpiralOut => spiral(width, height, visit),
-        Sweep::Diagonal => diagonal(width, height, visit),
+impl Sweep {
+    /// Calls `visit` once with each (u, v) of a grid.
+    pub(super) fn for_each(self, width: u32, height: u32, visit: impl FnMut(u32, u32)) {
+        match self {
+            Self::Zigzag => zigzag(width, height, 0, visit),
+            Self::InnerZigzag => zigzag(width, height, 1, visit),
+            Self::Raster => raster(width, height, visit),
+            Self::SpiralIn | Self::SpiralOut => spiral(width, height, visit),
+            Self::Diagonal => diagonal(width, height, visit),
+        }
     }
 }
 
@@ -67,7 +38,7 @@ fn raster(width: u32, height: u32, mut visit: impl FnMut(u32, u32)) {
     }
 }
 
-/// The lines whose number leaves the remainder `forwards` by 2 run forwards, the others back.
+/// Lines with v % 2 equal to `forwards` run forwards, the others backwards.
 fn zigzag(width: u32, height: u32, forwards: u32, mut visit: impl FnMut(u32, u32)) {
     for v in 0..height {
         if v % 2 == forwards {
@@ -78,7 +49,9 @@ fn zigzag(width: u32, height: u32, forwards: u32, mut visit: impl FnMut(u32, u32
     }
 }
 
-/// Ring by ring; the innermost may be a single line.
+/// Ring by ring, each one along its top, right, bottom and left side.
+/// The innermost ring may be a single line, which must not be visited once forwards and once
+/// backwards.
 fn spiral(width: u32, height: u32, mut visit: impl FnMut(u32, u32)) {
     for ring in 0..width.min(height).div_ceil(2) {
         let (right, bottom) = (width - 1 - ring, height - 1 - ring);
@@ -93,7 +66,7 @@ fn spiral(width: u32, height: u32, mut visit: impl FnMut(u32, u32)) {
     }
 }
 
-/// Lines of equal u + v: the odd ones with rising v.
+/// Diagonals of equal u + v; v increases along the odd ones.
 fn diagonal(width: u32, height: u32, mut visit: impl FnMut(u32, u32)) {
     for sum in 0..width + height - 1 {
         let lines = sum.saturating_sub(width - 1)..=sum.min(height - 1);

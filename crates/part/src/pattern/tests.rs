@@ -1,14 +1,14 @@
-//! The fast orders against slow ones that are plain to see.
+//! Orders compared with those of a slow and simple implementation.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use beadwork_grid::RegionShape;
+use beadwork_grid::{Cell, Region, RegionShape};
 use proptest::prelude::*;
 
 use super::*;
 
-/// Which way a pattern's name says it goes: family, axis, corner.
-fn words(pattern: Pattern) -> (&'static str, &'static str, u8) {
+/// Family, axis and corner of a pattern, from its name.
+fn parts_of_name(pattern: Pattern) -> (&'static str, &'static str, u8) {
     let (rest, corner) = pattern.name().rsplit_once('-').unwrap();
     let (family, axis) = match rest.rsplit_once('-') {
         Some((family, axis @ ("x" | "y"))) => (family, axis),
@@ -21,34 +21,36 @@ fn named(name: &str) -> Pattern {
     name.parse().unwrap()
 }
 
-/// A place as seen from the pattern's corner, along its axis and across.
+/// Coordinates of a cell as seen from the pattern's corner: along its axis and across.
 fn seen(pattern: Pattern, region: &Region, cell: Cell) -> (i64, i64) {
-    let (_, axis, corner) = words(pattern);
+    let (_, axis, corner) = parts_of_name(pattern);
     let (x, y) = region.xy(cell);
     let x = if corner & 1 == 0 { x } else { region.width() - 1 - x };
     let y = if corner & 2 == 0 { y } else { region.height() - 1 - y };
     if axis == "x" { (x.into(), y.into()) } else { (y.into(), x.into()) }
 }
 
-/// The place's cell: the reverse of [`seen`].
-fn shown(pattern: Pattern, region: &Region, place: (i64, i64)) -> Option<Cell> {
+/// The cell at coordinates of [`seen`].
+fn cell_at(pattern: Pattern, region: &Region, position: (i64, i64)) -> Option<Cell> {
     let cells = 0..region.grid_len() as Cell;
-    cells.into_iter().find(|&cell| seen(pattern, region, cell) == place)
+    cells.into_iter().find(|&cell| seen(pattern, region, cell) == position)
 }
 
-/// Lines, spirals and diagonals of the cells that are not taken, without a thought for speed.
+/// Lines, spirals and diagonals of the cells that are not taken.
 fn slow_sweep(pattern: Pattern, region: &Region, taken: &BTreeSet<Cell>) -> Vec<Cell> {
-    let (family, _, _) = words(pattern);
+    let (family, _, _) = parts_of_name(pattern);
     let mut cells: Vec<Cell> = (0..region.grid_len() as Cell).collect();
-    let place = |cell: Cell| seen(pattern, region, cell);
+    let position = |cell: Cell| seen(pattern, region, cell);
     match family {
         "zigzag" | "contour-zigzag" => cells.sort_by_key(|&cell| {
-            let (u, v) = place(cell);
+            let (u, v) = position(cell);
             (v, if (v % 2 == 0) == (family == "zigzag") { u } else { -u })
         }),
-        "raster" | "contour-raster" => cells.sort_by_key(|&cell| (place(cell).1, place(cell).0)),
+        "raster" | "contour-raster" => {
+            cells.sort_by_key(|&cell| (position(cell).1, position(cell).0))
+        }
         "diagonal" => cells.sort_by_key(|&cell| {
-            let (u, v) = place(cell);
+            let (u, v) = position(cell);
             (u + v, if (u + v) % 2 == 1 { v } else { u })
         }),
         _ => cells = slow_spiral(pattern, region, family == "spiral-out"),
@@ -57,16 +59,16 @@ fn slow_sweep(pattern: Pattern, region: &Region, taken: &BTreeSet<Cell>) -> Vec<
     cells
 }
 
-/// A walker that turns right before walls and its own trail.
+/// A walk that turns right at the border of the grid and at its own trail.
 fn slow_spiral(pattern: Pattern, region: &Region, outward: bool) -> Vec<Cell> {
-    let (mut place, mut heading) = ((0, 0), (1, 0));
-    let mut trail = vec![shown(pattern, region, place).unwrap()];
+    let (mut position, mut heading) = ((0, 0), (1, 0));
+    let mut trail = vec![cell_at(pattern, region, position).unwrap()];
     let mut turns = 0;
     while turns < 2 {
-        let ahead = (place.0 + heading.0, place.1 + heading.1);
-        if let Some(cell) = shown(pattern, region, ahead).filter(|cell| !trail.contains(cell)) {
+        let ahead = (position.0 + heading.0, position.1 + heading.1);
+        if let Some(cell) = cell_at(pattern, region, ahead).filter(|cell| !trail.contains(cell)) {
             trail.push(cell);
-            place = ahead;
+            position = ahead;
             turns = 0;
         } else {
             heading = (-heading.1, heading.0);
@@ -79,8 +81,8 @@ fn slow_spiral(pattern: Pattern, region: &Region, outward: bool) -> Vec<Cell> {
     trail
 }
 
-/// The outlines from the corners of cells: directed edges in a map, glued at their ends with the
-/// sharpest left turn.
+/// The outlines from directed edges between the corner points of cells, joined at their ends with
+/// the sharpest left turn.
 fn slow_outlines(pattern: Pattern, region: &Region) -> Vec<Cell> {
     let inside: BTreeSet<(i64, i64)> =
         region.cells().map(|cell| seen(pattern, region, cell)).collect();
@@ -107,7 +109,7 @@ fn slow_outlines(pattern: Pattern, region: &Region) -> Vec<Cell> {
         _ => (u - 1, v - 1),
     };
     let mut loops: BTreeMap<_, Vec<Vec<(i64, i64)>>> = BTreeMap::new();
-    // Row by row, as the rule for cells that are passed twice asks.
+    // Row by row, because a cell that is visited twice belongs to the outline found first.
     let mut firsts: Vec<_> = edges.iter().copied().collect();
     firsts.sort_by_key(|&(point, heading)| {
         let (u, v) = cell(point, heading);
@@ -124,8 +126,8 @@ fn slow_outlines(pattern: Pattern, region: &Region) -> Vec<Cell> {
             let here = cell(point, heading);
             cells.push(here);
             point = (point.0 + heading.0, point.1 + heading.1);
-            let ways = [left(heading), heading, right(heading)];
-            let turned = ways
+            let turns = [left(heading), heading, right(heading)];
+            let turned = turns
                 .into_iter()
                 .find(|&way| edges.contains(&(point, way)) || (point, way) == first);
             if turned == Some(right(heading)) {
@@ -133,15 +135,15 @@ fn slow_outlines(pattern: Pattern, region: &Region) -> Vec<Cell> {
             }
             heading = turned.expect("edges close in loops");
         }
-        let nearness = |&(u, v): &(i64, i64)| (u * u + v * v, v);
-        let nearest = cells.iter().map(nearness).min().unwrap();
-        let start = cells.iter().position(|place| nearness(place) == nearest).unwrap();
+        let distance = |&(u, v): &(i64, i64)| (u * u + v * v, v);
+        let closest = cells.iter().map(distance).min().unwrap();
+        let start = cells.iter().position(|position| distance(position) == closest).unwrap();
         cells.rotate_left(start);
-        loops.entry(nearest).or_default().push(cells);
+        loops.entry(closest).or_default().push(cells);
     }
     let mut order: Vec<Cell> = Vec::new();
-    for place in loops.into_values().flatten().flatten() {
-        let cell = shown(pattern, region, place).unwrap();
+    for position in loops.into_values().flatten().flatten() {
+        let cell = cell_at(pattern, region, position).unwrap();
         if !order.contains(&cell) {
             order.push(cell);
         }
@@ -159,15 +161,15 @@ fn slow(pattern: Pattern, region: &Region) -> Vec<Cell> {
     order
 }
 
-/// The cells with one of their eight neighbours outside, by the definition.
+/// The cells with one of their eight neighbours outside, by definition.
 fn edge_cells(region: &Region) -> BTreeSet<Cell> {
     let is_edge = |&cell: &Cell| {
         let (x, y) = region.xy(cell);
         let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
         let mut around =
             around.map(|(dx, dy)| (x.checked_add_signed(dx), y.checked_add_signed(dy)));
-        around.any(|place| {
-            let (Some(x), Some(y)) = place else { return true };
+        around.any(|neighbour| {
+            let (Some(x), Some(y)) = neighbour else { return true };
             x >= region.width() || y >= region.height() || !region.contains(region.cell(x, y))
         })
     };
@@ -181,7 +183,7 @@ fn check(region: &Region) {
         let order = pattern.order(region);
         let mut sorted = order.clone();
         sorted.sort_unstable();
-        assert_eq!(sorted, cells, "{pattern} misses or repeats cells");
+        assert_eq!(sorted, cells, "{pattern} leaves out or repeats cells");
         if pattern.name().starts_with("contour") {
             let first: BTreeSet<Cell> = order[..edge.len()].iter().copied().collect();
             assert_eq!(first, edge, "{pattern}");
@@ -189,7 +191,7 @@ fn check(region: &Region) {
     }
 }
 
-/// A picture as rows of text, '#' for the cells of the region.
+/// A region from rows of text, with '#' for its cells.
 fn drawn(rows: &[&str]) -> Region {
     let mask = rows.iter().flat_map(|row| row.bytes().map(|cell| cell == b'#')).collect();
     Region::from_mask(rows[0].len() as u32, rows.len() as u32, mask).unwrap()
@@ -245,7 +247,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn orders_are_those_of_the_slow_twin(region in any_region()) {
+    fn orders_are_those_of_the_slow_implementation(region in any_region()) {
         for pattern in Pattern::ALL {
             prop_assert_eq!(pattern.order(&region), slow(pattern, &region), "{}", pattern);
         }
@@ -254,14 +256,14 @@ proptest! {
     #[test]
     fn other_corners_and_axes_are_mirror_images(region in any_region()) {
         for pattern in Pattern::ALL {
-            let (family, _, corner) = words(pattern);
+            let (family, _, corner) = parts_of_name(pattern);
             if family == "diagonal" && corner == 1 {
                 continue;
             }
-            for other in Pattern::ALL.into_iter().filter(|&other| words(other).0 == family) {
-                let flips = corner ^ words(other).2;
+            for other in Pattern::ALL.into_iter().filter(|&other| parts_of_name(other).0 == family) {
+                let flips = corner ^ parts_of_name(other).2;
                 let (flip_x, flip_y) = (flips & 1 != 0, flips & 2 != 0);
-                if words(other).1 != words(pattern).1 {
+                if parts_of_name(other).1 != parts_of_name(pattern).1 {
                     continue;
                 }
                 let image = mirrored(&region, flip_x, flip_y);
@@ -287,7 +289,7 @@ proptest! {
 }
 
 #[test]
-fn shapes_of_parts() {
+fn common_shapes_are_covered_once() {
     for shape in RegionShape::ALL {
         for seed in 0..20 {
             check(&shape.region(40, 30, seed).unwrap());
@@ -313,7 +315,7 @@ fn orders_begin_or_end_in_their_corner() {
     let region = Region::rectangle(7, 5).unwrap();
     let corners = [0, 6, 28, 34];
     for pattern in Pattern::ALL {
-        let (family, _, corner) = words(pattern);
+        let (family, _, corner) = parts_of_name(pattern);
         let order = pattern.order(&region);
         let end = if family == "spiral-out" { order[order.len() - 1] } else { order[0] };
         assert_eq!(end, corners[usize::from(corner)], "{pattern}");
@@ -322,8 +324,8 @@ fn orders_begin_or_end_in_their_corner() {
 
 #[test]
 fn outlines_are_walked_around() {
-    // Outer outlines first, each closed, then the hole's; the inner corner of the notch belongs to
-    // the walk.
+    // The outer outline comes first, then that of the hole; the inner corner of the notch belongs to
+    // the outline.
     let ring = drawn(&["#####", "#####", "##.##", "#####", "#####"]);
     let order = Pattern::CONVENTIONAL.order(&ring);
     let expected =
@@ -358,9 +360,10 @@ fn closed_walks_take_unit_steps() {
 }
 
 #[test]
-fn the_outline_of_a_rectangle_leads_on_to_the_zigzag() {
+fn the_outline_of_a_rectangle_continues_in_the_zigzag() {
     let region = Region::rectangle(8, 7).unwrap();
-    for pattern in Pattern::ALL.into_iter().filter(|pattern| words(*pattern).0 == "contour-zigzag")
+    for pattern in
+        Pattern::ALL.into_iter().filter(|pattern| parts_of_name(*pattern).0 == "contour-zigzag")
     {
         assert!(
             pattern.order(&region).windows(2).all(|step| region.adjacent(step[0], step[1])),
@@ -370,14 +373,14 @@ fn the_outline_of_a_rectangle_leads_on_to_the_zigzag() {
 }
 
 #[test]
-fn thin_and_touching_parts() {
+fn thin_and_touching_components() {
     let line = drawn(&["####"]);
     assert_eq!(Pattern::CONVENTIONAL.order(&line), [0, 1, 2, 3]);
     assert_eq!(named("contour-raster-x-3").order(&line), [3, 2, 1, 0]);
-    // Two parts that meet at a corner are walked one after the other.
+    // Two components that touch at a corner have one outline each.
     let pair = drawn(&["##..", "##..", "..##", "..##"]);
     assert_eq!(Pattern::CONVENTIONAL.order(&pair), [0, 4, 5, 1, 10, 14, 15, 11]);
-    // A wall one cell wide: its hole's outline has nothing left to take.
+    // A wall one cell wide: the outline of the hole has no cells left.
     let wall = drawn(&["###", "#.#", "###"]);
     assert_eq!(Pattern::CONVENTIONAL.order(&wall), [0, 3, 6, 7, 8, 5, 2, 1]);
 }
@@ -393,9 +396,11 @@ fn names_and_numbers() {
     assert_eq!(Pattern::CONVENTIONAL, named("contour-zigzag-x-0"));
     let error = "zigzag-z-0".parse::<Pattern>().unwrap_err();
     assert!(
-        error.to_string().starts_with("'zigzag-z-0' is no pattern: names are like zigzag-x-0,")
+        error
+            .to_string()
+            .starts_with("unknown pattern 'zigzag-z-0': expected a name like zigzag-x-0,")
     );
-    // Records and learned models hold the numbers.
+    // Datasets and trained models contain the numbers.
     for (name, number) in [
         ("zigzag-x-0", 0),
         ("zigzag-y-0", 4),

@@ -2,21 +2,18 @@
 
 use beadwork_grid::{Cell, Path, Region, Zones};
 
-use super::{Settings, SettingsError};
-use crate::Frame;
-
 /// A layer with its path.
-/// A print has them from the bed up, none left out: each rests on the one below.
+///
+/// A print has its layers from the bed up and none is missing, so that each rests on the one below.
 #[derive(Clone, Copy, Debug)]
 pub struct Layer<'a> {
-    /// Its number from 0, counted from the bed; [`Motion::layer`](super::Motion::layer) is the same
-    /// number in a program that was read.
+    /// Number of the layer, from 0 at the bed.
     pub number: usize,
-    /// Its cells.
+    /// The cells.
     pub region: &'a Region,
-    /// Their zones: the numbers of the tools that print them.
+    /// The zone of each cell, which is the number of the tool that prints it.
     pub zones: &'a Zones,
-    /// The order in which they are printed.
+    /// The order in which the cells are printed; each piece of the path is one bead.
     pub path: &'a Path,
 }
 
@@ -25,13 +22,14 @@ pub struct Layer<'a> {
 pub(super) struct Run<'a> {
     pub(super) zone: u8,
     pub(super) cells: &'a [Cell],
-    /// The cells of the piece before and after it.
+    /// The cell of the piece before the run; `None` at the start of the piece.
     pub(super) before: Option<Cell>,
+    /// The cell of the piece after the run; `None` at the end of the piece.
     pub(super) after: Option<Cell>,
 }
 
 impl<'a> Layer<'a> {
-    /// The runs in their order.
+    /// The runs in printing order.
     pub(super) fn runs(self) -> impl Iterator<Item = Run<'a>> {
         self.path.iter_pieces().flat_map(move |piece| {
             let mut begin = 0;
@@ -45,28 +43,34 @@ impl<'a> Layer<'a> {
     }
 
     /// Column and row of a cell.
-    pub(super) fn place(self, cell: Cell) -> [i32; 2] {
+    pub(super) fn column_and_row(self, cell: Cell) -> [i32; 2] {
         let (x, y) = self.region.xy(cell);
         [x as i32, y as i32]
     }
 }
 
 impl Run<'_> {
-    /// The corners of the run's stroke in halves of a cell, where (1, 1) is the middle of cell (0,
-    /// 0): from edge to edge, so that it is as long as it has cells.
-    /// A bead of a single cell runs along x.
-    pub(super) fn corners(&self, place: impl Fn(Cell) -> [i32; 2]) -> Vec<[i32; 2]> {
-        corners(
-            self.before.map(&place),
-            self.cells.iter().map(|&cell| place(cell)),
-            self.after.map(&place),
+    /// The corners of the run's toolpath; see [`toolpath`].
+    pub(super) fn toolpath(&self, column_and_row: impl Fn(Cell) -> [i32; 2]) -> Vec<[i32; 2]> {
+        toolpath(
+            self.before.map(&column_and_row),
+            self.cells.iter().map(|&cell| column_and_row(cell)),
+            self.after.map(&column_and_row),
         )
     }
 }
 
-/// The corners of a stroke through cells, in halves of a cell; the cells before and after it tell
-/// where it comes from and goes to.
-pub(super) fn corners(
+/// The corners of the line that the nozzle follows through adjacent cells.
+///
+/// The unit is half a cell: cell (0, 0) reaches from 0 to 2 and has its centre at (1, 1), so that
+/// centres, edges and corners of a toolpath are whole numbers.
+///
+/// The line runs from the edge at which it enters the first cell, through the centres, to the edge
+/// at which it leaves the last one, and is exactly as long as it has cells.
+/// The cells `before` and `after` decide these edges: where the tool changes between two cells of
+/// a piece, both toolpaths meet at the edge between them.
+/// Without a neighbour the end is straight, and a single cell is printed along x.
+pub(super) fn toolpath(
     before: Option<[i32; 2]>,
     cells: impl Iterator<Item = [i32; 2]>,
     after: Option<[i32; 2]>,
@@ -74,95 +78,29 @@ pub(super) fn corners(
     let mut cells = cells.peekable();
     let mut corners = Vec::new();
     let mut last = before;
+    // The direction of the step into the current cell, from the second cell on.
     let mut heading = None;
     while let Some(cell) = cells.next() {
         let next = cells.peek().copied().or(after);
         let step = |from: [i32; 2], to: [i32; 2]| [to[0] - from[0], to[1] - from[1]];
         let out = next.map(|next| step(cell, next));
-        let come = heading.or(last.map(|last| step(last, cell))).or(out).unwrap_or([1, 0]);
-        let go = out.unwrap_or(come);
-        let middle = [2 * cell[0] + 1, 2 * cell[1] + 1];
+        let enter = heading.or(last.map(|last| step(last, cell))).or(out).unwrap_or([1, 0]);
+        let leave = out.unwrap_or(enter);
+        let centre = [2 * cell[0] + 1, 2 * cell[1] + 1];
         if corners.is_empty() {
-            corners.push([middle[0] - come[0], middle[1] - come[1]]);
+            corners.push([centre[0] - enter[0], centre[1] - enter[1]]);
         }
-        if come != go {
-            corners.push(middle);
+        // Straight stretches need no corner.
+        if enter != leave {
+            corners.push(centre);
         }
         if cells.peek().is_none() {
-            corners.push([middle[0] + go[0], middle[1] + go[1]]);
+            corners.push([centre[0] + leave[0], centre[1] + leave[1]]);
         }
         last = Some(cell);
-        heading = Some(go);
+        heading = Some(leave);
     }
     corners
-}
-
-/// Checks that the layers fit each other, the frame and the tools.
-pub(super) fn check(
-    layers: &[Layer<'_>],
-    frame: &Frame,
-    settings: &Settings,
-) -> Result<(), SettingsError> {
-    if layers.is_empty() {
-        return Err(SettingsError::NoLayers);
-    }
-    if let Some(pair) = layers.windows(2).find(|pair| pair[0].number >= pair[1].number) {
-        return Err(SettingsError::LayerOrder { layer: pair[1].number, before: pair[0].number });
-    }
-    if let Some((layer, _)) =
-        layers.iter().enumerate().find(|&(number, layer)| layer.number != number)
-    {
-        return Err(SettingsError::Gap { layer: layers[layer].number });
-    }
-    for layer in layers {
-        let Layer { number, region, zones, path } = *layer;
-        let odd = |what| Err(SettingsError::Layer { layer: number, what });
-        if (region.width(), region.height()) != (frame.width, frame.height) {
-            return odd("the plane of its region");
-        }
-        if zones.ids().len() != region.grid_len()
-            || region.cells().any(|cell| zones.id(cell) == Zones::OUTSIDE)
-        {
-            return odd("the plane of its zones");
-        }
-        // A path visits no cell twice, so that these two say that it visits the region's.
-        let visits = path.order().len() == region.cell_count() as usize
-            && path.order().iter().all(|&cell| region.contains(cell));
-        if !visits || path.width() != region.width() {
-            return odd("the plane of its path");
-        }
-        let tools = settings.tools.len();
-        let greatest = region.cells().map(|cell| zones.id(cell)).max();
-        if let Some(zone) = greatest.filter(|&zone| usize::from(zone) >= tools) {
-            return Err(SettingsError::TooFewTools { layer: number, zone, tools });
-        }
-    }
-    check_place(layers[layers.len() - 1].number, frame, settings)
-}
-
-/// Rounding of places to the decimals of a file, in mm.
-const ROUNDING_MM: f64 = 1e-6;
-
-fn check_place(last: usize, frame: &Frame, settings: &Settings) -> Result<(), SettingsError> {
-    let [bed_x, bed_y, bed_z] = settings.printer.bed_mm;
-    let [left_mm, front_mm, right_mm, back_mm] = frame.sides_mm();
-    if front_mm < -ROUNDING_MM || right_mm > bed_x + ROUNDING_MM || back_mm > bed_y + ROUNDING_MM {
-        return Err(SettingsError::PartOutside { left_mm, front_mm, right_mm, back_mm });
-    }
-    let top_mm = frame.top_mm(last) + settings.process.z_hop_mm;
-    if top_mm > bed_z + ROUNDING_MM {
-        return Err(SettingsError::TooHigh { top_mm, limit_mm: bed_z });
-    }
-    let Some(tower) = settings.purge.as_ref().and_then(|purge| purge.tower) else { return Ok(()) };
-    let (right, back) = (tower.left_mm + tower.width_mm, tower.front_mm + tower.depth_mm);
-    if right > bed_x + ROUNDING_MM || back > bed_y + ROUNDING_MM {
-        return Err(SettingsError::PrimeTowerOutside);
-    }
-    let apart = right <= left_mm + ROUNDING_MM
-        || tower.left_mm >= right_mm - ROUNDING_MM
-        || back <= front_mm + ROUNDING_MM
-        || tower.front_mm >= back_mm - ROUNDING_MM;
-    if apart { Ok(()) } else { Err(SettingsError::PrimeTowerOverlaps) }
 }
 
 #[cfg(test)]
@@ -177,26 +115,22 @@ mod tests {
     }
 
     #[test]
-    fn strokes_reach_from_edge_to_edge() {
-        let stroke = |before, cells: &[[i32; 2]], after| {
-            let corners = corners(before, cells.iter().copied(), after);
+    fn toolpaths_reach_from_edge_to_edge() {
+        let run = |before, cells: &[[i32; 2]], after| {
+            let corners = toolpath(before, cells.iter().copied(), after);
             assert_eq!(length(&corners), 2 * cells.len() as u32);
             corners
         };
-        assert_eq!(stroke(None, &[[0, 0]], None), [[0, 1], [2, 1]], "along x");
+        assert_eq!(run(None, &[[0, 0]], None), [[0, 1], [2, 1]], "along x");
         assert_eq!(
-            stroke(None, &[[3, 0], [2, 0], [1, 0]], None),
+            run(None, &[[3, 0], [2, 0], [1, 0]], None),
             [[8, 1], [2, 1]],
             "one straight line"
         );
-        assert_eq!(stroke(None, &[[0, 0], [0, 1], [1, 1]], None), [[1, 0], [1, 3], [4, 3]]);
-        assert_eq!(stroke(None, &[[0, 0]], Some([0, 1])), [[1, 0], [1, 2]], "towards what follows");
-        assert_eq!(
-            stroke(Some([0, 0]), &[[0, 1]], None),
-            [[1, 2], [1, 4]],
-            "on from what was before"
-        );
-        assert_eq!(stroke(Some([0, 0]), &[[0, 1]], Some([1, 1])), [[1, 2], [1, 3], [2, 3]]);
+        assert_eq!(run(None, &[[0, 0], [0, 1], [1, 1]], None), [[1, 0], [1, 3], [4, 3]]);
+        assert_eq!(run(None, &[[0, 0]], Some([0, 1])), [[1, 0], [1, 2]], "towards the cell after");
+        assert_eq!(run(Some([0, 0]), &[[0, 1]], None), [[1, 2], [1, 4]], "on from the cell before");
+        assert_eq!(run(Some([0, 0]), &[[0, 1]], Some([1, 1])), [[1, 2], [1, 3], [2, 3]]);
     }
 
     #[test]

@@ -56,13 +56,18 @@ mod check;
 mod header;
 mod layer;
 mod prime_tower;
+mod program;
 mod settings;
+mod settings_error;
+mod text;
+mod validate;
 mod writer;
 
 pub use check::{CellPosition, CheckError, Report, check};
+pub use header::Title;
 pub use layer::Layer;
+pub use program::{Print, PrintError};
 pub use settings::{
-    CrossSection, Flavour, Nozzles, PrimeTower, Printer, Process, Purge, Settings, SettingsError,
-    Tool,
+    CrossSection, Flavour, Nozzles, PrimeTower, Printer, Process, Purge, Settings, Tool,
 };
-pub use writer::{Print, PrintError, Title};
+pub use settings_error::SettingsError;

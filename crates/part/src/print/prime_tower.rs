@@ -1,25 +1,52 @@
-//! The tower that takes up what is purged when tools change.
+//! The prime tower, which holds the material that tool changes purge.
 //!
-//! It is an outline of one bead and rows of beads within, counted from the front.
-//! A layer purges into the first rows, solid, one change after the other, and fills the rest with
-//! sparse lines across the rows, so that whatever the next layer purges rests on something.
-//! The first layer is solid all over, to hold on the bed.
+//! Seen from above, the tower is an outline of one bead around rows of cells, which run along x and
+//! are counted from the front:
+//!
+//! ```text
+//!   back    +-----------------------+
+//!   row 4   | |     |     |     |   |   sparse columns, one every SPACING cells
+//!   row 3   | |     |     |     |   |
+//!   row 2   |=======================|   solid rows of the second change
+//!   row 1   |=======================|
+//!   row 0   |=======================|   solid row of the first change
+//!   front   +-----------------------+
+//! ```
+//!
+//! Each tool change of a layer fills as many whole rows as its purge volume needs, solid, from the
+//! front on.
+//! The rows that the layer does not need are filled with sparse columns, so that whatever the next
+//! layer purges has something to rest on.
+//! The first layer is solid everywhere, to stick to the bed.
+//!
+//! The tower has the same rows in every layer up to the last one that purges: as many as the layer
+//! that purges most.
+//!
+//! Corners are in units of half a cell, as those of [`toolpath`]; (0, 0) is the front left corner
+//! of row 0.
 
-use super::layer::corners;
-use super::{Layer, PrimeTower, Settings, SettingsError};
+use super::layer::{Layer, toolpath};
+use super::settings::{PrimeTower, Settings};
+use super::settings_error::SettingsError;
 use crate::Frame;
 
-/// Cells from one sparse line to the next: what a bead bridges without hanging through.
+/// Cells from one sparse column to the next: a distance that a bead bridges without sagging.
 const SPACING: i32 = 5;
 
-/// Where the tower goes, and how much of it each layer takes.
+/// Share of a row, or of the depth, that counts as nothing, so that rounding does not add a row.
+const TOLERANCE: f64 = 1e-9;
+
+/// Position and size of the prime tower of a print.
 #[derive(Clone, Debug)]
 pub(super) struct PrimeTowerPlan {
+    /// x of the left side of the outline.
     left_mm: f64,
+    /// y of the front of the outline.
     front_mm: f64,
     cell_mm: f64,
-    /// Cells of a row, within the outline.
+    /// Cells in a row; the outline lies outside them.
     columns: i32,
+    /// Number of rows.
     rows: i32,
     /// Number of the last layer that has the tower.
     pub(super) last_layer: usize,
@@ -27,11 +54,12 @@ pub(super) struct PrimeTowerPlan {
     row_mm3: f64,
 }
 
-/// Half a row's rounding: a volume of whole rows takes no row more.
-const SLACK: f64 = 1e-9;
-
 impl PrimeTowerPlan {
-    /// The tower of a print; `None` if nothing is purged into one.
+    /// Plans the tower of a print; `None` if nothing is purged into one.
+    ///
+    /// # Errors
+    /// If the width of the settings does not hold one column, or the depth not the rows of the
+    /// layer that purges most.
     pub(super) fn new(
         layers: &[Layer<'_>],
         frame: &Frame,
@@ -42,9 +70,9 @@ impl PrimeTowerPlan {
             return Ok(None);
         };
         let cell_mm = frame.cell_mm;
-        let columns = (width_mm / cell_mm + SLACK).floor() - 2.0;
+        let columns = (width_mm / cell_mm + TOLERANCE).floor() - 2.0;
         let row_mm3 = columns * cell_mm * settings.process.bead_mm2(frame);
-        let mut most = 0.0;
+        let mut max_rows = 0.0;
         let mut last_layer = None;
         let mut tool = None;
         for layer in layers {
@@ -53,55 +81,60 @@ impl PrimeTowerPlan {
                 let before = tool.replace(run.zone).unwrap_or(run.zone);
                 let volume = purge.prime_tower_mm3(before, run.zone);
                 if volume > 0.0 {
-                    rows += rows_of(volume, row_mm3);
+                    rows += rows_for(volume, row_mm3);
                     last_layer = Some(layer.number);
                 }
             }
-            most = f64::max(most, rows);
+            max_rows = f64::max(max_rows, rows);
         }
         let Some(last_layer) = last_layer else { return Ok(None) };
         if columns < 1.0 {
             return Err(SettingsError::PrimeTowerWidth { width_mm, needed_mm: 3.0 * cell_mm });
         }
-        let needed_mm = (most + 2.0) * cell_mm;
-        if needed_mm > depth_mm * (1.0 + SLACK) {
+        let needed_mm = (max_rows + 2.0) * cell_mm;
+        if needed_mm > depth_mm * (1.0 + TOLERANCE) {
             return Err(SettingsError::PrimeTowerDepth { depth_mm, needed_mm });
         }
-        let (columns, rows) = (columns as i32, most as i32);
+        let (columns, rows) = (columns as i32, max_rows as i32);
         Ok(Some(Self { left_mm, front_mm, cell_mm, columns, rows, last_layer, row_mm3 }))
     }
 
-    /// How many rows a volume takes, in mm³.
-    pub(super) fn rows_of(&self, volume_mm3: f64) -> i32 {
-        rows_of(volume_mm3, self.row_mm3) as i32
+    /// Number of rows.
+    pub(super) fn rows(&self) -> i32 {
+        self.rows
     }
 
-    /// The place of corners that are given in halves of a cell, in mm.
-    pub(super) fn place(&self, corner: [i32; 2]) -> [f64; 2] {
-        // The outline takes the first cell of either side.
+    /// Number of rows that a purge volume fills.
+    pub(super) fn rows_for(&self, volume_mm3: f64) -> i32 {
+        rows_for(volume_mm3, self.row_mm3) as i32
+    }
+
+    /// x and y of a corner on the bed, in mm.
+    pub(super) fn position_mm(&self, corner: [i32; 2]) -> [f64; 2] {
+        // The outline is one cell wide, and the rows begin behind it.
         let along = |from: f64, halves: i32| from + (1.0 + f64::from(halves) / 2.0) * self.cell_mm;
         [along(self.left_mm, corner[0]), along(self.front_mm, corner[1])]
     }
 
-    /// Once around it, from the front left corner.
+    /// Corners of the outline, once around from the front left.
     pub(super) fn outline(&self) -> [[i32; 2]; 5] {
         let (right, back) = (2 * self.columns + 1, 2 * self.rows + 1);
         [[-1, -1], [right, -1], [right, back], [-1, back], [-1, -1]]
     }
 
-    /// Solid rows from `begin` on, back and forth.
+    /// Corners of a bead that fills `rows` rows from row `begin` on, back and forth along x.
     pub(super) fn solid(&self, begin: i32, rows: i32) -> Vec<[i32; 2]> {
         let columns = self.columns;
         let cells = (begin..begin + rows).flat_map(|row| {
-            let leftwards = (row - begin) % 2 == 1;
+            let is_leftwards = (row - begin) % 2 == 1;
             (0..columns)
-                .map(move |column| [if leftwards { columns - 1 - column } else { column }, row])
+                .map(move |column| [if is_leftwards { columns - 1 - column } else { column }, row])
         });
-        corners(None, cells, None)
+        toolpath(None, cells, None)
     }
 
-    /// Sparse lines across the rows from `begin` to the last: one bead, back and forth.
-    /// Empty if there are no such rows.
+    /// Corners of a bead along sparse columns, back and forth along y, from row `begin` to the last
+    /// row; empty if there are no such rows.
     pub(super) fn sparse(&self, begin: i32) -> Vec<[i32; 2]> {
         let (columns, end) = (self.columns, self.rows);
         if begin >= end {
@@ -109,28 +142,24 @@ impl PrimeTowerPlan {
         }
         let cells =
             (0..columns).step_by(SPACING as usize).enumerate().flat_map(|(line, column)| {
-                let inwards = line % 2 == 1;
+                let to_front = line % 2 == 1;
                 let across = (begin..end)
-                    .map(move |row| [column, if inwards { begin + end - 1 - row } else { row }]);
-                // To the next line along the row where this one ends, unless it is the last.
-                let edge = if inwards { begin } else { end - 1 };
+                    .map(move |row| [column, if to_front { begin + end - 1 - row } else { row }]);
+                // Along the row where this column ends to the next column, if there is one.
+                let edge = if to_front { begin } else { end - 1 };
                 let next = column + SPACING;
                 let along = (column + 1..next)
                     .filter(move |_| next < columns)
                     .map(move |column| [column, edge]);
                 across.chain(along)
             });
-        corners(None, cells, None)
-    }
-
-    /// Number of rows.
-    pub(super) fn rows(&self) -> i32 {
-        self.rows
+        toolpath(None, cells, None)
     }
 }
 
-fn rows_of(volume_mm3: f64, row_mm3: f64) -> f64 {
-    (volume_mm3 / row_mm3 - SLACK).ceil().max(0.0)
+/// Number of whole rows that a volume fills; as a float, because it is not yet known to be small.
+fn rows_for(volume_mm3: f64, row_mm3: f64) -> f64 {
+    (volume_mm3 / row_mm3 - TOLERANCE).ceil().max(0.0)
 }
 
 #[cfg(test)]
@@ -142,16 +171,15 @@ mod tests {
         PrimeTowerPlan { left_mm, front_mm, cell_mm, columns, rows, last_layer: 0, row_mm3 }
     }
 
-    /// The cells a bead goes through, in halves of a cell, each as often as it has half a cell of
-    /// it.
+    /// The cells that a bead passes through, each once for every half of it that the bead fills.
     fn halves(corners: &[[i32; 2]]) -> Vec<[i32; 2]> {
         let mut found = Vec::new();
         for pair in corners.windows(2) {
             let [dx, dy] = [(pair[1][0] - pair[0][0]).signum(), (pair[1][1] - pair[0][1]).signum()];
-            assert!(dx == 0 || dy == 0, "askew");
+            assert!(dx == 0 || dy == 0, "diagonal");
             let mut at = pair[0];
             while at != pair[1] {
-                // Between an edge and a middle, one of each coordinate is odd at one end.
+                // From an edge to a centre or back: the cell is that of the lower coordinates.
                 let to = [at[0] + dx, at[1] + dy];
                 found.push([(at[0].min(to[0])).div_euclid(2), (at[1].min(to[1])).div_euclid(2)]);
                 at = to;
@@ -173,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn sparse_lines_bear_every_row() {
+    fn sparse_columns_support_every_row() {
         for (columns, rows, begin) in [(1, 1, 0), (11, 6, 2), (23, 9, 8), (6, 4, 0), (5, 30, 7)] {
             let tower = plan(columns, rows);
             let mut found = halves(&tower.sparse(begin));
@@ -183,10 +211,11 @@ mod tests {
                 found.iter().all(|&[x, y]| (0..columns).contains(&x) && (begin..rows).contains(&y))
             );
             for row in begin..rows {
-                let on_it: Vec<_> =
+                let columns_of_row: Vec<_> =
                     found.iter().filter(|cell| cell[1] == row).map(|cell| cell[0]).collect();
                 assert!(
-                    on_it.contains(&0) && on_it.windows(2).all(|pair| pair[1] - pair[0] <= SPACING)
+                    columns_of_row.contains(&0)
+                        && columns_of_row.windows(2).all(|pair| pair[1] - pair[0] <= SPACING)
                 );
             }
         }
@@ -194,14 +223,14 @@ mod tests {
     }
 
     #[test]
-    fn places_and_volumes() {
+    fn positions_and_volumes() {
         let tower = plan(4, 2);
-        let outline = tower.outline().map(|corner| tower.place(corner));
+        let outline = tower.outline().map(|corner| tower.position_mm(corner));
         let near =
             |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs() < 1e-9 && (a[1] - b[1]).abs() < 1e-9;
         assert!(near(outline[0], [10.25, 20.25]) && near(outline[2], [12.75, 21.75]));
-        assert!(near(tower.place([0, 1]), [10.5, 20.75]));
-        let rows = [0.0, 0.5, 1.0, 1.000_000_000_1, 1.1, 3.0].map(|volume| tower.rows_of(volume));
+        assert!(near(tower.position_mm([0, 1]), [10.5, 20.75]));
+        let rows = [0.0, 0.5, 1.0, 1.000_000_000_1, 1.1, 3.0].map(|volume| tower.rows_for(volume));
         assert_eq!(rows, [0, 1, 1, 1, 2, 3]);
     }
 }

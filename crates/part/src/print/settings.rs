@@ -1,75 +1,95 @@
-//! What a print depends on beside the part: printer, tools, speeds, and what changing tools costs.
+//! Settings of a print: printer, tools, process, and purging at tool changes.
 
 use std::f64::consts::PI;
 
+use beadwork_base::named_enum;
 use beadwork_gcode::{Filament, MotionLimits};
 use serde::Deserialize;
-use thiserror::Error;
 
 use crate::Frame;
 
-/// Everything a print depends on beside the part.
+/// Everything that a print depends on besides the part.
+///
+/// Profiles are these structures in TOML; the field names are the keys.
+/// Construct it with `..Settings::default()`: fields may be added.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
     /// The machine.
     pub printer: Printer,
-    /// The tools by number; a zone is printed with the tool of its number.
+    /// The tools by number; a zone is printed with the tool of the same number.
     pub tools: Vec<Tool>,
-    /// Speeds, temperatures, retraction.
+    /// Speeds, temperatures and retraction.
     pub process: Process,
-    /// What is purged when tools change; `None`: nothing, or the printer does it by itself.
+    /// Purging at tool changes; `None` if nothing is purged or the printer's own tool change does
+    /// it.
     pub purge: Option<Purge>,
 }
 
-/// The dialect of the firmware.
+/// Dialect of the firmware.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Flavour {
-    /// Marlin and its kin: limits are set by `M204` and `M205`.
-    /// Of the corners it gets both the junction deviation, which has to lie from 0.01 to 0.3 mm and
-    /// is brought into these bounds, and the jerk of x and y: it takes the one it was built for.
+    /// Marlin and relatives: limits are set by `M204` and `M205`.
+    ///
+    /// Builds of Marlin limit cornering either by junction deviation or by jerk, so both are
+    /// written.
+    /// The junction deviation is clamped to 0.01 to 0.3 mm, the range that Marlin accepts.
     #[default]
     Marlin,
     /// Klipper: limits are set by `SET_VELOCITY_LIMIT`.
     Klipper,
 }
 
-/// Where the tools have their heat.
+named_enum! {
+    Flavour, "flavour":
+    Marlin = "marlin",
+    Klipper = "klipper",
+}
+
+/// Whether the tools share a heated nozzle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Nozzles {
-    /// The tools are filaments of one nozzle, which gets the temperature of the present one.
+    /// The tools are filaments of one nozzle, which is set to the temperature of the current
+    /// filament.
     #[default]
     Shared,
-    /// Each tool has a nozzle of its own: all that print are heated at the beginning and stay hot
-    /// to the end.
+    /// Each tool has its own nozzle; those that are used are heated at the start and stay hot until
+    /// the end.
     Own,
+}
+
+named_enum! {
+    Nozzles, "nozzles":
+    Shared = "shared",
+    Own = "own",
 }
 
 /// The machine.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Printer {
-    /// The dialect it understands.
+    /// Dialect of the firmware.
     pub flavour: Flavour,
-    /// Where the tools have their heat.
+    /// Whether the tools share a heated nozzle.
     pub nozzles: Nozzles,
-    /// Greatest x, y and z in mm; all of them begin at 0, x and y in the front left corner.
+    /// Maximum x, y and z in mm; the minimum is 0, with x = y = 0 at the front left corner.
     pub bed_mm: [f64; 3],
     /// Acceleration in mm/s².
     pub acceleration_mm_s2: f64,
-    /// Speed through a right angle, in mm/s.
+    /// Speed at which the toolhead may take a right-angled corner, in mm/s.
     pub square_corner_mm_s: f64,
-    /// The greatest speed of the head, in mm/s; it is not written to the file, but no speed of the
-    /// head in the process may be higher.
+    /// Maximum speed of the toolhead in mm/s.
+    /// It is not written to the file, but the speeds of [`Process`] must not exceed it.
+    /// Profiles may also call it `greatest_mm_s`, its former name.
     #[serde(alias = "greatest_mm_s")]
     pub max_speed_mm_s: f64,
 }
 
 impl Default for Printer {
-    /// A usual machine: Marlin, one nozzle, 250 x 210 x 210 mm, 1000 mm/s², 5 mm/s in corners, at
-    /// most 200 mm/s.
+    /// A common printer: Marlin, one nozzle, 250 x 210 x 210 mm, 1000 mm/s², 5 mm/s in right-angled
+    /// corners, at most 200 mm/s.
     fn default() -> Self {
         Self {
             flavour: Flavour::default(),
@@ -83,7 +103,7 @@ impl Default for Printer {
 }
 
 impl Printer {
-    /// What limits its motions.
+    /// The limits of its motions.
     pub fn limits(&self) -> MotionLimits {
         MotionLimits {
             acceleration_mm_s2: self.acceleration_mm_s2,
@@ -93,15 +113,15 @@ impl Printer {
     }
 }
 
-/// A nozzle with its filament, or one of the filaments of a nozzle that changes between them.
+/// A nozzle with its filament, or one of several filaments that share a nozzle.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Tool {
-    /// Its name, for the comments of the file.
+    /// Name, for comments in the file.
     pub name: String,
-    /// Red, green and blue, for those who view the file.
+    /// Red, green and blue, for viewers of the file.
     pub colour: [u8; 3],
-    /// Temperature of the nozzle, in degrees Celsius.
+    /// Temperature of the nozzle, in °C.
     pub nozzle_c: f64,
     /// Diameter of the filament, in mm.
     pub filament_mm: f64,
@@ -110,7 +130,7 @@ pub struct Tool {
 }
 
 impl Default for Tool {
-    /// 230 °C, the temperature of the paper on heat; filament of 1.75 mm and 1.24 g/cm³.
+    /// 230 °C, as in *Kim et al. 2026*; filament of 1.75 mm and 1.24 g/cm³.
     fn default() -> Self {
         Self {
             name: String::new(),
@@ -123,62 +143,66 @@ impl Default for Tool {
 }
 
 impl Tool {
-    /// Its filament.
+    /// Diameter and density of the filament.
     pub fn filament(&self) -> Filament {
         Filament { diameter_mm: self.filament_mm, density_g_cm3: self.density_g_cm3 }
     }
 
-    /// Cross-section of its filament, in mm².
+    /// Cross-sectional area of the filament, in mm².
     pub fn filament_mm2(&self) -> f64 {
         self.filament().area_mm2()
     }
 }
 
-/// The shape across a bead.
+/// Cross-section of a bead.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CrossSection {
-    /// The whole cell: width times height.
-    /// Beads side by side fill the part.
+    /// The whole cell, width times height: adjacent beads fill the part.
     #[default]
     Rectangle,
-    /// A rectangle with half a circle at either side, as slicers reckon single beads.
-    /// Leaves gaps between beads a whole width apart.
+    /// A rectangle with a semicircle at either side, as slicers model single beads.
+    /// It leaves gaps between beads that are one bead width apart.
     Oval,
 }
 
-/// Speeds, temperatures, retraction.
+named_enum! {
+    CrossSection, "cross-section":
+    Rectangle = "rectangle",
+    Oval = "oval",
+}
+
+/// Speeds, temperatures and retraction.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Process {
-    /// Speed of printing, in mm/s.
+    /// Printing speed in mm/s.
     pub print_mm_s: f64,
-    /// Speed of printing on the bed itself, in mm/s.
+    /// Printing speed in the first layer, in mm/s.
     pub first_layer_mm_s: f64,
-    /// Speed of travel, in mm/s.
+    /// Travel speed in mm/s.
     pub travel_mm_s: f64,
-    /// Temperature of the bed, in degrees Celsius.
+    /// Temperature of the bed, in °C.
     pub bed_c: f64,
-    /// How much filament is drawn back before a travel or a change of tools, in mm; 0 for none.
+    /// Length of filament to retract before travel and tool changes, in mm; 0 for no retraction.
     pub retract_mm: f64,
-    /// Speed of that, in mm/s.
+    /// Speed of retracting and unretracting, in mm/s.
     pub retract_mm_s: f64,
-    /// Travel of at most this length needs no retraction, in mm.
+    /// Length in mm up to which travel needs no retraction.
     pub retract_beyond_mm: f64,
-    /// How far the nozzle is lifted while the filament is drawn back, in mm.
+    /// Height in mm by which the nozzle is raised for travel with retracted filament.
     pub z_hop_mm: f64,
     /// Speed of the fan, from 0 to 1.
     pub fan: f64,
-    /// Number of the layer, from 0, from which on the fan runs.
+    /// Number, from 0, of the first layer that is printed with the fan.
     pub fan_from_layer: usize,
-    /// The shape across a bead.
+    /// Cross-section of a bead.
     pub cross_section: CrossSection,
 }
 
 impl Default for Process {
-    /// The paper on heat prints at 30 mm/s, travels at 150 mm/s and keeps the bed at 80 °C; it has
-    /// no fan.
-    /// Retraction is that of a usual direct drive.
+    /// As in *Kim et al. 2026*: printing at 30 mm/s, travel at 150 mm/s, the bed at 80 °C, no fan.
+    /// Retraction is typical of a direct-drive extruder.
     fn default() -> Self {
         Self {
             print_mm_s: 30.0,
@@ -197,7 +221,7 @@ impl Default for Process {
 }
 
 impl Process {
-    /// Area across a bead, in mm².
+    /// Cross-sectional area of a bead, in mm².
     pub fn bead_mm2(&self, frame: &Frame) -> f64 {
         let (width, height) = (frame.cell_mm, frame.layer_mm);
         match self.cross_section {
@@ -207,20 +231,21 @@ impl Process {
     }
 }
 
-/// What is purged when tools change.
+/// Purging at tool changes.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Purge {
-    /// How much, in mm³, from the tool of the row to that of the column: what the new one extrudes
-    /// before it prints the part.
-    /// What stands on the diagonal does not matter.
+    /// Purge matrix in mm³: the volume that the tool of the column extrudes after a change from the
+    /// tool of the row, before it prints the part.
+    /// The diagonal is not used.
     pub volume_mm3: Vec<Vec<f64>>,
-    /// Where it goes; `None`: the printer purges by itself when it is told to change tools.
+    /// Position of the prime tower that is purged into; `None` if the printer's own tool change
+    /// purges.
     pub tower: Option<PrimeTower>,
 }
 
 impl Purge {
-    /// The same volume for every change between so many tools, in mm³.
+    /// Purging with the same volume for every change between two of `tools` tools, in mm³.
     pub fn uniform(tools: usize, volume_mm3: f64, tower: Option<PrimeTower>) -> Self {
         let row = |from| (0..tools).map(|to| if from == to { 0.0 } else { volume_mm3 }).collect();
         Self { volume_mm3: (0..tools).map(row).collect(), tower }
@@ -234,258 +259,51 @@ impl Purge {
     }
 }
 
-/// The place of the tower that takes up what is purged.
+/// Position of the prime tower, the block beside the part that tool changes purge into.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PrimeTower {
-    /// x of its left side, in mm.
+    /// x of the left side, in mm.
     pub left_mm: f64,
-    /// y of its front, in mm.
+    /// y of the front, in mm.
     pub front_mm: f64,
     /// Size along x, in mm.
     pub width_mm: f64,
-    /// The greatest size along y, in mm; it takes what it needs.
+    /// Maximum size along y, in mm; the tower is as deep as the layer that purges most requires.
     pub depth_mm: f64,
 }
 
-/// Settings that no print can be made of.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[non_exhaustive]
-pub enum SettingsError {
-    /// A number is not finite, too small or too large.
-    #[error("{field} is {value}, and must be {wanted}")]
-    Value {
-        /// Which one.
-        field: String,
-        /// What it is.
-        value: f64,
-        /// What it must be.
-        wanted: &'static str,
-    },
-    /// The head is to go faster than the printer can.
-    #[error("{field} is {value}, and printer.max_speed_mm_s is {max_speed_mm_s}")]
-    TooFast {
-        /// Which speed.
-        field: &'static str,
-        /// What it is, in mm/s.
-        value: f64,
-        /// The greatest speed, in mm/s.
-        max_speed_mm_s: f64,
-    },
-    /// An oval bead is higher than wide.
-    #[error(
-        "process.cross_section is oval, but the layers of {layer_mm} mm are higher than the beads of {cell_mm} mm are wide"
-    )]
-    HighBead {
-        /// Height of a layer in mm.
-        layer_mm: f64,
-        /// Width of a bead in mm.
-        cell_mm: f64,
-    },
-    /// The matrix of purge volumes is not as wide and as high as there are tools.
-    #[error("purge.volume_mm3 has a row or column of {got}, for {tools} tools")]
-    PurgeSize {
-        /// Number of tools.
-        tools: usize,
-        /// Rows, or columns of the first row that has another number of them.
-        got: usize,
-    },
-    /// The plane of the part lies partly outside the bed.
-    #[error(
-        "the part reaches from ({left_mm}, {front_mm}) to ({right_mm}, {back_mm}) mm, beyond the bed"
-    )]
-    PartOutside {
-        /// Least x in mm.
-        left_mm: f64,
-        /// Least y in mm.
-        front_mm: f64,
-        /// Greatest x in mm.
-        right_mm: f64,
-        /// Greatest y in mm.
-        back_mm: f64,
-    },
-    /// The part is too high.
-    #[error("the nozzle would rise to {top_mm} mm, and printer.bed_mm allows {limit_mm}")]
-    TooHigh {
-        /// Greatest z in mm, lifted.
-        top_mm: f64,
-        /// Greatest z of the printer, in mm.
-        limit_mm: f64,
-    },
-    /// The tower lies partly outside the bed.
-    #[error("purge.tower reaches beyond the bed")]
-    PrimeTowerOutside,
-    /// The tower and the plane of the part overlap.
-    #[error("purge.tower overlaps the part")]
-    PrimeTowerOverlaps,
-    /// The tower has no room for what is purged.
-    #[error(
-        "purge.tower.depth_mm is {depth_mm}, and must be at least {needed_mm} for what one layer purges"
-    )]
-    PrimeTowerDepth {
-        /// Its depth in mm.
-        depth_mm: f64,
-        /// What it takes, in mm.
-        needed_mm: f64,
-    },
-    /// The tower is too narrow for its walls and one bead between them.
-    #[error("purge.tower.width_mm is {width_mm}, and must be at least {needed_mm}")]
-    PrimeTowerWidth {
-        /// Its width in mm.
-        width_mm: f64,
-        /// What it takes, in mm.
-        needed_mm: f64,
-    },
-    /// A zone has no tool.
-    #[error("layer {layer} has zone {zone}, and there are {tools} tools")]
-    TooFewTools {
-        /// Number of the layer.
-        layer: usize,
-        /// The zone.
-        zone: u8,
-        /// How many tools there are.
-        tools: usize,
-    },
-    /// A layer's region, zones, path and the frame don't belong together.
-    #[error("layer {layer}: {what} is not that of the others")]
-    Layer {
-        /// Number of the layer.
-        layer: usize,
-        /// What is odd.
-        what: &'static str,
-    },
-    /// The numbers of the layers don't rise.
-    #[error("layer {layer} comes after layer {before}")]
-    LayerOrder {
-        /// Number of a layer.
-        layer: usize,
-        /// Number of the one before it.
-        before: usize,
-    },
-    /// A layer would be printed in the air.
-    #[error("layer {layer} has nothing to rest on: the one below has no cells")]
-    Gap {
-        /// Number of the layer.
-        layer: usize,
-    },
-    /// There is nothing to print.
-    #[error("there are no layers")]
-    NoLayers,
-}
+#[cfg(test)]
+mod tests {
+    use serde::de::IntoDeserializer;
+    use serde::de::value::{Error, MapDeserializer};
 
-/// Larger than any speed, acceleration or volume of a purge.
-const LARGEST: f64 = 1e6;
+    use super::*;
 
-/// Larger than any bed, in mm.
-/// The filament in a cube of this size still is a [`Number`](super::Number).
-const LARGEST_BED_MM: f64 = 1e4;
-
-/// Beads thinner than this, in mm, are lost in the decimals of a file.
-const THINNEST_MM: f64 = 0.01;
-
-impl Settings {
-    /// Checks each number on its own.
-    pub(super) fn check(&self, frame: &Frame) -> Result<(), SettingsError> {
-        let Self { printer, tools, process, purge } = self;
-        let [x, y, z] = printer.bed_mm;
-        let positive = [
-            ("printer.acceleration_mm_s2", printer.acceleration_mm_s2),
-            ("printer.max_speed_mm_s", printer.max_speed_mm_s),
-            ("process.retract_mm_s", process.retract_mm_s),
-        ];
-        let of_head = [
-            ("process.print_mm_s", process.print_mm_s),
-            ("process.first_layer_mm_s", process.first_layer_mm_s),
-            ("process.travel_mm_s", process.travel_mm_s),
-        ];
-        let not_negative = [
-            ("printer.square_corner_mm_s", printer.square_corner_mm_s),
-            ("process.bed_c", process.bed_c),
-            ("process.retract_mm", process.retract_mm),
-            ("process.retract_beyond_mm", process.retract_beyond_mm),
-            ("process.z_hop_mm", process.z_hop_mm),
-        ];
-        for (field, value) in
-            [("printer.bed_mm[0]", x), ("printer.bed_mm[1]", y), ("printer.bed_mm[2]", z)]
-        {
-            within(field, value, 1.0, LARGEST_BED_MM, "from 1 to 10000")?;
+    #[test]
+    fn profiles_may_use_the_former_name_of_the_maximum_speed() {
+        for key in ["max_speed_mm_s", "greatest_mm_s"] {
+            let entries = [(key, 150.0.into_deserializer())];
+            let entries = MapDeserializer::<_, Error>::new(entries.into_iter());
+            let printer = Printer::deserialize(entries).unwrap();
+            assert_eq!(printer, Printer { max_speed_mm_s: 150.0, ..Printer::default() });
         }
-        positive
-            .iter()
-            .chain(&of_head)
-            .try_for_each(|&(field, value)| check_positive(field, value))?;
-        not_negative.iter().try_for_each(|&(field, value)| check_not_negative(field, value))?;
-        if let Some(&(field, value)) =
-            of_head.iter().find(|(_, value)| *value > printer.max_speed_mm_s)
-        {
-            return Err(SettingsError::TooFast {
-                field,
-                value,
-                max_speed_mm_s: printer.max_speed_mm_s,
-            });
-        }
-        within("process.fan", process.fan, 0.0, 1.0, "from 0 to 1")?;
-        for (field, value) in [("frame.cell_mm", frame.cell_mm), ("frame.layer_mm", frame.layer_mm)]
-        {
-            within(field, value, THINNEST_MM, LARGEST_BED_MM, "from 0.01 to 10000")?;
-        }
-        for (field, value) in [("frame.left_mm", frame.left_mm), ("frame.back_mm", frame.back_mm)] {
-            check_not_negative(field, value)?;
-        }
-        if process.cross_section == CrossSection::Oval && frame.layer_mm > frame.cell_mm {
-            return Err(SettingsError::HighBead {
-                layer_mm: frame.layer_mm,
-                cell_mm: frame.cell_mm,
-            });
-        }
-        for (number, tool) in tools.iter().enumerate() {
-            let field = |name| format!("tools[{number}].{name}");
-            within(&field("filament_mm"), tool.filament_mm, 0.5, 20.0, "from 0.5 to 20")?;
-            check_not_negative(&field("nozzle_c"), tool.nozzle_c)?;
-            within(&field("density_g_cm3"), tool.density_g_cm3, 0.0, 100.0, "from 0 to 100")?;
-        }
-        purge.as_ref().map_or(Ok(()), |purge| purge.check(tools.len()))
     }
-}
 
-impl Purge {
-    fn check(&self, tools: usize) -> Result<(), SettingsError> {
-        let rows = self.volume_mm3.len();
-        let odd = self.volume_mm3.iter().map(Vec::len).find(|&columns| columns != tools);
-        if let Some(got) = odd.or((rows != tools).then_some(rows)) {
-            return Err(SettingsError::PurgeSize { tools, got });
-        }
-        for (from, row) in self.volume_mm3.iter().enumerate() {
-            for (to, &volume) in row.iter().enumerate() {
-                check_not_negative(&format!("purge.volume_mm3[{from}][{to}]"), volume)?;
+    #[test]
+    fn names_are_those_of_profiles() {
+        fn check<T: for<'de> Deserialize<'de> + PartialEq + std::fmt::Debug>(
+            all: &[T],
+            name: impl Fn(&T) -> &'static str,
+        ) {
+            for value in all {
+                let name: serde::de::value::StrDeserializer<'_, Error> =
+                    name(value).into_deserializer();
+                assert_eq!(&T::deserialize(name).unwrap(), value);
             }
         }
-        let Some(tower) = self.tower else { return Ok(()) };
-        check_not_negative("purge.tower.left_mm", tower.left_mm)?;
-        check_not_negative("purge.tower.front_mm", tower.front_mm)?;
-        check_positive("purge.tower.width_mm", tower.width_mm)?;
-        check_positive("purge.tower.depth_mm", tower.depth_mm)
+        check(&Flavour::ALL, |flavour| flavour.name());
+        check(&Nozzles::ALL, |nozzles| nozzles.name());
+        check(&CrossSection::ALL, |cross_section| cross_section.name());
     }
-}
-
-fn check_positive(field: &str, value: f64) -> Result<(), SettingsError> {
-    // A speed below a thousandth would be written as 0.
-    within(field, value, 0.001, LARGEST, "more than 0 and at most a million")
-}
-
-fn check_not_negative(field: &str, value: f64) -> Result<(), SettingsError> {
-    within(field, value, 0.0, LARGEST, "at least 0 and at most a million")
-}
-
-fn within(
-    field: &str,
-    value: f64,
-    low: f64,
-    high: f64,
-    wanted: &'static str,
-) -> Result<(), SettingsError> {
-    if (low..=high).contains(&value) {
-        return Ok(());
-    }
-    Err(SettingsError::Value { field: field.to_owned(), value, wanted })
 }

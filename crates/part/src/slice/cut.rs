@@ -51,12 +51,12 @@ pub fn slice(
 /// The number of cells of a disc depends on the phase of the grid:
 /// ```
 /// use beadwork_base::Control;
-/// use beadwork_mesh::{Body, Model, Shape};
+/// use beadwork_mesh::{Body, Model, Solid};
 /// use beadwork_part::slice::{Cut, Settings};
 ///
 /// let outline_mm = (0..60).map(|i| f64::from(i).to_radians() * 6.0);
 /// let outline_mm = outline_mm.map(|a| [5.1 * a.cos(), 5.1 * a.sin()]).collect();
-/// let mesh = Shape::Prism { outline_mm, z_mm: [0.0, 1.0] }.mesh();
+/// let mesh = Solid::Prism { outline_mm, z_mm: [0.0, 1.0] }.mesh();
 /// let body = Body { name: "disc".into(), mesh, material: Some(0), paint: Vec::new() };
 /// let model = Model { bodies: vec![body], materials: Vec::new() };
 ///

@@ -19,8 +19,7 @@ pub struct Layer {
 impl Layer {
     /// The materials of all cells of the grid, axes `[y, x]`; [`Voxels::EMPTY`] outside the region.
     pub fn materials(&self) -> ArrayView2<'_, u8> {
-        let shape = (self.region.height() as usize, self.region.width() as usize);
-        ArrayView2::from_shape(shape, self.zones.ids()).expect("there is one zone for each cell")
+        self.zones.view(&self.region)
     }
 }
 

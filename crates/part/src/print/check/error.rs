@@ -1,223 +1,251 @@
-//! What can be wrong with a print.
+//! Errors of the check of a print.
+
+use std::fmt;
 
 use beadwork_base::Interrupted;
 use beadwork_gcode::{Heater, TraceError};
 use thiserror::Error;
 
-use super::CellPosition;
-use crate::print::SettingsError;
+use crate::print::settings_error::SettingsError;
 
-/// What is wrong with a print; lines are numbered from 1.
+/// A cell of a layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CellPosition {
+    /// Number of the layer.
+    pub layer: usize,
+    /// Column of the cell.
+    pub x: u32,
+    /// Row of the cell.
+    pub y: u32,
+}
+
+impl fmt::Display for CellPosition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "layer {}, cell ({}, {})", self.layer, self.x, self.y)
+    }
+}
+
+/// Why a program does not print its layers; lines are numbered from 1.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum CheckError {
-    /// The program makes no sense.
+    /// A command of the program is invalid.
     #[error(transparent)]
     Trace(#[from] TraceError),
-    /// The layers, the frame and the settings don't belong together.
+    /// The layers, the frame and the settings are invalid or do not fit together.
     #[error(transparent)]
     Settings(#[from] SettingsError),
     /// The check was cancelled or ran out of time.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
-    /// It extrudes at a height where no layer has its top.
-    #[error("line {line}: extrudes at a height of {z_mm} mm, where no layer is")]
+    /// A motion extrudes at a height that is not the top of a layer.
+    #[error("line {line}: extrudes at z = {z_mm} mm, which is not the top of a layer")]
     Height {
         /// Number of the line.
         line: usize,
-        /// The height, in mm.
+        /// The height in mm.
         z_mm: f64,
     },
-    /// It extrudes while it rises or sinks.
-    #[error("line {line}: extrudes from {from_mm} to {to_mm} mm of height")]
+    /// A motion changes its height while it extrudes.
+    #[error("line {line}: z changes from {from_mm} to {to_mm} mm while extruding")]
     Slope {
         /// Number of the line.
         line: usize,
-        /// z at the beginning, in mm.
+        /// z at the start in mm.
         from_mm: f64,
-        /// z at the end, in mm.
+        /// z at the end in mm.
         to_mm: f64,
     },
-    /// It extrudes neither along the middles of a row nor of a column.
-    #[error("line {line}, layer {layer}: extrudes from ({}, {}) to ({}, {}) mm, off the middles of the cells",
-        from_mm[0], from_mm[1], to_mm[0], to_mm[1])]
+    /// A motion extrudes neither through the centres of a row nor through those of a column.
+    #[error(
+        "line {line}, layer {layer}: extrudes from ({}, {}) to ({}, {}) mm, off the centres of the cells",
+        from_mm[0], from_mm[1], to_mm[0], to_mm[1]
+    )]
     OffCentre {
         /// Number of the line.
         line: usize,
-        /// The layer.
+        /// Number of the layer.
         layer: usize,
-        /// x and y at the beginning, in mm.
+        /// x and y at the start in mm.
         from_mm: [f64; 2],
-        /// x and y at the end, in mm.
+        /// x and y at the end in mm.
         to_mm: [f64; 2],
     },
-    /// It extrudes outside the region.
-    #[error("line {line}: {place} does not belong to the part")]
-    Outside {
+    /// A motion extrudes outside the region of its layer.
+    #[error("line {line}: {position} is printed but does not belong to the part")]
+    OutsidePart {
         /// Number of the line.
         line: usize,
         /// The cell.
-        place: CellPosition,
+        position: CellPosition,
     },
     /// A cell is printed with the tool of another zone.
-    #[error("line {line}: {place} is printed with tool {got} instead of {expected}")]
+    #[error("line {line}: {position} is printed with tool {got} instead of {expected}")]
     WrongTool {
         /// Number of the line.
         line: usize,
         /// The cell.
-        place: CellPosition,
-        /// Its zone.
+        position: CellPosition,
+        /// The tool of its zone.
         expected: u8,
-        /// The tool.
+        /// The tool that prints it.
         got: u8,
     },
     /// A cell is printed twice.
-    #[error("line {line}: {place} is printed again")]
+    #[error("line {line}: {position} is printed twice")]
     PrintedTwice {
         /// Number of the line.
         line: usize,
         /// The cell.
-        place: CellPosition,
+        position: CellPosition,
     },
-    /// The beads don't follow the path.
-    #[error("line {line}: the head comes to {place} where the path has it in cell ({}, {})", expected[0], expected[1])]
+    /// The beads do not follow the path.
+    #[error(
+        "line {line}: {position} is printed where the path has cell ({}, {})",
+        expected[0], expected[1]
+    )]
     OffPath {
         /// Number of the line.
         line: usize,
-        /// The cell that is printed; the expected one, if it is printed in another direction.
-        place: CellPosition,
-        /// Column and row of the cell that is next on the path.
+        /// The cell that is printed; the expected cell if it is printed in another direction.
+        position: CellPosition,
+        /// Column and row of the next cell of the path.
         expected: [u32; 2],
     },
-    /// A cell is not printed, or not wholly.
-    #[error("{place} is printed to {share} of it")]
+    /// A cell is not printed, or only half of it.
+    #[error("{position} is incomplete: the printed share is {share}")]
     Missing {
         /// The cell.
-        place: CellPosition,
-        /// How much of it is, from 0 to 1.
+        position: CellPosition,
+        /// Printed share of the cell: 0 or 0.5.
         share: f64,
     },
     /// A motion extrudes too much or too little.
-    #[error("line {line}: extrudes {got_mm3} mm³ where the cells take {expected_mm3}")]
+    #[error("line {line}: extrudes {got_mm3} mm³ instead of {expected_mm3}")]
     Volume {
         /// Number of the line.
         line: usize,
-        /// What the cells take, in mm³.
+        /// Volume of a bead of this length, in mm³.
         expected_mm3: f64,
-        /// What is extruded, in mm³.
+        /// Extruded volume in mm³.
         got_mm3: f64,
     },
-    /// A bead begins while the filament is drawn back, more is pushed out in place than was drawn
-    /// back, or a tool is put aside with its filament not drawn back as the settings say.
-    #[error("line {line}: the filament of tool {tool} is drawn back by {drawn_mm} mm")]
+    /// A bead begins with retracted filament, more filament is unretracted than was retracted, or a
+    /// tool is deselected without the retraction of the settings.
+    #[error("line {line}: the filament of tool {tool} is retracted by {retracted_mm} mm")]
     Retraction {
         /// Number of the line.
         line: usize,
         /// The tool.
         tool: u8,
-        /// By how much, in mm; less than 0 if too much was pushed out.
-        drawn_mm: f64,
+        /// Retracted length in mm; less than 0 if too much was unretracted.
+        retracted_mm: f64,
     },
-    /// The part goes on before enough is purged.
-    #[error("line {line}: {got_mm3} mm³ are purged from tool {from} to {to}, of {asked_mm3}")]
+    /// The part continues before enough is purged.
+    #[error(
+        "line {line}: {got_mm3} mm³ are purged from tool {from} to {to} instead of {expected_mm3}"
+    )]
     Purge {
-        /// Number of the line where the part goes on.
+        /// Number of the line that continues the part.
         line: usize,
-        /// The tool before.
+        /// The tool before the change.
         from: u8,
-        /// The tool after.
+        /// The tool after the change.
         to: u8,
-        /// What is to be purged, in mm³.
-        asked_mm3: f64,
-        /// What is purged, in mm³.
+        /// Purge volume of the settings in mm³.
+        expected_mm3: f64,
+        /// Purged volume in mm³.
         got_mm3: f64,
     },
-    /// The tower is printed beside its place.
-    #[error("line {line}: the tower is printed beyond the place that the settings give it")]
+    /// The prime tower is printed outside its position, or the settings have none.
+    #[error("line {line}: the prime tower is printed outside the position of the settings")]
     PrimeTowerOutside {
         /// Number of the line.
         line: usize,
     },
-    /// The tower is printed on nothing.
-    #[error("line {line}: the tower of layer {layer} has none below to rest on")]
+    /// The prime tower is printed in the air.
+    #[error("line {line}: the prime tower of layer {layer} has nothing below to rest on")]
     PrimeTowerInAir {
         /// Number of the line.
         line: usize,
-        /// The layer.
+        /// Number of the layer.
         layer: usize,
     },
-    /// The head goes through what is printed.
+    /// The nozzle moves through what is printed.
     #[error(
-        "line {line}: the head is at a height of {z_mm} mm, and the print has one of {top_mm} mm"
+        "line {line}: the nozzle is at z = {z_mm} mm, below the top of the print at {top_mm} mm"
     )]
     NozzleTooLow {
         /// Number of the line.
         line: usize,
-        /// The lower end of the motion, in mm.
+        /// Minimum z of the motion in mm.
         z_mm: f64,
-        /// Top of the highest layer that is begun, in mm.
+        /// Top of the highest layer begun, in mm.
         top_mm: f64,
     },
-    /// The head leaves the printer.
-    #[error("line {line}: the head goes to ({}, {}, {}) mm, beyond the bed", place_mm[0], place_mm[1], place_mm[2])]
+    /// The nozzle leaves the bed.
+    #[error(
+        "line {line}: the nozzle moves to ({}, {}, {}) mm, beyond the bed",
+        position_mm[0], position_mm[1], position_mm[2]
+    )]
     OffBed {
         /// Number of the line.
         line: usize,
-        /// x, y and z where the motion ends, in mm.
-        place_mm: [f64; 3],
+        /// x, y and z at the end of the motion in mm.
+        position_mm: [f64; 3],
     },
-    /// It extrudes faster than the settings say.
-    #[error("line {line}: extrudes at {got_mm_s} mm/s, and at most {most_mm_s} are asked for")]
+    /// A motion extrudes faster than the settings allow.
+    #[error("line {line}: extrudes at {got_mm_s} mm/s, the maximum is {max_mm_s}")]
     Speed {
         /// Number of the line.
         line: usize,
-        /// The speed, in mm/s.
+        /// Speed of the motion in mm/s.
         got_mm_s: f64,
-        /// That of the settings, in mm/s.
-        most_mm_s: f64,
+        /// Speed of the settings in mm/s.
+        max_mm_s: f64,
     },
-    /// It extrudes with another temperature than that of the settings.
-    #[error("line {line}: the {heater} is set to {got_c} °C instead of {asked_c}")]
+    /// A motion extrudes while a heater is set to another temperature than that of the settings.
+    #[error("line {line}: the {heater} is set to {got_c} °C instead of {expected_c}")]
     Temperature {
-        /// Number of the line that extrudes.
+        /// Number of the line.
         line: usize,
-        /// What has the temperature.
+        /// The heater.
         heater: Heater,
-        /// That of the settings, in degrees Celsius.
-        asked_c: f64,
-        /// That of the program, in degrees Celsius.
+        /// Temperature of the settings in °C.
+        expected_c: f64,
+        /// Temperature of the program in °C.
         got_c: f64,
     },
-    /// It extrudes without having waited for the temperature.
-    #[error("line {line}: the {heater} may not have its temperature yet")]
+    /// A motion extrudes although the program did not wait for a temperature.
+    #[error("line {line}: the {heater} may not have reached its temperature")]
     NotWaited {
-        /// Number of the line that extrudes.
+        /// Number of the line.
         line: usize,
-        /// What was not waited for.
+        /// The heater.
         heater: Heater,
     },
-    /// It extrudes although the motors have let go.
+    /// A motion extrudes although the motors are off.
     #[error("line {line}: extrudes after the motors were switched off")]
     MotorsOff {
         /// Number of the line.
         line: usize,
     },
-    /// Printers take the filament of a move for different lengths.
+    /// Marlin and Klipper would extrude different lengths of filament.
     #[error(
-        "line {line}: whether filament counts from the start or from the last move is not the same for all printers"
+        "line {line}: Marlin and Klipper disagree whether this extrusion is absolute or relative"
     )]
-    Ambiguous {
+    AmbiguousExtrusion {
         /// Number of the line.
         line: usize,
     },
     /// A tool has no settings.
-    #[error("line {line}: tool {tool} is not among the {tools} of the settings")]
-    Tool {
+    #[error("line {line}: unknown tool {tool}: the settings define {tools}")]
+    UnknownTool {
         /// Number of the line.
         line: usize,
         /// The tool.
         tool: u8,
-        /// How many tools there are.
+        /// Number of tools in the settings.
         tools: usize,
     },
 }

@@ -1,26 +1,31 @@
-//! Whether what prints is hot.
+//! Checks that bed and nozzles are hot when something is printed.
+//!
+//! A program sets target temperatures and may wait for them; the actual temperature is not known.
+//! So each heater has an interval that its temperature lies in: setting a target without waiting
+//! extends the interval to the target, and waiting shrinks it.
 
 use beadwork_gcode::{Event, Heater, Wait};
 
-use super::CheckError;
-use crate::print::{Flavour, Nozzles, Settings};
+use super::error::CheckError;
+use super::tolerance;
+use crate::print::settings::{Flavour, Nozzles, Settings};
 
-/// Temperatures have three decimals: what may be lost, in degrees Celsius.
-const ROUNDING_C: f64 = 0.001;
-
-/// What is known of a temperature, in degrees Celsius: it lies between two bounds.
+/// Target of a heater, and the interval that its temperature lies in, in °C.
+/// Where the interval begins or ends at 0, that stands for room temperature.
 #[derive(Clone, Copy, Debug, Default)]
-struct Warmth {
+struct Temperature {
     target: f64,
     low: f64,
     high: f64,
 }
 
-impl Warmth {
+impl Temperature {
     fn set(&mut self, celsius: f64, wait: Wait, flavour: Flavour) {
         let (celsius, wait) = match (wait, flavour) {
-            // Klipper does not see the word R, and takes 0 for the temperature.
+            // Klipper ignores the parameter R of `M109` and sets the heater to 0.
             (Wait::HeatingOrCooling, Flavour::Klipper) => (0.0, Wait::No),
+            // After `M109 S`, Marlin waits only while the nozzle heats up, Klipper also while it
+            // cools down.
             (Wait::Heating, Flavour::Klipper) => (celsius, Wait::HeatingOrCooling),
             (wait, _) => (celsius, wait),
         };
@@ -29,10 +34,10 @@ impl Warmth {
         self.high = if wait == Wait::HeatingOrCooling { celsius } else { self.high.max(celsius) };
     }
 
-    fn check(&self, heater: Heater, asked_c: f64, line: usize) -> Result<(), CheckError> {
-        let is = |value: f64| (value - asked_c).abs() <= ROUNDING_C;
+    fn check(&self, heater: Heater, expected_c: f64, line: usize) -> Result<(), CheckError> {
+        let is = |value: f64| (value - expected_c).abs() <= tolerance::TEMPERATURE_C;
         if !is(self.target) {
-            return Err(CheckError::Temperature { line, heater, asked_c, got_c: self.target });
+            return Err(CheckError::Temperature { line, heater, expected_c, got_c: self.target });
         }
         if is(self.low) && is(self.high) {
             Ok(())
@@ -42,13 +47,13 @@ impl Warmth {
     }
 }
 
-/// The heaters of a printer, which is cold at the beginning, and its motors.
+/// The heaters of a printer, which are cold at the start, and its motors.
 #[derive(Debug)]
 pub(super) struct Heaters<'a> {
     settings: &'a Settings,
-    /// One for each tool, or a single one.
-    nozzles: Vec<Warmth>,
-    bed: Warmth,
+    /// One for each tool, or a single one if it is shared.
+    nozzles: Vec<Temperature>,
+    bed: Temperature,
     motors_off: bool,
 }
 
@@ -60,20 +65,20 @@ impl<'a> Heaters<'a> {
         };
         Self {
             settings,
-            nozzles: vec![Warmth::default(); count],
-            bed: Warmth::default(),
+            nozzles: vec![Temperature::default(); count],
+            bed: Temperature::default(),
             motors_off: false,
         }
     }
 
-    fn nozzle(&mut self, tool: u8) -> Option<&mut Warmth> {
+    fn nozzle(&mut self, tool: u8) -> Option<&mut Temperature> {
         match self.settings.printer.nozzles {
             Nozzles::Shared => self.nozzles.first_mut(),
             Nozzles::Own => self.nozzles.get_mut(usize::from(tool)),
         }
     }
 
-    pub(super) fn take(&mut self, event: &Event) {
+    pub(super) fn event(&mut self, event: &Event) {
         let flavour = self.settings.printer.flavour;
         match *event {
             Event::Heat { heater: Heater::Bed, celsius, wait, .. } => {
@@ -94,13 +99,14 @@ impl<'a> Heaters<'a> {
         }
     }
 
-    /// Whether a tool of the settings may extrude.
+    /// Checks that a tool may extrude; the settings must have it.
     pub(super) fn check(&mut self, tool: u8, line: usize) -> Result<(), CheckError> {
         if self.motors_off {
             return Err(CheckError::MotorsOff { line });
         }
         self.bed.check(Heater::Bed, self.settings.process.bed_c, line)?;
-        let asked_c = self.settings.tools[usize::from(tool)].nozzle_c;
-        self.nozzle(tool).map_or(Ok(()), |nozzle| nozzle.check(Heater::Nozzle(tool), asked_c, line))
+        let expected_c = self.settings.tools[usize::from(tool)].nozzle_c;
+        self.nozzle(tool)
+            .map_or(Ok(()), |nozzle| nozzle.check(Heater::Nozzle(tool), expected_c, line))
     }
 }

@@ -1,26 +1,29 @@
-//! Whether all printers take the lengths of filament for the same.
+//! Checks that all printers interpret the extrusion modes alike.
 
 use beadwork_gcode::{Command, Move, Program};
 
-use super::CheckError;
+use super::error::CheckError;
 
-/// Refuses filament that Marlin and Klipper would count differently.
+/// Refuses extrusion that is absolute for Marlin and relative for Klipper, or the reverse.
 ///
-/// In Marlin `G90` and `G91` count filament as they count places, until `M82` or `M83` says
-/// otherwise; in Klipper `G91` does, until `G90`, and `M83` holds until `M82`.
+/// Marlin has one extrusion mode, which `G90` and `G91` set along with that of positions, and which
+/// `M82` and `M83` set alone.
+/// Klipper has a mode for positions (`G90`, `G91`) and one for extrusion (`M82`, `M83`), and
+/// extrusion is relative if either of them is.
 pub(super) fn check(program: &Program) -> Result<(), CheckError> {
-    let (mut places, mut klipper, mut marlin) = (false, false, false);
+    // Whether each mode is relative.
+    let (mut positions, mut klipper, mut marlin) = (false, false, false);
     for (line, command) in (1..).zip(program.lines.iter().map(|line| line.command())) {
         match command {
-            Some(Command::AbsolutePositioning) => (places, marlin) = (false, false),
-            Some(Command::RelativePositioning) => (places, marlin) = (true, true),
+            Some(Command::AbsolutePositioning) => (positions, marlin) = (false, false),
+            Some(Command::RelativePositioning) => (positions, marlin) = (true, true),
             Some(Command::AbsoluteExtrusion) => (klipper, marlin) = (false, false),
             Some(Command::RelativeExtrusion) => (klipper, marlin) = (true, true),
-            Some(Command::Move(Move { e: Some(_), .. })) if (places || klipper) != marlin => {
-                return Err(CheckError::Ambiguous { line });
+            Some(Command::Move(Move { e: Some(_), .. })) if (positions || klipper) != marlin => {
+                return Err(CheckError::AmbiguousExtrusion { line });
             }
-            Some(Command::Arc(arc)) if arc.e.is_some() && (places || klipper) != marlin => {
-                return Err(CheckError::Ambiguous { line });
+            Some(Command::Arc(arc)) if arc.e.is_some() && (positions || klipper) != marlin => {
+                return Err(CheckError::AmbiguousExtrusion { line });
             }
             _ => {}
         }
@@ -33,7 +36,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn orders_of_the_modes() {
+    fn commands_whose_order_matters() {
         for (text, expected) in [
             ("G90\nM83\nG1 E1", None),
             ("M83\nG90\nG1 X1\nG1 E1", Some(4)),
@@ -43,7 +46,8 @@ mod tests {
             ("G91\nM82\nG2 X1 R5 E1", Some(3)),
             ("M83\nG91\nG1 E1\nG90\nG3 X1 R5", None),
         ] {
-            let expected = expected.map_or(Ok(()), |line| Err(CheckError::Ambiguous { line }));
+            let expected =
+                expected.map_or(Ok(()), |line| Err(CheckError::AmbiguousExtrusion { line }));
             assert_eq!(check(&text.parse().unwrap()), expected, "{text}");
         }
     }

@@ -1,18 +1,22 @@
-//! Emitted prints pass; prints with a fault are turned away.
+//! Emitted programs pass; programs with a fault are refused.
 
-use beadwork_base::Control;
-use beadwork_gcode::{Command, Heater, Line, Move, Number, TraceError, Wait};
+use beadwork_base::{CancelToken, Control, Interrupted};
+use beadwork_gcode::{
+    Command, Event, Feature, Heater, Line, Move, Number, Program, TraceError, Wait,
+};
 use beadwork_grid::{Layout, LayoutSpec, Path, Region, RegionShape, Zones, cover};
 use proptest::prelude::*;
 
 use super::*;
+use crate::Frame;
 use crate::print::{
-    CrossSection, Flavour, Nozzles, Print, Printer, Process, Purge, SettingsError, Title, Tool,
+    CrossSection, Flavour, Layer, Nozzles, PrimeTower, Print, Printer, Process, Purge, Settings,
+    SettingsError, Title, Tool,
 };
 
 const TITLE: Title<'_> = Title { part: "test", version: "0" };
 
-/// Layers with their numbers, and what they are printed with.
+/// Layers with their numbers, the frame, and the settings.
 #[derive(Clone, Debug)]
 struct Case {
     layers: Vec<(usize, Region, Zones, Path)>,
@@ -33,7 +37,7 @@ impl Case {
     }
 
     fn check(&self, program: &Program) -> Result<Report, CheckError> {
-        // Through the text, for that is what a printer gets.
+        // From the text, because that is what a printer gets.
         check(
             &program.emit().parse().unwrap(),
             &self.layers(),
@@ -109,7 +113,7 @@ fn cases() -> impl Strategy<Value = Case> {
                 };
                 let flavour = if klipper { Flavour::Klipper } else { Flavour::Marlin };
                 let settings = Settings {
-                    // Small cells with a change each take a long tower.
+                    // Small layers with many tool changes need a deep tower.
                     printer: Printer {
                         flavour,
                         nozzles: if own { Nozzles::Own } else { Nozzles::Shared },
@@ -142,8 +146,8 @@ fn cases() -> impl Strategy<Value = Case> {
         )
 }
 
-/// Numbers of the lines, from 0, that lay down the part or the tower.
-fn strokes_of(program: &Program, feature: Feature) -> Vec<usize> {
+/// Numbers, from 0, of the lines that extrude a feature.
+fn extrusions_of(program: &Program, feature: Feature) -> Vec<usize> {
     let line = |event| match event {
         Ok(Event::Motion(motion)) if motion.is_extrusion() && motion.feature == feature => {
             Some(motion.line - 1)
@@ -154,21 +158,21 @@ fn strokes_of(program: &Program, feature: Feature) -> Vec<usize> {
 }
 
 fn part_lines(program: &Program) -> Vec<usize> {
-    strokes_of(program, Feature::SolidInfill)
+    extrusions_of(program, Feature::SolidInfill)
 }
 
-/// The program with further lines before one of its own.
+/// The program with lines inserted before line `at`.
 fn with_lines(program: &Program, at: usize, text: &str) -> Program {
     let mut program = program.clone();
     program.lines.splice(at..at, text.parse::<Program>().unwrap().lines);
     program
 }
 
-/// The program with one line written anew.
+/// The program with one move changed.
 fn changed(program: &Program, at: usize, change: impl FnOnce(&mut Move)) -> Program {
     let mut program = program.clone();
     let Some(Command::Move(mut motion)) = program.lines[at].command().cloned() else {
-        panic!("no move")
+        panic!("line {at} is not a move")
     };
     change(&mut motion);
     program.lines[at] = Line::from(Command::Move(motion));
@@ -179,7 +183,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 600, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn what_is_written_passes(case in cases()) {
+    fn emitted_programs_pass(case in cases()) {
         let print = case.print();
         let report = case.check(&print.program);
         prop_assert!(report.is_ok(), "{report:?}\n{}", print.program.emit());
@@ -187,17 +191,17 @@ proptest! {
         let cells: u64 = case.layers.iter().map(|(_, region, _, _)| u64::from(region.cell_count())).sum();
         prop_assert_eq!((report.cells, report.layers), (cells, case.layers.len()));
         prop_assert_eq!(report.tool_changes, print.totals.tool_changes);
-        // Nothing is lost by rounding, however many strokes there are.
+        // Rounding loses nothing, however many moves there are.
         let expected = cells as f64 * case.frame.cell_mm * case.settings.process.bead_mm2(&case.frame);
         prop_assert!((report.part_mm3 - expected).abs() < 1e-3, "{} {expected}", report.part_mm3);
-        let way = cells as f64 * case.frame.cell_mm;
-        prop_assert!((print.totals.extrusion_mm - way).abs() < 1e-3 * (cells as f64 + 1.0));
+        let length = cells as f64 * case.frame.cell_mm;
+        prop_assert!((print.totals.extrusion_mm - length).abs() < 1e-3 * (cells as f64 + 1.0));
         let volume: f64 = print.totals.tools.iter().map(|tool| tool.volume_mm3).sum();
-        prop_assert!((volume - report.part_mm3 - report.tower_mm3).abs() < 1e-6 * volume.max(1.0));
+        prop_assert!((volume - report.part_mm3 - report.prime_tower_mm3).abs() < 1e-6 * volume.max(1.0));
     }
 
     #[test]
-    fn a_line_that_lacks_is_found(case in cases(), at: prop::sample::Index) {
+    fn a_missing_line_is_found(case in cases(), at: prop::sample::Index) {
         let print = case.print();
         let lines = part_lines(&print.program);
         let mut program = print.program.clone();
@@ -206,7 +210,7 @@ proptest! {
     }
 
     #[test]
-    fn a_line_written_twice_is_found(case in cases(), at: prop::sample::Index) {
+    fn a_repeated_line_is_found(case in cases(), at: prop::sample::Index) {
         let print = case.print();
         let lines = part_lines(&print.program);
         let at = lines[at.index(lines.len())];
@@ -216,7 +220,7 @@ proptest! {
     }
 
     #[test]
-    fn a_shifted_place_is_found(case in cases(), at: prop::sample::Index, along_x: bool, cells in 0.2..3.0_f64) {
+    fn a_shifted_position_is_found(case in cases(), at: prop::sample::Index, along_x: bool, cells in 0.2..3.0_f64) {
         let print = case.print();
         let lines = part_lines(&print.program);
         let by = Number::from_f64(cells * case.frame.cell_mm, 3).unwrap().millionths();
@@ -232,10 +236,10 @@ proptest! {
     }
 
     #[test]
-    fn filament_too_much_or_too_little_is_found(case in cases(), at: prop::sample::Index, share in 0.0..0.7_f64, more: bool) {
+    fn too_much_or_too_little_filament_is_found(case in cases(), at: prop::sample::Index, share in 0.0..0.7_f64, more: bool) {
         let print = case.print();
         let lines = part_lines(&print.program);
-        // Of the smallest cells, the decimals of a file tell no less.
+        // For the smallest cells, smaller changes vanish in the decimals of a file.
         let share = if more { 2.0 - share } else { share };
         let program = changed(&print.program, lines[at.index(lines.len())], |motion| {
             motion.e = motion.e.map(|e| Number::from_f64(e.to_f64() * share, 5).unwrap());
@@ -244,16 +248,16 @@ proptest! {
     }
 
     #[test]
-    fn a_wrong_or_lacking_tool_is_found(case in cases(), at: prop::sample::Index, to in 0_u8..4, lacks: bool) {
+    fn a_wrong_or_missing_tool_is_found(case in cases(), at: prop::sample::Index, to in 0_u8..4, is_missing: bool) {
         let print = case.print();
         let tools: Vec<_> = (0..print.program.lines.len())
             .filter(|&at| matches!(print.program.lines[at].command(), Some(Command::Tool(_))))
             .collect();
         let at = tools[at.index(tools.len())];
         let mut program = print.program.clone();
-        if lacks {
+        if is_missing {
             let first = program.lines.remove(at);
-            // The first tool is there without being asked for.
+            // Tool 0 is selected by default.
             prop_assume!(first.command() != Some(&Command::Tool(0)) || tools[0] != at);
         } else {
             prop_assume!(program.lines[at].command() != Some(&Command::Tool(to)));
@@ -263,10 +267,10 @@ proptest! {
     }
 
     #[test]
-    fn filament_left_drawn_back_is_found(case in cases(), at: prop::sample::Index) {
+    fn missing_retraction_and_unretraction_are_found(case in cases(), at: prop::sample::Index) {
         let print = case.print();
-        let last_stroke = *part_lines(&print.program).last().unwrap();
-        let in_place: Vec<_> = (0..last_stroke).filter(|&at| match print.program.lines[at].command() {
+        let last_extrusion = *part_lines(&print.program).last().unwrap();
+        let in_place: Vec<_> = (0..last_extrusion).filter(|&at| match print.program.lines[at].command() {
             Some(Command::Move(motion)) => motion.e.is_some() && motion.x.or(motion.y).is_none(),
             _ => false,
         }).collect();
@@ -278,15 +282,15 @@ proptest! {
     }
 
     #[test]
-    fn travel_astray_is_found(case in cases(), at: prop::sample::Index, by in 0.01..0.1_f64, side in 0..5) {
+    fn travel_to_a_forbidden_position_is_found(case in cases(), at: prop::sample::Index, by in 0.01..0.1_f64, side in 0..5) {
         let print = case.print();
-        let first_stroke = print.program.trace().find_map(|event| match event {
+        let first_extrusion = print.program.trace().find_map(|event| match event {
             Ok(Event::Motion(motion)) if motion.is_extrusion() => Some(motion),
             _ => None,
         }).unwrap();
-        let at = first_stroke.line + at.index(print.program.lines.len() - first_stroke.line);
+        let at = first_extrusion.line + at.index(print.program.lines.len() - first_extrusion.line);
         let text = match side {
-            0 => format!("G1 Z{:.3}", (first_stroke.to_mm[2] - by).max(0.0)),
+            0 => format!("G1 Z{:.3}", (first_extrusion.to_mm[2] - by).max(0.0)),
             1 => format!("G1 X{:.3}", -by),
             2 => format!("G1 X{:.3}", 250.0 + by),
             3 => format!("G1 Y{:.3}", 5000.0 + by),
@@ -298,16 +302,16 @@ proptest! {
     }
 
     #[test]
-    fn travel_that_lacks_is_found(case in cases(), at: prop::sample::Index) {
-        // What is missing on the way to the tower only makes it a little crooked.
+    fn missing_travel_is_found(case in cases(), at: prop::sample::Index) {
+        // Without travel to the tower, only its shape suffers.
         let case = Case { settings: Settings { purge: None, ..case.settings }, ..case };
         let print = case.print();
-        let last_stroke = *part_lines(&print.program).last().unwrap();
-        // After a change of tools the head is sent where it stands.
+        let last_extrusion = *part_lines(&print.program).last().unwrap();
+        // After a tool change some moves lead to where the nozzle is anyway: skip short moves.
         let across: Vec<_> = print.program.trace().filter_map(|event| match event {
             Ok(Event::Motion(motion)) => {
                 let [x, y] = [0, 1].map(|axis| motion.to_mm[axis] - motion.from_mm[axis]);
-                let counts = motion.line <= last_stroke && motion.extruded_mm.abs() <= 0.0 && x.hypot(y) > 0.05;
+                let counts = motion.line <= last_extrusion && motion.extruded_mm.abs() <= 0.0 && x.hypot(y) > 0.05;
                 counts.then_some(motion.line - 1)
             }
             _ => None,
@@ -318,7 +322,7 @@ proptest! {
     }
 
     #[test]
-    fn a_cold_or_hasty_print_is_found(case in cases(), at: prop::sample::Index, cools: bool) {
+    fn a_cold_print_or_one_that_does_not_wait_is_found(case in cases(), at: prop::sample::Index, cools: bool) {
         let print = case.print();
         let waits = |line: &Line| match line.command() {
             Some(Command::NozzleTemperature { wait, .. }) => *wait != Wait::No,
@@ -349,7 +353,7 @@ proptest! {
     }
 
     #[test]
-    fn what_is_switched_off_is_found(case in cases(), at: prop::sample::Index, what in 0_usize..5) {
+    fn heaters_and_motors_switched_off_are_found(case in cases(), at: prop::sample::Index, what in 0_usize..5) {
         let print = case.print();
         let lines = part_lines(&print.program);
         let text = ["M104 S0", "M140 S0", "TURN_OFF_HEATERS", "M84", "M18"][what];
@@ -359,12 +363,12 @@ proptest! {
     }
 
     #[test]
-    fn a_tower_astray_is_found(case in cases(), at: prop::sample::Index, share in 0.0..0.7_f64, change in 0..4) {
+    fn a_faulty_prime_tower_is_found(case in cases(), at: prop::sample::Index, share in 0.0..0.7_f64, change in 0..4) {
         let tower = PrimeTower { left_mm: 5.0, front_mm: 5.0, width_mm: 50.0, depth_mm: 4000.0 };
         let purge = Some(Purge::uniform(3, 0.1 + share, Some(tower)));
         let case = Case { settings: Settings { purge, ..case.settings }, ..case };
         let print = case.print();
-        let lines = strokes_of(&print.program, Feature::PrimeTower);
+        let lines = extrusions_of(&print.program, Feature::PrimeTower);
         prop_assume!(!lines.is_empty());
         let at = lines[at.index(lines.len())];
         let program = changed(&print.program, at, |motion| match change {
@@ -383,7 +387,7 @@ proptest! {
     }
 }
 
-/// Two layers of 3 x 2 cells, half of them of either zone, with a tower.
+/// Two layers of 3 x 2 cells, half of them in each of two zones, with a prime tower.
 fn small() -> Case {
     let region = Region::rectangle(3, 2).unwrap();
     let zones = Zones::new(&region, vec![0, 0, 1, 0, 1, 1]).unwrap();
@@ -403,7 +407,7 @@ fn small() -> Case {
     }
 }
 
-fn fault(change: impl FnOnce(String) -> String) -> CheckError {
+fn error_of(change: impl FnOnce(String) -> String) -> CheckError {
     let case = small();
     let text = case.print().program.emit();
     let changed = change(text.clone());
@@ -419,44 +423,47 @@ fn faults_are_named() {
     assert_eq!((report.layers, report.cells, report.tool_changes), (2, 12, 4));
     assert!((report.part_mm3 - 12.0 * 0.05).abs() < 1e-4);
 
-    let error = fault(|text| text.replacen("TYPE:Wipe tower", "TYPE:Solid infill", 1));
-    assert!(matches!(error, CheckError::OffCentre { .. } | CheckError::Outside { .. }), "{error}");
-    let error = fault(|text| text.replacen("TYPE:Solid infill", "TYPE:Wipe tower", 1));
+    let error = error_of(|text| text.replacen("TYPE:Wipe tower", "TYPE:Solid infill", 1));
+    assert!(
+        matches!(error, CheckError::OffCentre { .. } | CheckError::OutsidePart { .. }),
+        "{error}"
+    );
+    let error = error_of(|text| text.replacen("TYPE:Solid infill", "TYPE:Wipe tower", 1));
     assert!(matches!(error, CheckError::PrimeTowerOutside { .. }), "{error}");
-    let error = fault(|text| text.replace("Z0.4", "Z0.5"));
+    let error = error_of(|text| text.replace("Z0.4", "Z0.5"));
     assert!(
         matches!(error, CheckError::Height { z_mm, .. } if (z_mm - 0.5).abs() < 1e-9),
         "{error}"
     );
-    let error = fault(|text| text.replace("Z0.4", "Z0.2").replace("F1800", "F1200"));
+    let error = error_of(|text| text.replace("Z0.4", "Z0.2").replace("F1800", "F1200"));
     assert!(
-        matches!(error, CheckError::PrintedTwice { place: CellPosition { layer: 0, .. }, .. }),
+        matches!(error, CheckError::PrintedTwice { position: CellPosition { layer: 0, .. }, .. }),
         "{error}"
     );
-    let error = fault(|text| {
+    let error = error_of(|text| {
         let end = text.find(";Z:0.4").unwrap();
         text[..end].to_owned()
     });
-    assert_eq!(error.to_string(), "layer 1, cell (0, 0) is printed to 0 of it");
+    assert_eq!(error.to_string(), "layer 1, cell (0, 0) is incomplete: the printed share is 0");
     let mut more = case.clone();
     more.settings.purge.as_mut().unwrap().volume_mm3[1][0] = 9.0;
     let error = more.check(&case.print().program).unwrap_err();
     assert!(matches!(error, CheckError::Purge { from: 1, to: 0, .. }), "{error}");
-    let error = fault(|text| text.replacen("G90", "G90\nT9", 1));
-    assert!(matches!(error, CheckError::Tool { tool: 9, tools: 2, .. }), "{error}");
-    let error = fault(|text| text.replacen("M83", "G20", 1));
+    let error = error_of(|text| text.replacen("G90", "G90\nT9", 1));
+    assert!(matches!(error, CheckError::UnknownTool { tool: 9, tools: 2, .. }), "{error}");
+    let error = error_of(|text| text.replacen("M83", "G20", 1));
     assert!(matches!(error, CheckError::Trace(TraceError::Inches { .. })), "{error}");
 }
 
 #[test]
-fn layers_of_other_planes_are_refused() {
+fn layers_of_another_size_are_refused() {
     let mut case = small();
     let program = case.print().program;
     case.frame.width = 4;
     let error = check(&program, &case.layers(), &case.frame, &case.settings, &Control::default())
         .unwrap_err();
     assert!(
-        matches!(error, CheckError::Settings(SettingsError::Layer { layer: 0, .. })),
+        matches!(error, CheckError::Settings(SettingsError::LayerSize { layer: 0, .. })),
         "{error}"
     );
 }
@@ -465,7 +472,7 @@ fn layers_of_other_planes_are_refused() {
 fn faults_of_travel_heat_and_modes_are_named() {
     // Lines before the second layer.
     let between = |lines: &str| {
-        fault(|text| {
+        error_of(|text| {
             text.replace(";LAYER_CHANGE\n;Z:0.4", &format!("{lines}\n;LAYER_CHANGE\n;Z:0.4"))
         })
     };
@@ -480,12 +487,12 @@ fn faults_of_travel_heat_and_modes_are_named() {
     assert!(matches!(error, CheckError::Temperature { heater: Heater::Nozzle(_), .. }), "{error}");
     let error = between("M104 S0\nM104 S230");
     assert!(matches!(error, CheckError::NotWaited { heater: Heater::Nozzle(_), .. }), "{error}");
-    let error = fault(|text| text.replace("M190 S80\n", ""));
+    let error = error_of(|text| text.replace("M190 S80\n", ""));
     assert!(matches!(error, CheckError::NotWaited { heater: Heater::Bed, .. }), "{error}");
-    let error = fault(|text| text.replacen(" F1200", " F1201", 1));
+    let error = error_of(|text| text.replacen(" F1200", " F1201", 1));
     assert!(matches!(error, CheckError::Speed { .. }), "{error}");
-    let error = fault(|text| text.replace("G90\nM83", "M83\nG90"));
-    assert!(matches!(error, CheckError::Ambiguous { .. }), "{error}");
+    let error = error_of(|text| text.replace("G90\nM83", "M83\nG90"));
+    assert!(matches!(error, CheckError::AmbiguousExtrusion { .. }), "{error}");
 }
 
 #[test]
@@ -497,7 +504,7 @@ fn each_nozzle_must_be_hot() {
         assert!(text.contains(from));
         case.check(&text.replace(from, to).parse().unwrap()).unwrap_err()
     };
-    // Without waiting for it to cool, Marlin prints on with the heat of the other material.
+    // `M109 S` waits only while the nozzle heats up: Marlin would continue too hot.
     let error = check(&case, "M109 R220", "M109 S220");
     assert!(matches!(error, CheckError::NotWaited { heater: Heater::Nozzle(1), .. }), "{error}");
     case.settings.printer.nozzles = Nozzles::Own;
@@ -509,7 +516,7 @@ fn each_nozzle_must_be_hot() {
 }
 
 #[test]
-fn a_tower_stands_on_the_bed() {
+fn a_prime_tower_must_begin_on_the_bed() {
     let mut case = small();
     let (_, region, zones, _) = &mut case.layers[0];
     *zones = Zones::new(region, vec![0; 6]).unwrap();
@@ -528,4 +535,23 @@ fn a_tower_stands_on_the_bed() {
     case.settings.purge = None;
     let error = case.check(&program).unwrap_err();
     assert!(matches!(error, CheckError::PrimeTowerOutside { .. }), "{error}");
+}
+
+#[test]
+fn writing_and_checking_can_be_cancelled_and_report_layers() {
+    let case = small();
+    let program = case.print().program;
+    let cancel = CancelToken::new();
+    let seen = std::sync::Mutex::new(Vec::new());
+    let observe = |progress: beadwork_base::Progress| {
+        seen.lock().unwrap().push((progress.done, progress.total));
+    };
+    let control = Control { cancel: Some(&cancel), progress: Some(&observe), ..Control::default() };
+    let print = || Print::new(TITLE, &case.layers(), &case.frame, &case.settings, &control);
+    let check = || check(&program, &case.layers(), &case.frame, &case.settings, &control);
+    assert!(print().is_ok() && check().is_ok());
+    assert_eq!(seen.lock().unwrap()[..], [(1, 2), (2, 2), (1, 2), (2, 2)]);
+    cancel.cancel();
+    assert_eq!(print(), Err(Interrupted::Cancelled.into()));
+    assert_eq!(check(), Err(Interrupted::Cancelled.into()));
 }

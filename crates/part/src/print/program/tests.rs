@@ -1,4 +1,4 @@
-//! What is written for small layers, which settings are refused, and what prints take.
+//! Programs of small layers, refused settings, and totals.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,7 @@ use beadwork_base::Control;
 use beadwork_grid::{Path, Region, Zones, cover};
 
 use super::*;
-use crate::print::{CrossSection, PrimeTower, Printer, Purge};
+use crate::print::{CrossSection, Flavour, Nozzles, PrimeTower, Printer, Process, Purge};
 
 const TITLE: Title<'_> = Title { part: "golden", version: "0.0.0" };
 
@@ -33,7 +33,7 @@ impl Part {
     }
 }
 
-/// Two tools; a zigzag that crosses twice, and a layer above it of two pieces, one of them a single
+/// Two tools; a zigzag with two crossings, and above it a layer of two pieces, one of them a single
 /// cell.
 fn parts() -> [Part; 2] {
     let out = Zones::OUTSIDE;
@@ -69,7 +69,7 @@ fn print(settings: &Settings) -> Result<Print, PrintError> {
     Print::new(TITLE, &[first.layer(0), second.layer(1)], &FRAME, settings, &Control::default())
 }
 
-/// Compares with a file beside this one; with the variable `BEADWORK_BLESS` set, writes it anew.
+/// Compares a text with a committed file; writes the file if the variable `BEADWORK_BLESS` is set.
 fn golden(name: &str, text: &str) {
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src/print/golden").join(name);
     if std::env::var_os("BEADWORK_BLESS").is_some() {
@@ -79,7 +79,7 @@ fn golden(name: &str, text: &str) {
     let differs = text.lines().zip(expected.lines()).position(|(a, b)| a != b);
     assert_eq!(
         text, expected,
-        "{name} differs from line {differs:?} on; BEADWORK_BLESS=1 writes it anew"
+        "{name} differs from line {differs:?} on; BEADWORK_BLESS=1 updates it"
     );
 }
 
@@ -95,13 +95,14 @@ fn two_flavours_of_a_small_print() {
 }
 
 #[test]
-fn what_the_small_print_takes() {
+fn totals_of_a_small_print() {
     let totals = print(&settings(Flavour::Marlin)).unwrap().totals;
     assert_eq!((totals.layers, totals.tool_changes, totals.lifts), (2, 5, 1));
     assert!((totals.extrusion_mm - 19.0 * 0.5).abs() < 1e-6);
     let part: f64 = totals.tools.iter().map(|tool| tool.filament_mm - tool.purge_mm).sum();
     assert!((part * Tool::default().filament_mm2() - 19.0 * FRAME.cell_mm3()).abs() < 1e-4);
-    // 3 changes from 0 to 1 and 2 back, each in whole rows of 10 cells, and walls and sparse lines.
+    // 3 changes from tool 0 to 1 and 2 back, each in whole rows of 10 cells; outline and sparse
+    // columns come on top.
     assert!(totals.prime_tower_mm > 5.0 * 10.0 * 0.5);
     assert!(totals.print_seconds > totals.prime_tower_mm / 30.0 && totals.travel_mm > 0.0);
     let grams = totals.tools[0].volume_mm3 * 1.24e-3;
@@ -109,7 +110,7 @@ fn what_the_small_print_takes() {
 }
 
 #[test]
-fn nozzles_of_their_own_are_hot_from_the_start() {
+fn separate_nozzles_are_hot_from_the_start() {
     let mut settings = settings(Flavour::Marlin);
     settings.printer.nozzles = Nozzles::Own;
     settings.process.z_hop_mm = 0.0;
@@ -125,15 +126,15 @@ fn nozzles_of_their_own_are_hot_from_the_start() {
 }
 
 #[test]
-fn a_change_without_tower_leaves_the_part() {
+fn a_tool_change_without_a_tower_leaves_the_part() {
     let settings = Settings { purge: None, ..settings(Flavour::Marlin) };
     let text = print(&settings).unwrap().program.emit();
     let at = text.find("\nT1\n").unwrap();
     let before: Vec<_> = text[..at].lines().rev().take(3).collect();
     let expected = ["G1 Z1.25 F9000", "G1 E-0.8 F2100", "G1 X101 E0.05197 F1200"];
-    assert_eq!(before, expected, "up from the edge between the cells");
+    assert_eq!(before, expected, "raised from the edge between the cells");
     let after: Vec<_> = text[at..].lines().skip(2).take(8).collect();
-    let come = [
+    let expected = [
         "G1 Z1.25 F9000",
         "G1 X101 Y99.75",
         "G1 Z0.25",
@@ -141,7 +142,7 @@ fn a_change_without_tower_leaves_the_part() {
         "G1 X101.75 E0.03898 F1200",
     ];
     assert_eq!(after[..3], ["G90", "M83", "M109 R220"]);
-    assert_eq!(after[3..], come);
+    assert_eq!(after[3..], expected);
     assert!(!text.contains("Wipe tower"));
 
     let mut low = settings;
@@ -153,7 +154,7 @@ fn a_change_without_tower_leaves_the_part() {
 }
 
 #[test]
-fn marlin_gets_corners_it_accepts() {
+fn junction_deviation_is_one_that_marlin_accepts() {
     for (corner, expected) in
         [(1.0, "M205 X1 Y1 J0.01\n"), (8.0, "J0.02651\n"), (50.0, "M205 X50 Y50 J0.3\n")]
     {
@@ -165,10 +166,10 @@ fn marlin_gets_corners_it_accepts() {
 }
 
 #[test]
-fn filament_does_not_drift() {
+fn rounding_errors_of_filament_do_not_add_up() {
     let region = Region::rectangle(61, 47).unwrap();
     let zones = Zones::new(&region, vec![0; region.grid_len()]).unwrap();
-    // Beads of a single cell: each of them is rounded.
+    // Beads of a single cell: every one is rounded.
     let order: Vec<u32> =
         (0..2).flat_map(|odd| region.cells().filter(move |cell| cell % 2 == odd)).collect();
     let path = Path::in_pieces(&region, order).unwrap();
@@ -190,45 +191,45 @@ fn tower(settings: &mut Settings) -> &mut PrimeTower {
 fn each_broken_setting_is_named() {
     type Change = fn(&mut Settings);
     let cases: [(&str, Change); 15] = [
-        ("printer.bed_mm[1] is NaN, and must be from 1 to 10000", |s| {
+        ("printer.bed_mm[1] is NaN: it must be from 1 to 10000", |s| {
             s.printer.bed_mm[1] = f64::NAN
         }),
-        ("process.print_mm_s is 0, and must be more than 0 and at most a million", |s| {
+        ("process.print_mm_s is 0: it must be more than 0 and at most a million", |s| {
             s.process.print_mm_s = 0.0;
         }),
-        ("process.travel_mm_s is 150, and printer.max_speed_mm_s is 149", |s| {
+        ("process.travel_mm_s is 150: printer.max_speed_mm_s is 149", |s| {
             s.printer.max_speed_mm_s = 149.0
         }),
-        ("process.fan is 2, and must be from 0 to 1", |s| s.process.fan = 2.0),
-        ("tools[1].filament_mm is -1, and must be from 0.5 to 20", |s| {
+        ("process.fan is 2: it must be from 0 to 1", |s| s.process.fan = 2.0),
+        ("tools[1].filament_mm is -1: it must be from 0.5 to 20", |s| {
             s.tools[1].filament_mm = -1.0
         }),
-        ("purge.volume_mm3[1][0] is inf, and must be at least 0 and at most a million", |s| {
+        ("purge.volume_mm3[1][0] is inf: it must be at least 0 and at most a million", |s| {
             s.purge.as_mut().unwrap().volume_mm3[1][0] = f64::INFINITY;
         }),
-        ("purge.volume_mm3 has a row or column of 3, for 2 tools", |s| {
+        ("purge.volume_mm3 has a row or column of 3 values: expected 2, one for each tool", |s| {
             s.purge.as_mut().unwrap().volume_mm3[1].push(1.0);
         }),
-        ("purge.volume_mm3 has a row or column of 1, for 2 tools", |s| {
+        ("purge.volume_mm3 has a row or column of 1 values: expected 2, one for each tool", |s| {
             s.purge.as_mut().unwrap().volume_mm3.truncate(1);
         }),
-        ("layer 0 has zone 1, and there are 1 tools", |s| {
+        ("layer 0: zone 1 has no tool: the settings define 1", |s| {
             s.tools.truncate(1);
             s.purge = None;
         }),
-        ("the part reaches from (100, 98.5) to (102, 100) mm, beyond the bed", |s| {
+        ("the part reaches from (100, 98.5) to (102, 100) mm: that is beyond the bed", |s| {
             s.printer.bed_mm[0] = 101.0;
         }),
-        ("the nozzle would rise to 1.25 mm, and printer.bed_mm allows 1", |s| {
+        ("the nozzle would rise to 1.25 mm: printer.bed_mm allows 1", |s| {
             s.printer.bed_mm[2] = 1.0;
             s.process.z_hop_mm = 0.75;
         }),
         ("purge.tower reaches beyond the bed", |s| tower(s).left_mm = 245.0),
         ("purge.tower overlaps the part", |s| tower(s).left_mm = 101.0),
-        ("purge.tower.depth_mm is 1, and must be at least 4.5 for what one layer purges", |s| {
+        ("purge.tower.depth_mm is 1: one layer purges enough to need at least 4.5", |s| {
             tower(s).depth_mm = 1.0;
         }),
-        ("purge.tower.width_mm is 1.2, and must be at least 1.5", |s| tower(s).width_mm = 1.2),
+        ("purge.tower.width_mm is 1.2: it must be at least 1.5", |s| tower(s).width_mm = 1.2),
     ];
     for (expected, change) in cases {
         let mut settings = settings(Flavour::Marlin);
@@ -254,13 +255,13 @@ fn layers_are_checked() {
     let wide = Frame { width: 5, ..FRAME };
     assert!(matches!(
         error(&[first.layer(0)], &wide),
-        PrintError::Settings(SettingsError::Layer { layer: 0, .. })
+        PrintError::Settings(SettingsError::LayerSize { layer: 0, .. })
     ));
     let path = cover(&second.region, &Control::default()).unwrap();
     let mixed = Layer { path: &path, ..first.layer(0) };
     assert!(matches!(
         error(&[mixed], &FRAME),
-        PrintError::Settings(SettingsError::Layer { layer: 0, .. })
+        PrintError::Settings(SettingsError::LayerCells { layer: 0, .. })
     ));
     let oval = Settings {
         process: Process { cross_section: CrossSection::Oval, ..Process::default() },

@@ -1,0 +1,186 @@
+//! Checks which cells are printed, and in which order.
+//!
+//! The bead through a cell has two halves: from the side where the path enters to the centre, and
+//! from the centre to the side where it leaves.
+//! That is so for straight beads, corners and ends alike, and a motion along a row or a column is
+//! made of whole halves.
+//! So the check cuts every motion into halves and compares them one by one with those of the path:
+//! half number `n` of a layer belongs to cell `n / 2` of the path's order.
+
+use beadwork_base::Control;
+use beadwork_gcode::Motion;
+use beadwork_grid::Cell;
+
+use super::error::{CellPosition, CheckError};
+use super::tolerance;
+use crate::Frame;
+use crate::print::layer::Layer;
+
+/// Sides of a cell as numbers; those opposite each other differ in the last bit.
+mod side {
+    pub(super) const LEFT: u8 = 0;
+    pub(super) const RIGHT: u8 = 1;
+    pub(super) const BACK: u8 = 2;
+    pub(super) const FRONT: u8 = 3;
+
+    pub(super) fn opposite(side: u8) -> u8 {
+        side ^ 1
+    }
+}
+
+/// What was printed of the part.
+pub(super) struct CellTracker<'a> {
+    layers: &'a [Layer<'a>],
+    frame: &'a Frame,
+    control: &'a Control<'a>,
+    /// Index of the layer that is being printed.
+    current: usize,
+    /// For each cell of the grid one bit for each side whose half was printed in this layer.
+    halves: Vec<u8>,
+    /// Number of halves printed in this layer.
+    printed: usize,
+    /// Cells of the completed layers.
+    cells: u64,
+}
+
+impl<'a> CellTracker<'a> {
+    pub(super) fn new(layers: &'a [Layer<'a>], frame: &'a Frame, control: &'a Control<'a>) -> Self {
+        let halves = vec![0; frame.width as usize * frame.height as usize];
+        Self { layers, frame, control, current: 0, halves, printed: 0, cells: 0 }
+    }
+
+    /// A motion that extrudes into the part, in the layer of this number.
+    pub(super) fn motion(&mut self, motion: &Motion, number: usize) -> Result<(), CheckError> {
+        let line = motion.line;
+        while self.layers[self.current].number < number {
+            self.complete_layer()?;
+        }
+        let layer = self.layers[self.current];
+        let off_centre = || CheckError::OffCentre {
+            line,
+            layer: number,
+            from_mm: [motion.from_mm[0], motion.from_mm[1]],
+            to_mm: [motion.to_mm[0], motion.to_mm[1]],
+        };
+        let begin = self.half_cells(motion.from_mm).ok_or_else(off_centre)?;
+        let end = self.half_cells(motion.to_mm).ok_or_else(off_centre)?;
+        let axis = match (begin[0] == end[0], begin[1] == end[1]) {
+            (false, true) => 0,
+            (true, false) => 1,
+            _ => return Err(off_centre()),
+        };
+        // Centres have odd coordinates, edges even ones: the motion must run through centres.
+        if begin[1 - axis].rem_euclid(2) == 0 {
+            return Err(off_centre());
+        }
+        let is_ascending = begin[axis] < end[axis];
+        for step in 0..begin[axis].abs_diff(end[axis]) as i32 {
+            // The half between two coordinates has the number of the lower one.
+            let half = if is_ascending { begin[axis] + step } else { begin[axis] - step - 1 };
+            let mut cell = [begin[0].div_euclid(2), begin[1].div_euclid(2)];
+            cell[axis] = half.div_euclid(2);
+            // An even half lies to the left or back of the centre, an odd one to the right or
+            // front.
+            let side = [side::LEFT, side::BACK][axis] + half.rem_euclid(2) as u8;
+            self.half(layer, cell, side, motion)?;
+        }
+        Ok(())
+    }
+
+    /// A position in half cells from the back left corner of the grid, x to the right and y to the
+    /// front; `None` if a coordinate is neither a centre nor an edge, or far away.
+    fn half_cells(&self, position_mm: [f64; 3]) -> Option<[i32; 2]> {
+        let half_mm = self.frame.cell_mm / 2.0;
+        // A hundredth of a cell, and rounding; but never so much that all positions fit.
+        let tolerance_mm = (0.01 * self.frame.cell_mm + tolerance::POSITION_MM).min(0.4 * half_mm);
+        let halves = [position_mm[0] - self.frame.left_mm, self.frame.back_mm - position_mm[1]]
+            .map(|mm| mm / half_mm);
+        let whole = halves.map(f64::round);
+        let fits = (0..2).all(|axis| {
+            (halves[axis] - whole[axis]).abs() * half_mm <= tolerance_mm
+                && (-2.0..1e5).contains(&whole[axis])
+        });
+        fits.then(|| whole.map(|value| value as i32))
+    }
+
+    /// Marks half a cell as printed, if it is the next one of the path.
+    fn half(
+        &mut self,
+        layer: Layer<'_>,
+        [x, y]: [i32; 2],
+        side: u8,
+        motion: &Motion,
+    ) -> Result<(), CheckError> {
+        let line = motion.line;
+        // A cell beyond the left or back side of the grid is reported as the one next to it.
+        let position = CellPosition { layer: layer.number, x: x.max(0) as u32, y: y.max(0) as u32 };
+        let is_inside =
+            x >= 0 && y >= 0 && position.x < self.frame.width && position.y < self.frame.height;
+        let cell = if is_inside { position.y * self.frame.width + position.x } else { u32::MAX };
+        if !layer.region.contains(cell) {
+            return Err(CheckError::OutsidePart { line, position });
+        }
+        let (expected, got) = (layer.zones.id(cell), motion.tool);
+        if expected != got {
+            return Err(CheckError::WrongTool { line, position, expected, got });
+        }
+        let halves = &mut self.halves[cell as usize];
+        if *halves & 1 << side != 0 || halves.count_ones() == 2 {
+            return Err(CheckError::PrintedTwice { line, position });
+        }
+        *halves |= 1 << side;
+        // No half was printed twice, so the path has one at this index.
+        let next = layer.path.order()[self.printed / 2];
+        if cell != next || side != sides(layer, cell)[self.printed % 2] {
+            let expected = layer.region.xy(next).into();
+            return Err(CheckError::OffPath { line, position, expected });
+        }
+        self.printed += 1;
+        Ok(())
+    }
+
+    /// Ends the current layer, of which nothing may be missing.
+    fn complete_layer(&mut self) -> Result<(), CheckError> {
+        let layer = self.layers[self.current];
+        for cell in layer.region.cells() {
+            let halves = std::mem::take(&mut self.halves[cell as usize]).count_ones();
+            if halves < 2 {
+                let (x, y) = layer.region.xy(cell);
+                let position = CellPosition { layer: layer.number, x, y };
+                return Err(CheckError::Missing { position, share: f64::from(halves) / 2.0 });
+            }
+        }
+        self.printed = 0;
+        self.cells += u64::from(layer.region.cell_count());
+        self.current += 1;
+        self.control.report(self.current, self.layers.len());
+        Ok(())
+    }
+
+    /// Ends all layers; returns the number of cells.
+    pub(super) fn finish(mut self) -> Result<u64, CheckError> {
+        while self.current < self.layers.len() {
+            self.complete_layer()?;
+        }
+        Ok(self.cells)
+    }
+}
+
+/// The sides by which the path enters and leaves a cell.
+/// A bead begins and ends straight, and a bead of a single cell runs to the right.
+fn sides(layer: Layer<'_>, cell: Cell) -> [u8; 2] {
+    let towards = |other: Cell| {
+        let ([x, y], [other_x, other_y]) =
+            (layer.column_and_row(cell), layer.column_and_row(other));
+        match (other_x - x, other_y - y) {
+            (-1, _) => side::LEFT,
+            (1, _) => side::RIGHT,
+            (_, -1) => side::BACK,
+            _ => side::FRONT,
+        }
+    };
+    let before = layer.path.previous(cell).map(towards);
+    let after = layer.path.next(cell).map(towards);
+    let enter = before.or(after.map(side::opposite)).unwrap_or(side::LEFT);
+    [enter, after.unwrap_or(side::opposite(enter))]
+}

@@ -1,0 +1,206 @@
+//! Checks settings and layers before a program is made of them.
+
+use beadwork_grid::Zones;
+
+use super::layer::Layer;
+use super::settings::{CrossSection, Purge, Settings};
+use super::settings_error::SettingsError;
+use crate::Frame;
+
+/// Upper limit of speeds, accelerations and purge volumes.
+const MAX_VALUE: f64 = 1e6;
+
+/// Upper limit of the size of a bed, in mm.
+/// The filament in a cube of this size can still be written as a [`beadwork_gcode::Number`].
+const MAX_BED_MM: f64 = 1e4;
+
+/// Beads smaller than this, in mm, vanish in the decimals of a file.
+const MIN_BEAD_MM: f64 = 0.01;
+
+/// Rounding error of positions that are given in the settings, in mm.
+const ROUNDING_MM: f64 = 1e-6;
+
+/// Checks the settings, the layers, and that they fit together and on the bed.
+pub(super) fn validate(
+    layers: &[Layer<'_>],
+    frame: &Frame,
+    settings: &Settings,
+) -> Result<(), SettingsError> {
+    check_settings(settings, frame)?;
+    check_layers(layers, frame, settings)?;
+    check_positions(layers[layers.len() - 1].number, frame, settings)
+}
+
+/// Checks each number of the settings and the frame on its own.
+fn check_settings(settings: &Settings, frame: &Frame) -> Result<(), SettingsError> {
+    let Settings { printer, tools, process, purge } = settings;
+    let [x, y, z] = printer.bed_mm;
+    let positive = [
+        ("printer.acceleration_mm_s2", printer.acceleration_mm_s2),
+        ("printer.max_speed_mm_s", printer.max_speed_mm_s),
+        ("process.retract_mm_s", process.retract_mm_s),
+    ];
+    let toolhead_speeds = [
+        ("process.print_mm_s", process.print_mm_s),
+        ("process.first_layer_mm_s", process.first_layer_mm_s),
+        ("process.travel_mm_s", process.travel_mm_s),
+    ];
+    let not_negative = [
+        ("printer.square_corner_mm_s", printer.square_corner_mm_s),
+        ("process.bed_c", process.bed_c),
+        ("process.retract_mm", process.retract_mm),
+        ("process.retract_beyond_mm", process.retract_beyond_mm),
+        ("process.z_hop_mm", process.z_hop_mm),
+    ];
+    for (field, value) in
+        [("printer.bed_mm[0]", x), ("printer.bed_mm[1]", y), ("printer.bed_mm[2]", z)]
+    {
+        check_range(field, value, 1.0, MAX_BED_MM, "from 1 to 10000")?;
+    }
+    positive
+        .iter()
+        .chain(&toolhead_speeds)
+        .try_for_each(|&(field, value)| check_positive(field, value))?;
+    not_negative.iter().try_for_each(|&(field, value)| check_not_negative(field, value))?;
+    if let Some(&(field, value)) =
+        toolhead_speeds.iter().find(|(_, value)| *value > printer.max_speed_mm_s)
+    {
+        let max_speed_mm_s = printer.max_speed_mm_s;
+        return Err(SettingsError::TooFast { field, value, max_speed_mm_s });
+    }
+    check_range("process.fan", process.fan, 0.0, 1.0, "from 0 to 1")?;
+    for (field, value) in [("frame.cell_mm", frame.cell_mm), ("frame.layer_mm", frame.layer_mm)] {
+        check_range(field, value, MIN_BEAD_MM, MAX_BED_MM, "from 0.01 to 10000")?;
+    }
+    for (field, value) in [("frame.left_mm", frame.left_mm), ("frame.back_mm", frame.back_mm)] {
+        check_not_negative(field, value)?;
+    }
+    if process.cross_section == CrossSection::Oval && frame.layer_mm > frame.cell_mm {
+        let &Frame { layer_mm, cell_mm, .. } = frame;
+        return Err(SettingsError::HighBead { layer_mm, cell_mm });
+    }
+    for (number, tool) in tools.iter().enumerate() {
+        let field = |name| format!("tools[{number}].{name}");
+        check_range(&field("filament_mm"), tool.filament_mm, 0.5, 20.0, "from 0.5 to 20")?;
+        check_not_negative(&field("nozzle_c"), tool.nozzle_c)?;
+        check_range(&field("density_g_cm3"), tool.density_g_cm3, 0.0, 100.0, "from 0 to 100")?;
+    }
+    purge.as_ref().map_or(Ok(()), |purge| check_purge(purge, tools.len()))
+}
+
+fn check_purge(purge: &Purge, tools: usize) -> Result<(), SettingsError> {
+    let rows = purge.volume_mm3.len();
+    let wrong_row = purge.volume_mm3.iter().map(Vec::len).find(|&columns| columns != tools);
+    if let Some(got) = wrong_row.or((rows != tools).then_some(rows)) {
+        return Err(SettingsError::PurgeSize { tools, got });
+    }
+    for (from, row) in purge.volume_mm3.iter().enumerate() {
+        for (to, &volume) in row.iter().enumerate() {
+            check_not_negative(&format!("purge.volume_mm3[{from}][{to}]"), volume)?;
+        }
+    }
+    let Some(tower) = purge.tower else { return Ok(()) };
+    check_not_negative("purge.tower.left_mm", tower.left_mm)?;
+    check_not_negative("purge.tower.front_mm", tower.front_mm)?;
+    check_positive("purge.tower.width_mm", tower.width_mm)?;
+    check_positive("purge.tower.depth_mm", tower.depth_mm)
+}
+
+fn check_positive(field: &str, value: f64) -> Result<(), SettingsError> {
+    // A speed below a thousandth would be written as 0.
+    check_range(field, value, 0.001, MAX_VALUE, "more than 0 and at most a million")
+}
+
+fn check_not_negative(field: &str, value: f64) -> Result<(), SettingsError> {
+    check_range(field, value, 0.0, MAX_VALUE, "at least 0 and at most a million")
+}
+
+fn check_range(
+    field: &str,
+    value: f64,
+    low: f64,
+    high: f64,
+    expected: &'static str,
+) -> Result<(), SettingsError> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(SettingsError::Value { field: field.to_owned(), value, expected })
+}
+
+/// Checks that the layers are numbered from 0, share the grid of the frame, and have tools.
+fn check_layers(
+    layers: &[Layer<'_>],
+    frame: &Frame,
+    settings: &Settings,
+) -> Result<(), SettingsError> {
+    if layers.is_empty() {
+        return Err(SettingsError::NoLayers);
+    }
+    if let Some(pair) = layers.windows(2).find(|pair| pair[0].number >= pair[1].number) {
+        return Err(SettingsError::LayerOrder { layer: pair[1].number, before: pair[0].number });
+    }
+    if let Some((_, layer)) =
+        layers.iter().enumerate().find(|&(number, layer)| layer.number != number)
+    {
+        return Err(SettingsError::Gap { layer: layer.number });
+    }
+    for layer in layers {
+        let Layer { number, region, zones, path } = *layer;
+        let expected = [frame.width, frame.height];
+        let mismatch =
+            |what, got| Err(SettingsError::LayerSize { layer: number, what, got, expected });
+        let got = [region.width(), region.height()];
+        if got != expected {
+            return mismatch("region", got);
+        }
+        if zones.ids().len() != region.grid_len()
+            || region.cells().any(|cell| zones.id(cell) == Zones::OUTSIDE)
+        {
+            return Err(SettingsError::LayerCells { layer: number, what: "zones" });
+        }
+        if path.width() != region.width() {
+            return mismatch("path", [path.width(), path.height()]);
+        }
+        // A path visits no cell twice, so these two conditions mean that it visits each cell of the
+        // region.
+        let visits_region = path.order().len() == region.cell_count() as usize
+            && path.order().iter().all(|&cell| region.contains(cell));
+        if !visits_region {
+            return Err(SettingsError::LayerCells { layer: number, what: "path" });
+        }
+        let tools = settings.tools.len();
+        let max_zone = region.cells().map(|cell| zones.id(cell)).max();
+        if let Some(zone) = max_zone.filter(|&zone| usize::from(zone) >= tools) {
+            return Err(SettingsError::TooFewTools { layer: number, zone, tools });
+        }
+    }
+    Ok(())
+}
+
+/// Checks that part and prime tower lie on the bed and apart from each other.
+fn check_positions(
+    last_layer: usize,
+    frame: &Frame,
+    settings: &Settings,
+) -> Result<(), SettingsError> {
+    let [bed_x, bed_y, bed_z] = settings.printer.bed_mm;
+    let [left_mm, front_mm, right_mm, back_mm] = frame.sides_mm();
+    if front_mm < -ROUNDING_MM || right_mm > bed_x + ROUNDING_MM || back_mm > bed_y + ROUNDING_MM {
+        return Err(SettingsError::PartOutside { left_mm, front_mm, right_mm, back_mm });
+    }
+    let top_mm = frame.top_mm(last_layer) + settings.process.z_hop_mm;
+    if top_mm > bed_z + ROUNDING_MM {
+        return Err(SettingsError::TooHigh { top_mm, limit_mm: bed_z });
+    }
+    let Some(tower) = settings.purge.as_ref().and_then(|purge| purge.tower) else { return Ok(()) };
+    let (right, back) = (tower.left_mm + tower.width_mm, tower.front_mm + tower.depth_mm);
+    if right > bed_x + ROUNDING_MM || back > bed_y + ROUNDING_MM {
+        return Err(SettingsError::PrimeTowerOutside);
+    }
+    let is_apart = right <= left_mm + ROUNDING_MM
+        || tower.left_mm >= right_mm - ROUNDING_MM
+        || back <= front_mm + ROUNDING_MM
+        || tower.front_mm >= back_mm - ROUNDING_MM;
+    if is_apart { Ok(()) } else { Err(SettingsError::PrimeTowerOverlaps) }
+}
