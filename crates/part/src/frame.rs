@@ -1,7 +1,7 @@
 //! Position of the cells on the printer's bed.
 
-/// Position and size of the cell grid that all layers of a part share, in the printer's coordinates:
-/// x to the right, y to the back, z up, in mm.
+/// Position and size of the cell grid that all layers of a part share, in the printer's
+/// coordinates: x to the right, y to the back, z up, in mm.
 ///
 /// Row 0 lies at the back, so that a layer drawn row by row looks as it does from above.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Parts as layers of cells: slicing, deposition patterns, printing, pictures.
 //!
-//! - [`mod@slice`]: cuts meshes into layers of cells; [`Voxels`](slice::Voxels) are all layers as an
-//!   array.
+//! - [`mod@slice`]: cuts meshes into layers of cells; [`Voxels`](slice::Voxels) are all layers as
+//!   an array.
 //! - [`Pattern`]: the 38 named deposition orders, for any region; [`pattern_sheet`] draws them all.
 //! - [`print`]: writes planned layers as G-code for Marlin or Klipper, and checks such a program
 //!   from its text.
@@ -64,8 +64,8 @@
 //! # Guarantees
 //! Nothing here does I/O, reads a clock or starts a thread: files are bytes or text.
 //! Results do not depend on the number of threads, and texts not on the machine.
-//! A program that passes [`print::check()`] prints each cell of its layers once, in the order of the
-//! paths.
+//! A program that passes [`print::check()`] prints each cell of its layers once, in the order of
+//! the paths.
 //!
 //! # Limits
 //! A part has one bead width; layers have no perimeters, supports or bridges.

@@ -174,7 +174,8 @@ mod tests {
             .fold(!0, |rest, &byte| (0..8).fold(rest ^ u32::from(byte), |rest, _| shift(rest)))
     }
 
-    /// Corrects the checksums of all complete chunks, so that damage is not refused because of them.
+    /// Corrects the checksums of all complete chunks, so that damage is not refused because of
+    /// them.
     fn fix_checksums(bytes: &mut [u8]) {
         let mut at = SIGNATURE.len();
         while let Some(length) = bytes.get(at..at + 4) {
@@ -259,8 +260,8 @@ mod tests {
 
     #[test]
     fn interlaced_pixels_are_put_in_order() {
-        // Two interlaced pixels in a row are two passes of one pixel each: the same data as a column
-        // of two pixels.
+        // Two interlaced pixels in a row are two passes of one pixel each: the same data as a
+        // column of two pixels.
         let mut bytes = Vec::new();
         let mut encoder = Encoder::new(&mut bytes, 1, 2);
         encoder.set_filter(Filter::NoFilter);

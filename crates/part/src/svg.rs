@@ -19,8 +19,8 @@ pub struct Panel<'a> {
     pub links: &'a [[Cell; 2]],
 }
 
-/// Colours of the first zones: the palette of Okabe and Ito, which people with any colour vision can
-/// distinguish, lightened so that the dark path stands out.
+/// Colours of the first zones: the palette of Okabe and Ito, which people with any colour vision
+/// can distinguish, lightened so that the dark path stands out.
 const PALETTE: [[u8; 3]; 8] = [
     [250, 208, 128],
     [173, 216, 240],
@@ -224,8 +224,8 @@ fn write_path(out: &mut String, panel: &Panel<'_>, path: &Path, cell: f64) -> fm
 fn write_line(out: &mut String, region: &Region, cells: &[Cell]) -> fmt::Result {
     let (x, y) = centre(region, cells[0]);
     write!(out, "M{x} {y}")?;
-    // Cells are numbered row by row, so the cell numbers along a straight stretch differ by the same
-    // amount.
+    // Cells are numbered row by row, so the cell numbers along a straight stretch differ by the
+    // same amount.
     let step = |pair: &[Cell]| i64::from(pair[1]) - i64::from(pair[0]);
     let steps: Vec<i64> = cells.windows(2).map(step).collect();
     for stretch in steps.chunk_by(|a, b| a == b) {

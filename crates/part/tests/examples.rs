@@ -1,4 +1,4 @@
-//! The example parts, sliced: sound surfaces, and the cells that their documentation promises.
+//! The example parts: their surfaces are sound, and sliced they have the documented cells.
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 use beadwork_base::Control;
@@ -6,7 +6,7 @@ use beadwork_mesh::{Example, MaterialRule, Placement};
 use beadwork_part::slice::{Settings, slice};
 
 #[test]
-fn they_are_sound_and_of_the_sizes_stated() {
+fn examples_are_sound_and_of_the_documented_sizes() {
     for (example, size, materials) in [
         (Example::Rectangular, [120, 40, 12], 1),
         (Example::UShape, [90, 50, 12], 1),
@@ -34,7 +34,7 @@ fn they_are_sound_and_of_the_sizes_stated() {
 }
 
 #[test]
-fn the_u_has_the_cells_of_the_notes() {
+fn the_u_shape_has_the_documented_cells() {
     let layers =
         slice(&Example::UShape.model(), &Settings::default(), &Control::default()).unwrap();
     assert_eq!(layers.cell_count(), 39_600);

@@ -1,9 +1,9 @@
-//! Files that are lopsided rather than damaged: one endless line, a hundred thousand bodies,
-//! everything at one place.
+//! Files that are valid but extreme: one endless line, a hundred thousand bodies, all vertices at
+//! one point.
 //!
-//! Each takes a second or two at most as long as what reads it is nearly linear in its bytes, and
-//! minutes or gigabytes where something is quadratic.
-//! No times are asserted: a hang is seen by whoever waits for it.
+//! Each takes at most a few seconds if the code that reads it is nearly linear in its size, and
+//! minutes or gigabytes if something is quadratic.
+//! Times are not asserted: a hanging test shows the fault.
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 use std::fmt::Write as _;
@@ -26,7 +26,7 @@ fn read(format: Format, bytes: impl AsRef<[u8]>) -> Result<Model, ReadError> {
 fn pack<'a>(parts: impl IntoIterator<Item = (&'a str, &'a str)>) -> Vec<u8> {
     let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, text) in parts {
-        // Fast, for most of these are one byte again and again.
+        // A low level is fast, and enough for contents that repeat.
         let options = SimpleFileOptions::default().compression_level(Some(1));
         writer.start_file(name, options).unwrap();
         writer.write_all(text.as_bytes()).unwrap();
@@ -48,10 +48,10 @@ fn body(mesh: Mesh) -> Body {
     Body { name: String::new(), mesh, material: Some(0), paint: Vec::new() }
 }
 
-/// A tetrahedron for each place, turned inside out.
-fn inverted(places: impl Iterator<Item = [f64; 3]>) -> Mesh {
+/// A tetrahedron at each position, turned inside out.
+fn inverted(positions: impl Iterator<Item = [f64; 3]>) -> Mesh {
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-    for [x, y, z] in places {
+    for [x, y, z] in positions {
         let first = vertices.len() as u32;
         vertices.extend([[x, y, z], [x + 0.5, y, z], [x, y + 0.5, z], [x, y, z + 0.5]]);
         let faces = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
@@ -141,7 +141,7 @@ fn a_package_of_many_objects_components_and_parts() {
 
 #[test]
 fn instances_of_vertices_without_triangles() {
-    // Every instance would take 2.4 MB: 24 GB of vertices that belong to nothing.
+    // Copies of all vertices would take 2.4 MB for each instance, 24 GB in total.
     let vertices = r#"<vertex x="0" y="0" z="0"/>"#.repeat(100_000);
     let object = format!(
         r#"<object id="1"><mesh><vertices>{vertices}</vertices><triangles><triangle v1="7" v2="8" v3="9"/></triangles></mesh></object>"#
@@ -151,7 +151,7 @@ fn instances_of_vertices_without_triangles() {
 }
 
 #[test]
-fn everything_at_one_place() {
+fn all_vertices_at_one_point() {
     let point = Mesh::new(
         vec![[1.0; 3]; 3_000_000 / 3],
         (0..300_000).map(|at| [at, at + 1, at + 2]).collect(),
@@ -167,11 +167,11 @@ fn everything_at_one_place() {
 }
 
 #[test]
-fn inverted_bodies_by_the_thousands_are_all_turned() {
+fn thousands_of_inverted_bodies_are_all_turned() {
     let spread = inverted((0..50_000).map(|at| [f64::from(at % 317), f64::from(at / 317), 0.0]));
     let mut spread = body(spread);
     assert_eq!(spread.repair(&Control::default()).unwrap().flipped_triangles, 200_000);
-    // One above the other, where every ray meets them all.
+    // Stacked, so that every ray meets all of them.
     let mut stacked = body(inverted((0..2_000).map(|at| [0.0, 0.0, f64::from(at)])));
     assert_eq!(stacked.repair(&Control::default()).unwrap().flipped_triangles, 8_000);
 }
@@ -198,7 +198,7 @@ fn a_hole_of_many_edges() {
 }
 
 #[test]
-fn heights_without_end() {
+fn parts_of_extreme_height() {
     let settings = slice::Settings { cell_mm: 1.0, layer_mm: 1e-3, ..slice::Settings::default() };
     let needle = |height| Model {
         bodies: vec![body(Solid::Cuboid { size_mm: [2.0, 2.0, height] }.mesh())],
@@ -238,7 +238,7 @@ fn many_bodies_in_many_layers() {
 }
 
 #[test]
-fn coordinates_beyond_all_use() {
+fn extreme_coordinates() {
     let settings = slice::Settings { cell_mm: 1.0, layer_mm: 1.0, ..slice::Settings::default() };
     for size in [1e100, 1e154, 1e300, 1.7e308] {
         let text = format!(
@@ -259,7 +259,7 @@ fn coordinates_beyond_all_use() {
 }
 
 #[test]
-fn gcode_of_endless_lines_arcs_and_numbers() {
+fn gcode_of_extreme_lines_arcs_and_numbers() {
     let speeds =
         Speeds { acceleration_mm_s2: 1000.0, square_corner_mm_s: 5.0, max_speed_mm_s: 300.0 };
     let seconds = |text: &str| {
@@ -275,7 +275,7 @@ fn gcode_of_endless_lines_arcs_and_numbers() {
             }
         }
     }
-    // Motions without a stop are not all held at once.
+    // Motions that never stop need not all be kept in memory.
     assert!(seconds(&"G2 I9000\n".repeat(20_000)) > 1e6);
     assert!(
         seconds("G91\nG1 X9000000000000 E9000000000000\nG2 X9000000000000 I4500000000000\n") > 1e9

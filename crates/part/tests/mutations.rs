@@ -1,32 +1,31 @@
-//! Damaged files: random changes of good ones must end in an answer or an error, not in a panic, a
-//! hang or a heap of memory.
+//! Damaged files: random changes of valid files must lead to a result or an error, not to a panic,
+//! a hang or excessive memory.
 //!
-//! Every case takes a seed (a small file made here, or one of `../shared/parts` where that folder
-//! is), changes it in one to eight places and sends it the whole way: meshes are read, repaired,
-//! given materials, put on the bed and sliced; G-code is read, written and read again, followed,
-//! timed and checked.
-//! 3MF archives are changed both as bytes and before they are packed, for what lies behind
-//! checksums is else hardly reached.
+//! Every case takes a seed (a small file made here, or one of `../shared/parts` if that folder
+//! exists), changes it in one to eight positions and runs all steps on it: meshes are read,
+//! repaired, given materials, placed on the bed and sliced; G-code is read, emitted and read again,
+//! traced, timed and checked.
+//! 3MF archives are changed both as bytes and before they are packed, because checksums hide most
+//! of the reader from changes of the bytes.
 //!
-//! A case is named by its seed and a number, and depends on nothing else.
-//! By hand:
+//! A case depends only on its seed and its number.
+//! Manual runs:
 //!
 //! ```text
 //! BEADWORK_MUTATIONS=300000 cargo test --release -p beadwork-part --test mutations -- --nocapture
 //! BEADWORK_MUTATION_CASE='cube.obj 1234' cargo test -p beadwork-part --test mutations -- --nocapture
 //! ```
 //!
-//! The first runs so many cases in all instead of a few thousand; the second repeats one.
-//! Nothing is written.
+//! The first runs 300,000 cases instead of a few thousand; the second repeats one case.
+//! No files are written.
 //!
 //! # Hangs and memory
-//! Tests do not assert times elsewhere.
-//! Here a thread watches, and ends the process with the name of the case if one takes more than 20
-//! s: input of a few KB that takes so long is taken for a hang, whatever the machine.
-//! On Linux the most memory that the process ever held is asserted to be below 1 GiB, with the
-//! limits that readers have by default.
+//! A watchdog thread aborts the process with the name of the case if a case takes more than 20 s:
+//! on any machine, input of a few KB that takes this long is a hang.
+//! On Linux the peak memory of the process must stay below 1 GiB, with the default limits of the
+//! readers.
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
-#![allow(clippy::print_stderr, reason = "what was left out, and which case fails, is told")]
+#![allow(clippy::print_stderr, reason = "skipped folders and failing cases are reported")]
 
 use std::fmt::Write as _;
 use std::io::{Cursor, Read as _, Write as _};
@@ -46,16 +45,16 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
-/// Cases in all, if nothing else is asked.
+/// Number of cases without `BEADWORK_MUTATIONS`.
 const CASES: u64 = 4_000;
-/// A case that takes longer hangs.
+/// Time after which a case counts as a hang.
 const HANG: Duration = Duration::from_secs(20);
-/// The most memory the process may ever hold, in KiB.
-const MOST_KIB: u64 = 1 << 20;
-/// How many of the four tests share the cases.
+/// Maximum peak memory of the process in KiB.
+const MAX_KIB: u64 = 1 << 20;
+/// Number of tests that share the cases.
 const TESTS: u64 = 4;
 
-/// A good file.
+/// A valid file.
 struct Seed {
     name: String,
     content: Content,
@@ -77,17 +76,17 @@ impl Seed {
         Self { name: name.to_owned(), content: Content::Gcode(bytes.into()) }
     }
 
-    /// An archive, and the same again to be changed before it is packed.
+    /// Two seeds of an archive: one changed as bytes, one changed before it is packed.
     fn package(name: &str, parts: Vec<(String, Vec<u8>)>) -> [Self; 2] {
         let bytes = pack(&parts, CompressionMethod::Deflated);
-        let behind = Self { name: format!("{name}/parts"), content: Content::Parts(parts) };
-        [Self::mesh(name, Format::ThreeMf, bytes), behind]
+        let unpacked = Self { name: format!("{name}/parts"), content: Content::Parts(parts) };
+        [Self::mesh(name, Format::ThreeMf, bytes), unpacked]
     }
 
-    /// How many cases it gets, against others: large files take longer.
+    /// Relative number of cases: large files take longer and get fewer.
     fn weight(&self) -> f64 {
         let bytes = match &self.content {
-            // What is packed is about eight times as large.
+            // Unpacked it is about eight times as large.
             Content::Mesh(Format::ThreeMf, bytes) => 8 * bytes.len(),
             Content::Mesh(_, bytes) | Content::Gcode(bytes) => bytes.len(),
             Content::Parts(parts) => parts.iter().map(|(_, bytes)| bytes.len()).sum(),
@@ -95,11 +94,11 @@ impl Seed {
         (8192.0 / bytes as f64).clamp(0.005, 1.0)
     }
 
-    /// A changed file goes the whole way; tells whether it came to the end of it.
+    /// Runs all steps on a changed file; returns whether the last one was reached.
     fn run(&self, number: u64) -> bool {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(number);
         match &self.content {
-            Content::Mesh(format, bytes) => mesh_way(*format, &changed(bytes, &mut rng), number),
+            Content::Mesh(format, bytes) => mesh_steps(*format, &changed(bytes, &mut rng), number),
             Content::Parts(parts) => {
                 let mut parts = parts.clone();
                 let part = rng.random_range(0..parts.len());
@@ -109,14 +108,14 @@ impl Seed {
                 } else {
                     CompressionMethod::Deflated
                 };
-                mesh_way(Format::ThreeMf, &pack(&parts, method), number)
+                mesh_steps(Format::ThreeMf, &pack(&parts, method), number)
             }
-            Content::Gcode(bytes) => gcode_way(&changed(bytes, &mut rng)),
+            Content::Gcode(bytes) => gcode_steps(&changed(bytes, &mut rng)),
         }
     }
 }
 
-fn mesh_way(format: Format, bytes: &[u8], number: u64) -> bool {
+fn mesh_steps(format: Format, bytes: &[u8], number: u64) -> bool {
     let Ok(mut model) = Model::read(format, bytes, &ReadLimits::default(), &Control::default())
     else {
         return false;
@@ -126,7 +125,7 @@ fn mesh_way(format: Format, bytes: &[u8], number: u64) -> bool {
     };
     assert!(model.triangle_count() > 0 && is_finite(&model));
     for body in &mut model.bodies {
-        // One that can't be repaired goes on as it is: the steps behind must stand that too.
+        // A body that cannot be repaired stays as it is: later steps must handle that too.
         _ = body.repair(&Control::default());
         assert!(body.paint.is_empty() || body.paint.len() == body.mesh.triangles().len());
     }
@@ -144,7 +143,7 @@ fn mesh_way(format: Format, bytes: &[u8], number: u64) -> bool {
     true
 }
 
-fn gcode_way(bytes: &[u8]) -> bool {
+fn gcode_steps(bytes: &[u8]) -> bool {
     let Ok(program) = Program::from_bytes(bytes, &Control::default()) else { return false };
     assert_eq!(program.emit().parse().as_ref(), Ok(&program));
     for event in program.trace() {
@@ -167,7 +166,7 @@ fn gcode_way(bytes: &[u8]) -> bool {
     true
 }
 
-/// What breaks readers: ends of ranges, and signs that mean something to one of them.
+/// Text that may break readers: limits of number ranges, and characters with a special meaning.
 const TEXTS: [&[u8]; 64] = [
     b"0",
     b"9",
@@ -235,8 +234,7 @@ const TEXTS: [&[u8]; 64] = [
     b"T1\n",
 ];
 
-/// As numbers of four bytes, with the low byte first: counts, indices, and what they are as
-/// floating point.
+/// Critical values of little-endian numbers of four bytes: counts, indices, and floats.
 const WORDS: [u32; 10] = [
     0,
     1,
@@ -253,7 +251,7 @@ const WORDS: [u32; 10] = [
 /// A copy with one to eight changes.
 fn changed(bytes: &[u8], rng: &mut Xoshiro256PlusPlus) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
-    // Mostly few: what is read to its end reaches the steps behind.
+    // Mostly few changes, so that many files are read completely and reach later steps.
     let most = [1, 1, 2, 8][rng.random_range(0..4_usize)];
     for _ in 0..rng.random_range(1..=most) {
         change(&mut bytes, rng);
@@ -267,7 +265,7 @@ fn change(bytes: &mut Vec<u8>, rng: &mut Xoshiro256PlusPlus) {
         return;
     }
     let at = rng.random_range(0..bytes.len());
-    // Mostly short, for a long one leaves little to go wrong behind it.
+    // Mostly short: after a long change, little of the file is left to read.
     let longest = [4, 16, 64, 4096][rng.random_range(0..4_usize)];
     let end = bytes.len().min(at + rng.random_range(1..=longest));
     let text = TEXTS[rng.random_range(0..TEXTS.len())];
@@ -293,7 +291,7 @@ fn change(bytes: &mut Vec<u8>, rng: &mut Xoshiro256PlusPlus) {
             bytes.iter_mut().skip(at).zip(word).for_each(|(byte, new)| *byte = new);
         }
         25..31 => {
-            // The next number as a whole.
+            // Replaces the next number.
             let is_part = |byte: &u8| byte.is_ascii_digit() || matches!(byte, b'-' | b'.');
             let from = bytes[at..].iter().position(is_part).map_or(at, |skip| at + skip);
             let length = bytes[from..].iter().take_while(|byte| is_part(byte)).count();
@@ -301,7 +299,7 @@ fn change(bytes: &mut Vec<u8>, rng: &mut Xoshiro256PlusPlus) {
             bytes.splice(from..from + length, number.iter().copied());
         }
         31..47 => {
-            // Another digit: the text stays what it is, and means something else.
+            // Another digit: the syntax stays valid, the meaning changes.
             let digit =
                 bytes[at..].iter().position(u8::is_ascii_digit).map_or(at, |skip| at + skip);
             bytes[digit] = b'0' + rng.random_range(0..10_u8);
@@ -310,7 +308,7 @@ fn change(bytes: &mut Vec<u8>, rng: &mut Xoshiro256PlusPlus) {
     }
 }
 
-/// What is planned for the programs that are checked, and printed as a seed.
+/// The plan that programs are checked against; its own program is a seed.
 struct Plan {
     frame: Frame,
     region: Region,
@@ -551,12 +549,12 @@ fn shared_seeds(format: Format) -> Vec<Seed> {
     let mut seeds = Vec::new();
     for folder in [root.clone(), root.join("broken")] {
         let Ok(entries) = folder.read_dir() else {
-            eprintln!("skipped: there is no {}", folder.display());
+            eprintln!("skipped: folder {} does not exist", folder.display());
             continue;
         };
         let mut names: Vec<String> =
             entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-        // In whatever order the folder lists them, the cases are the same.
+        // Sorted, so that cases do not depend on the order in which the folder lists them.
         names.sort_unstable();
         for name in names.into_iter().filter(|name| Format::from_file_name(name) == Some(format)) {
             let bytes = std::fs::read(folder.join(&name)).unwrap();
@@ -612,7 +610,7 @@ fn run(title: &str, seeds: &[Seed]) {
         let (name, number) = wanted.rsplit_once(' ').unwrap();
         if let Some(seed) = seeds.iter().find(|seed| seed.name == name) {
             let (time, ..) = case(seed, number.parse().unwrap());
-            eprintln!("{title}: the case '{wanted}' is sound, {time:.1?}");
+            eprintln!("{title}: the case '{wanted}' passes, {time:.1?}");
         }
         return;
     }
@@ -633,14 +631,14 @@ fn run(title: &str, seeds: &[Seed]) {
     let peak = peak_kib();
     let (longest, name) = slowest;
     eprintln!(
-        "{title}: {count} cases in {:.1?}, {whole} of them the whole way; '{name}' took {longest:.1?}; peak {} MiB",
+        "{title}: {count} cases in {:.1?}, {whole} of them through all steps; '{name}' took {longest:.1?}; peak {} MiB",
         begun.elapsed(),
         peak.unwrap_or(0) >> 10
     );
-    assert!(peak.is_none_or(|kib| kib < MOST_KIB), "{peak:?} KiB");
+    assert!(peak.is_none_or(|kib| kib < MAX_KIB), "{peak:?} KiB");
 }
 
-/// The most memory that the process has held so far, where the system tells.
+/// Peak memory of the process in KiB, on systems that report it.
 fn peak_kib() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
@@ -671,9 +669,9 @@ fn damaged_gcode() {
     run("G-code", &gcode_seeds());
 }
 
-/// Cases start from files that are good: else they would end where they begin.
+/// All seeds pass all steps: changes of an invalid file would test only its first error.
 #[test]
-fn seeds_are_sound() {
+fn seeds_are_valid() {
     for seed in stl_seeds().iter().chain(&obj_seeds()).chain(&threemf_seeds()).chain(&gcode_seeds())
     {
         let read = |format, bytes: &[u8]| {

@@ -19,9 +19,8 @@
 //! ```
 //!
 //! At an outer corner the walk stays in A and turns left; straight on it goes to B; at an inner
-//! corner it passes B and turns right into D.
-//! The visited cells are exactly those with one of their eight neighbours outside: at an inner
-//! corner, B touches the outside only diagonally.
+//! corner it passes B and turns right into D. The visited cells are exactly those with one of their
+//! eight neighbours outside: at an inner corner, B touches the outside only diagonally.
 
 use beadwork_grid::{Cell, Region};
 
@@ -58,8 +57,8 @@ pub(super) fn outlines(region: &Region, view: &View) -> Vec<Cell> {
 
 /// Each outline as a closed walk in unit steps or none; a walk may visit a cell several times.
 fn walks(region: &Region, view: &View) -> Vec<Vec<Position>> {
-    // For each cell one bit for each direction: whether the crack was followed that the cell has
-    // on its right when looking in this direction.
+    // For each cell one bit for each direction: whether the crack was followed that the cell has on
+    // its right when looking in this direction.
     let mut followed = vec![0_u8; region.grid_len()];
     let mut walks = Vec::new();
     for v in 0..view.height {

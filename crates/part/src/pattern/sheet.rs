@@ -7,8 +7,8 @@ use beadwork_grid::{Cell, Region};
 use super::table::Pattern;
 use crate::svg::{FONT, PATH_COLOUR, STROKE};
 
-/// A small layer with features that orders treat differently: a slanted side, a notch, and a hole of
-/// several cells.
+/// A small layer with features that orders treat differently: a slanted side, a notch, and a hole
+/// of several cells.
 const LAYER: [&str; 10] = [
     "..##########",
     ".###########",
@@ -45,8 +45,8 @@ const MARK_WIDTH: f64 = 0.62;
 /// Draws all 38 patterns on a small layer, as SVG: number, name, and the path from the first cell
 /// (green) to the last (red).
 ///
-/// Steps between cells that touch at a side or a corner are solid lines; longer jumps are thin, grey
-/// and dashed.
+/// Steps between cells that touch at a side or a corner are solid lines; longer jumps are thin,
+/// grey and dashed.
 /// The output does not depend on the machine.
 pub fn pattern_sheet() -> String {
     let mut text = String::new();

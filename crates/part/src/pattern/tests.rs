@@ -324,8 +324,8 @@ fn orders_begin_or_end_in_their_corner() {
 
 #[test]
 fn outlines_are_walked_around() {
-    // The outer outline comes first, then that of the hole; the inner corner of the notch belongs to
-    // the outline.
+    // The outer outline comes first, then that of the hole; the inner corner of the notch belongs
+    // to the outline.
     let ring = drawn(&["#####", "#####", "##.##", "#####", "#####"]);
     let order = Pattern::CONVENTIONAL.order(&ring);
     let expected =

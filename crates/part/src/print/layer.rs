@@ -67,8 +67,8 @@ impl Run<'_> {
 ///
 /// The line runs from the edge at which it enters the first cell, through the centres, to the edge
 /// at which it leaves the last one, and is exactly as long as it has cells.
-/// The cells `before` and `after` decide these edges: where the tool changes between two cells of
-/// a piece, both toolpaths meet at the edge between them.
+/// The cells `before` and `after` decide these edges: where the tool changes between two cells of a
+/// piece, both toolpaths meet at the edge between them.
 /// Without a neighbour the end is straight, and a single cell is printed along x.
 pub(super) fn toolpath(
     before: Option<[i32; 2]>,

@@ -1,11 +1,15 @@
-//! Planned layers as the program of a printer, and the check of such a program from its text.
+//! Planned layers as a G-code program, and the check of such a program from its text.
 //!
-//! - [`Print::new`]: the program of planned [`Layer`]s, and its totals.
-//! - [`check()`]: whether a program, from its text alone, prints the layers it should.
-//! - [`Settings`]: the printer, its tools, the process, and what tool changes purge.
+//! - [`Print::new`] writes planned [`Layer`]s as a program, and returns it with its totals.
+//! - [`check()`] checks from the text alone that a program prints exactly these layers.
+//! - [`Settings`] describe the printer, its tools, the process, and purging at tool changes.
 //!
+//! # Terms
 //! Filament is **retracted** before travel and **unretracted** before the next bead.
-//! **Purging** flushes the previous material into a **prime tower** beside the part.
+//! A **z-hop** raises the nozzle during travel.
+//! **Purging** flushes the previous material out of the nozzle into a **prime tower** beside the
+//! part.
+//! A **lift** is a break between two beads, followed by travel.
 //!
 //! # Units and axes
 //! As in G-code files: x right, y to the back, z up, all in mm; filament as a length in mm.
@@ -49,8 +53,8 @@
 //! ```
 //!
 //! # Limits
-//! Travel goes straight, over printed parts too.
-//! A tool change is one `T` command; how the printer performs it is up to the printer.
+//! Travel is straight, also across printed cells.
+//! A tool change is one `T` command, which the printer performs as it is configured to.
 
 mod check;
 mod header;

@@ -53,8 +53,8 @@ pub(super) struct Writer<'a> {
     /// Cross-sectional area of a bead.
     bead_mm2: f64,
     lines: Vec<Line>,
-    /// Position of the nozzle as it was written; `None` where it is unknown: at the start, and after
-    /// a tool change, during which the printer moves on its own.
+    /// Position of the nozzle as it was written; `None` where it is unknown: at the start, and
+    /// after a tool change, during which the printer moves on its own.
     position: [Option<Number>; 3],
     /// Feed rate in mm/min; `None` if unknown.
     feed: Option<Number>,
@@ -163,8 +163,8 @@ impl<'a> Writer<'a> {
         self.command(Command::RelativeExtrusion);
     }
 
-    /// Heats the shared nozzle for the first tool, or the nozzles of all used tools, so that no tool
-    /// change has to wait for heat.
+    /// Heats the shared nozzle for the first tool, or the nozzles of all used tools, so that no
+    /// tool change has to wait for heat.
     fn heat_first(&mut self, wait: Wait) {
         match self.settings.printer.nozzles {
             Nozzles::Shared => self.heat(self.tool, None, wait),

@@ -1,10 +1,10 @@
 //! Slicing: a model is cut at the centre height of every layer, and each cross-section is filled
 //! with square cells one bead wide.
 //!
-//! [`slice()`] does all of it. Its two halves are available separately:
-//! [`Cut::new`] computes the [`Outline`] of every body in every layer, which is the expensive part
-//! and does not depend on the cell grid; [`Cut::layers`] fills the outlines with cells, and can be
-//! repeated with other bead widths and grid phases.
+//! [`slice()`] does all of it.
+//! Its two halves are available separately: [`Cut::new`] computes the [`Outline`] of every body in
+//! every layer, which is the expensive part and does not depend on the cell grid; [`Cut::layers`]
+//! fills the outlines with cells, and can be repeated with other bead widths and grid phases.
 //! [`cut()`] is the cut of a single mesh.
 //!
 //! A cell belongs to a layer if its centre lies inside a body.

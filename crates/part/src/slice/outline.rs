@@ -6,8 +6,8 @@ use i_overlay::float::simplify::SimplifyShape;
 
 /// Which points count as inside outlines that overlap or intersect themselves.
 ///
-/// The **winding number** of a point is how often the outlines go around it counter-clockwise,
-/// less how often they go around it clockwise.
+/// The **winding number** of a point is how often the outlines go around it counter-clockwise, less
+/// how often they go around it clockwise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FillRule {
     /// Points with a winding number other than 0: overlapping shells are united.

@@ -41,8 +41,8 @@ pub(super) fn plane_mm(layer: usize, layer_mm: f64) -> f64 {
 /// Cuts a closed surface into `layers` layers of height `layer_mm`, from z = 0 upwards, and returns
 /// one outline for each layer.
 ///
-/// `colours` holds one number for each triangle, which the line that the triangle contributes to
-/// an outline inherits; it may be empty.
+/// `colours` holds one number for each triangle, which the line that the triangle contributes to an
+/// outline inherits; it may be empty.
 /// Outlines of a surface that is not closed may lack lines; [`beadwork_mesh::Body::repair`] closes
 /// surfaces.
 ///

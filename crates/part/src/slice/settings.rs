@@ -21,8 +21,8 @@ pub struct Settings {
     /// along x and y relative to the part.
     ///
     /// At `[0.0, 0.0]` the part lies centred in the smallest grid that holds it.
-    /// Other phases move the cell centres, and so change which cells the part has along slanted
-    /// and round surfaces: the number of beads that a round part needs depends on it.
+    /// Other phases move the cell centres, and so change which cells the part has along slanted and
+    /// round surfaces: the number of beads that a round part needs depends on it.
     /// The grid may gain or lose one column or row.
     pub phase: [f64; 2],
     /// Which points count as inside a body whose surface intersects itself.

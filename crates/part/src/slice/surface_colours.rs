@@ -2,8 +2,8 @@
 //!
 //! A colour is the number of a material.
 //! Cells along the outline take the colour of the line that passes nearest to their centre.
-//! A breadth-first search then carries the colours inwards: every other cell takes the colour of
-//! an outline cell that is the fewest steps away.
+//! A breadth-first search then carries the colours inwards: every other cell takes the colour of an
+//! outline cell that is the fewest steps away.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -15,8 +15,8 @@ use crate::frame::Frame;
 /// Writes the colours of a body's cells into the materials of a layer; other cells stay unchanged.
 ///
 /// Cells that no colour reaches take the first colour of the outline.
-/// Linear in the length of the outline and in the cells of its bounding rectangle, not of the
-/// whole layer: there may be many small bodies on a large grid.
+/// Linear in the length of the outline and in the cells of its bounding rectangle, not of the whole
+/// layer: there may be many small bodies on a large grid.
 pub(super) fn propagate(outline: &Outline, rule: FillRule, frame: &Frame, materials: &mut [u8]) {
     let Some(rectangle) = Rectangle::around(outline, frame) else { return };
     let mut cells = Cells::new(rectangle);

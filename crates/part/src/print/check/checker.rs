@@ -42,8 +42,8 @@ const EVENTS_PER_POLL: usize = 4096;
 /// - Besides the part only the prime tower is printed: within its position, with the beads of the
 ///   part, and in each layer up to its last.
 ///   After a tool change the part continues only when the purge volume has gone into the tower.
-/// - Once something is printed, the nozzle stays above the highest layer begun; it never leaves
-///   the bed.
+/// - Once something is printed, the nozzle stays above the highest layer begun; it never leaves the
+///   bed.
 /// - Filament is retracted before a tool change, and unretracted before a bead.
 ///   Marlin and Klipper interpret all extrusion alike.
 /// - Nozzle and bed were set to their temperatures and waited for before anything is printed, and
