@@ -33,7 +33,7 @@ pub enum PictureError {
     Region(#[from] RegionError),
     /// The picture has more colours than there can be zones.
     #[error(
-        "picture has more than {max} colours: draw without anti-aliasing, which adds shades at edges",
+        "picture has more than {max} colours: draw without anti-aliasing, which adds colours",
         max = Zones::MAX
     )]
     Colours,
@@ -356,7 +356,11 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { cases: 4_000, failure_persistence: None, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig {
+            cases: 4_000,
+            failure_persistence: None,
+            ..ProptestConfig::default()
+        })]
 
         #[test]
         fn a_written_picture_reads_back_equal(bytes in pictures()) {
@@ -374,7 +378,10 @@ mod tests {
             has_valid_checksums: bool,
         ) {
             let mut bytes = bytes;
-            flips.iter().for_each(|(at, bits)| { let at = at.index(bytes.len()); bytes[at] ^= bits; });
+            flips.iter().for_each(|(at, bits)| {
+                let at = at.index(bytes.len());
+                bytes[at] ^= bits;
+            });
             if cut {
                 bytes.truncate(end.index(bytes.len()));
             }

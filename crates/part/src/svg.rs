@@ -91,7 +91,8 @@ fn write_svg(out: &mut String, panels: &[Panel<'_>], colours: Option<&[[u8; 3]]>
     let height = row_height * rows.len().max(1) as f64;
     writeln!(
         out,
-        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}">"#
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+         viewBox=\"0 0 {width} {height}\">"
     )?;
     writeln!(out, r#"<rect width="100%" height="100%" fill="white"/>"#)?;
     for (row, panels) in rows.enumerate() {
@@ -292,19 +293,29 @@ mod tests {
         let path = Start::RowZigzag.path(&region, &Control::default()).unwrap();
         let panel =
             Panel { title: "a < b", region: &region, zones: &zones, path: Some(&path), links: &[] };
-        let expected = r##"<svg xmlns="http://www.w3.org/2000/svg" width="128" height="140" viewBox="0 0 128 140">
-<rect width="100%" height="100%" fill="white"/>
-<text x="16" y="18" font-family="Helvetica, Arial, sans-serif" font-size="15" fill="black">a &lt; b</text>
-<g transform="translate(16 28) scale(48)">
-<path fill="#fad080" stroke="#fad080" stroke-width=".04" d="M0 0h1v1h-1zM0 1h1v1h-1z"/>
-<path fill="#add8f0" stroke="#add8f0" stroke-width=".04" d="M1 0h1v1h-1zM1 1h1v1h-1z"/>
-<path fill="none" stroke-linecap="round" stroke-linejoin="round" stroke="#1d2126" stroke-width="0.14" d="M0.5 0.5h1v1h-1"/>
-<path fill="none" stroke-linecap="round" stroke-linejoin="round" stroke="#e0001b" stroke-width="0.3" d="M0.5 0.5h1M1.5 1.5h-1"/>
-<path fill="none" stroke-linecap="round" stroke-linejoin="round" stroke="#1d2126" stroke-width="0.6" d="M0.5 1.5h0M0.5 0.5h0"/>
-<path fill="none" stroke-linecap="round" stroke-linejoin="round" stroke="white" stroke-width="0.36" d="M0.5 0.5h0"/>
-</g>
-</svg>
-"##;
+        // With single quotes, so that they need not be escaped.
+        let expected = "\
+            <svg xmlns='http://www.w3.org/2000/svg' width='128' height='140' \
+             viewBox='0 0 128 140'>\n\
+            <rect width='100%' height='100%' fill='white'/>\n\
+            <text x='16' y='18' font-family='Helvetica, Arial, sans-serif' font-size='15' \
+             fill='black'>a &lt; b</text>\n\
+            <g transform='translate(16 28) scale(48)'>\n\
+            <path fill='#fad080' stroke='#fad080' stroke-width='.04' \
+             d='M0 0h1v1h-1zM0 1h1v1h-1z'/>\n\
+            <path fill='#add8f0' stroke='#add8f0' stroke-width='.04' \
+             d='M1 0h1v1h-1zM1 1h1v1h-1z'/>\n\
+            <path fill='none' stroke-linecap='round' stroke-linejoin='round' stroke='#1d2126' \
+             stroke-width='0.14' d='M0.5 0.5h1v1h-1'/>\n\
+            <path fill='none' stroke-linecap='round' stroke-linejoin='round' stroke='#e0001b' \
+             stroke-width='0.3' d='M0.5 0.5h1M1.5 1.5h-1'/>\n\
+            <path fill='none' stroke-linecap='round' stroke-linejoin='round' stroke='#1d2126' \
+             stroke-width='0.6' d='M0.5 1.5h0M0.5 0.5h0'/>\n\
+            <path fill='none' stroke-linecap='round' stroke-linejoin='round' stroke='white' \
+             stroke-width='0.36' d='M0.5 0.5h0'/>\n\
+            </g>\n\
+            </svg>\n"
+            .replace('\'', "\"");
         assert_eq!(svg(&[panel], None), expected);
     }
 

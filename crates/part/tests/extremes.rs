@@ -42,7 +42,11 @@ fn read_package(resources: &str, build: &str) -> Result<Model, ReadError> {
     read(Format::ThreeMf, pack([("3D/3dmodel.model", model(resources, build).as_str())]))
 }
 
-const TETRA: &str = r#"<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/><vertex x="0" y="1" z="0"/><vertex x="0" y="0" z="1"/></vertices><triangles><triangle v1="0" v2="2" v3="1"/><triangle v1="0" v2="1" v3="3"/><triangle v1="0" v2="3" v3="2"/><triangle v1="1" v2="2" v3="3"/></triangles></mesh>"#;
+const TETRA: &str = "<mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"1\" y=\"0\" \
+    z=\"0\"/><vertex x=\"0\" y=\"1\" z=\"0\"/><vertex x=\"0\" y=\"0\" z=\"1\"/></vertices>\
+    <triangles><triangle v1=\"0\" v2=\"2\" v3=\"1\"/><triangle v1=\"0\" v2=\"1\" v3=\"3\"/>\
+    <triangle v1=\"0\" v2=\"3\" v3=\"2\"/><triangle v1=\"1\" v2=\"2\" v3=\"3\"/></triangles>\
+    </mesh>";
 
 fn body(mesh: Mesh) -> Body {
     Body { name: String::new(), mesh, material: Some(0), paint: Vec::new() }
@@ -120,7 +124,8 @@ fn a_package_of_many_objects_components_and_parts() {
     assert_eq!(read_package(&objects, &items).unwrap().bodies.len(), 100_000);
     let components = r#"<component objectid="0"/>"#.repeat(100_000);
     let one = format!(
-        r#"<object id="0">{TETRA}</object><object id="1"><components>{components}</components></object>"#
+        "<object id=\"0\">{TETRA}</object><object id=\"1\"><components>{components}</components>\
+         </object>"
     );
     assert_eq!(read_package(&one, r#"<item objectid="1"/>"#).unwrap().bodies.len(), 100_000);
 
@@ -144,7 +149,8 @@ fn instances_of_vertices_without_triangles() {
     // Copies of all vertices would take 2.4 MB for each instance, 24 GB in total.
     let vertices = r#"<vertex x="0" y="0" z="0"/>"#.repeat(100_000);
     let object = format!(
-        r#"<object id="1"><mesh><vertices>{vertices}</vertices><triangles><triangle v1="7" v2="8" v3="9"/></triangles></mesh></object>"#
+        "<object id=\"1\"><mesh><vertices>{vertices}</vertices><triangles><triangle v1=\"7\" \
+         v2=\"8\" v3=\"9\"/></triangles></mesh></object>"
     );
     let model = read_package(&object, &r#"<item objectid="1"/>"#.repeat(10_000)).unwrap();
     assert_eq!((model.bodies.len(), model.bodies[0].mesh.vertices().len()), (10_000, 3));
@@ -242,7 +248,8 @@ fn extreme_coordinates() {
     let settings = slice::Settings { cell_mm: 1.0, layer_mm: 1.0, ..slice::Settings::default() };
     for size in [1e100, 1e154, 1e300, 1.7e308] {
         let text = format!(
-            "v 0 0 0\nv {size} 0 0\nv 0 {size} 0\nv 0 0 {size}\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+            "v 0 0 0\nv {size} 0 0\nv 0 {size} 0\nv 0 0 {size}\n\
+             f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
         );
         let mut model = read(Format::Obj, &text).unwrap();
         _ = model.bodies[0].repair(&Control::default());
@@ -269,8 +276,8 @@ fn gcode_of_extreme_lines_arcs_and_numbers() {
     };
     for piece in ["N1 ", "N1 G", "N1*", "(a)", "(", "X1", "X ", "* ", "\u{feff}", "M117 ("] {
         let line = piece.repeat((2 << 20) / piece.len());
-        for head in ["", "G1 ", "N5 ", "M117 ", "G4 "] {
-            if let Ok(program) = format!("{head}{line}").parse::<Program>() {
+        for start in ["", "G1 ", "N5 ", "M117 ", "G4 "] {
+            if let Ok(program) = format!("{start}{line}").parse::<Program>() {
                 assert_eq!(program.emit().parse().as_ref(), Ok(&program), "{piece}");
             }
         }

@@ -13,7 +13,8 @@
 //!
 //! ```text
 //! BEADWORK_MUTATIONS=300000 cargo test --release -p beadwork-part --test mutations -- --nocapture
-//! BEADWORK_MUTATION_CASE='cube.obj 1234' cargo test -p beadwork-part --test mutations -- --nocapture
+//! BEADWORK_MUTATION_CASE='cube.obj 1234' \
+//!     cargo test -p beadwork-part --test mutations -- --nocapture
 //! ```
 //!
 //! The first runs 300,000 cases instead of a few thousand; the second repeats one case.
@@ -416,8 +417,8 @@ fn obj_seeds() -> Vec<Seed> {
     let mut polygons = String::from("# polygons\nmtllib colours.mtl\no box\nusemtl red\n");
     cube().vertices().iter().for_each(|[x, y, z]| writeln!(polygons, "v {x} {y} {z} 1.0").unwrap());
     polygons.push_str(
-        "vt 0 0\nvn 0 0 1\nf 4/1/1 3/1/1 2/1/1 1/1/1\nf 5//1 6//1 7//1 8//1\nf 1 2 6 5\nusemtl blue\nf 2 3 7 \\\n6\n\
-         s off\nf -6 -5 -1 -2\nusemtl red\nf 4 1 5 8\n",
+        "vt 0 0\nvn 0 0 1\nf 4/1/1 3/1/1 2/1/1 1/1/1\nf 5//1 6//1 7//1 8//1\nf 1 2 6 5\n\
+         usemtl blue\nf 2 3 7 \\\n6\ns off\nf -6 -5 -1 -2\nusemtl red\nf 4 1 5 8\n",
     );
     let mut groups = String::new();
     let mut base = 1;
@@ -479,10 +480,18 @@ fn mesh_xml(mesh: &Mesh, paint: &str) -> String {
 }
 
 fn threemf_seeds() -> Vec<Seed> {
-    const LIST: &str = r#"<?xml version="1.0" encoding="UTF-8"?><Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Id="rel0" Target="/3D/parts.model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
+    const LIST: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?><Relationships \
+        xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\"><Relationship \
+        Id=\"rel0\" Target=\"/3D/parts.model\" \
+        Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>";
     let model = |resources: &str, build: &str| {
         format!(
-            r#"<?xml version="1.0" encoding="UTF-8"?><model unit="millimeter" xml:lang="en-US" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02" xmlns:m="http://schemas.microsoft.com/3dmanufacturing/material/2015/02" xmlns:p="http://schemas.microsoft.com/3dmanufacturing/production/2015/06"><resources>{resources}</resources><build>{build}</build></model>"#
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?><model unit=\"millimeter\" \
+             xml:lang=\"en-US\" \
+             xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" \
+             xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\" \
+             xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/06\">\
+             <resources>{resources}</resources><build>{build}</build></model>"
         )
     };
     let part = |name: &str, text: String| (name.to_owned(), text.into_bytes());
@@ -490,22 +499,30 @@ fn threemf_seeds() -> Vec<Seed> {
         &format!(r#"<object id="1" type="model" name="cube">{}</object>"#, mesh_xml(&cube(), "")),
         r#"<item objectid="1"/>"#,
     );
-    let groups = r##"<basematerials id="5"><base name="PLA &amp; co" displaycolor="#FF0000FF"/><base name="ABS" displaycolor="#00FF00"/></basematerials><m:colorgroup id="6"><m:color color="#0000FF"/><m:color color="#808080"/></m:colorgroup>"##;
+    let groups = "<basematerials id=\"5\"><base name=\"PLA &amp; co\" displaycolor=\"#FF0000FF\"/>\
+        <base name=\"ABS\" displaycolor=\"#00FF00\"/></basematerials><m:colorgroup id=\"6\">\
+        <m:color color=\"#0000FF\"/><m:color color=\"#808080\"/></m:colorgroup>";
     let painted = model(
         &format!(
-            r#"{groups}<object id="1" pid="5" pindex="0" name="a">{}</object><object id="2" pid="6">{}</object><object id="3" pid="5" pindex="1"><components><component objectid="1" transform="0 1 0 -1 0 0 0 0 1 20 0 0"/><component objectid="2"/></components></object>"#,
+            "{groups}<object id=\"1\" pid=\"5\" pindex=\"0\" name=\"a\">{}</object><object \
+             id=\"2\" pid=\"6\">{}</object><object id=\"3\" pid=\"5\" pindex=\"1\"><components>\
+             <component objectid=\"1\" transform=\"0 1 0 -1 0 0 0 0 1 20 0 0\"/><component \
+             objectid=\"2\"/></components></object>",
             mesh_xml(&cube(), r#" p1="1""#),
             mesh_xml(&sphere(), r#" pid="5" p1="1""#)
         ),
         r#"<item objectid="3" transform="1 0 0 0 1 0 0 0 1 0 0 2"/><item objectid="1"/>"#,
     );
     let root = model(
-        r#"<object id="1"><components><component p:path="/3D/other.model" objectid="7"/><component p:path="/3d/Other.model" objectid="8" transform="-1 0 0 0 1 0 0 0 1 0 0 0"/></components></object>"#,
+        "<object id=\"1\"><components><component p:path=\"/3D/other.model\" objectid=\"7\"/>\
+         <component p:path=\"/3d/Other.model\" objectid=\"8\" transform=\"-1 0 0 0 1 0 0 0 1 0 0 \
+         0\"/></components></object>",
         r#"<item objectid="1" transform=".5 0 0 0 .5 0 0 0 .5 1 2 3"/>"#,
     );
     let other = model(
         &format!(
-            r#"{groups}<object id="7" pid="5">{}</object><object id="8" type="solidsupport">{}</object>"#,
+            "{groups}<object id=\"7\" pid=\"5\">{}</object><object id=\"8\" type=\"solidsupport\">\
+             {}</object>",
             mesh_xml(&cube(), r#" pid="6" p1="0""#),
             mesh_xml(&Solid::Frustum { sides_mm: [4.0, 2.0], height_mm: 5.0 }.mesh(), "")
         ),
@@ -525,14 +542,25 @@ fn threemf_seeds() -> Vec<Seed> {
 }
 
 fn gcode_seeds() -> Vec<Seed> {
-    const PRUSA: &str = "; generated by PrusaSlicer\nM73 P0 R12\nM201 X1000 Y1000 Z200 E5000\nM204 P1250 T1250\nM205 X8.00 Y8.00 Z0.40 E4.50\nM104 S215\n\
-        M190 S60 ; wait\nM109 S215\nG28 W\nG80\nG21\nG90\nM83\nM900 K0.05\nG92 E0.0\n;LAYER_CHANGE\n;Z:0.2\n;HEIGHT:0.2\nG1 E-.8 F2100\nG1 Z.2 F10800\n\
-        ;TYPE:External perimeter\n;WIDTH:0.45\nG1 X97.7 Y97.7\nG1 E.8 F2100\nG1 X110.25 Y97.7 E.41 F1200\nG3 X112.3 Y99.75 I0 J2.05 E.1\nG2 X110.25 Y101.8 R2.05 E.1\n\
-        G1 X97.7 E.41\nG4 P250\nT1\n;TYPE:Wipe tower\nG1 X150 Y150 F7200\nG1 X160 E.3 F1800\nM106 S127.5\nM117 Layer 1 (of 2)\nG10\nG11\nM107\nM84 X Y E\n";
-    const CURA: &str = ";FLAVOR:Marlin\n;TIME:6666\n;LAYER_COUNT:2\nT0\nM82 ;absolute\nG92 E0\nG1 F1500 E-6.5\n;LAYER:-1\n;LAYER:0\nM205 X20 Y20\nG0 F3600 X98.1 Y98.1 Z0.3\n\
-        ;TYPE:WALL-INNER\nG1 F1500 E0\nG1 F1800 X101.9 Y98.1 E0.1\nG1 X101.9 Y101.9 E0.2\nG91\nG1 Z1 X-.5\nG90\nG92 X10 Y10\n;TYPE:SKIN\nG1 X11 Y10.5 E0.21\nG92\nM140 S0\n";
-    const KLIPPER: &str = "N1 START_PRINT BED_TEMP=60 EXTRUDER_TEMP=210*33\nN2 set_velocity_limit ACCEL=3000 SQUARE_CORNER_VELOCITY=5\n(by hand) g1x10y10f6000 (on)\n\
-        SET_PRESSURE_ADVANCE ADVANCE=0.04\ng28 x y\nG2 I10\nG3 X5 Y5 I-2.5 J2 Z3 E1\nSET_VELOCITY_LIMIT VELOCITY=200\nM104 T1 S200\nEND_PRINT\n";
+    const PRUSA: &str = "\
+        ; generated by PrusaSlicer\nM73 P0 R12\nM201 X1000 Y1000 Z200 E5000\nM204 P1250 T1250\n\
+        M205 X8.00 Y8.00 Z0.40 E4.50\nM104 S215\nM190 S60 ; wait\nM109 S215\nG28 W\nG80\nG21\n\
+        G90\nM83\nM900 K0.05\nG92 E0.0\n;LAYER_CHANGE\n;Z:0.2\n;HEIGHT:0.2\nG1 E-.8 F2100\n\
+        G1 Z.2 F10800\n;TYPE:External perimeter\n;WIDTH:0.45\nG1 X97.7 Y97.7\nG1 E.8 F2100\n\
+        G1 X110.25 Y97.7 E.41 F1200\nG3 X112.3 Y99.75 I0 J2.05 E.1\n\
+        G2 X110.25 Y101.8 R2.05 E.1\nG1 X97.7 E.41\nG4 P250\nT1\n;TYPE:Wipe tower\n\
+        G1 X150 Y150 F7200\nG1 X160 E.3 F1800\nM106 S127.5\nM117 Layer 1 (of 2)\nG10\nG11\n\
+        M107\nM84 X Y E\n";
+    const CURA: &str = "\
+        ;FLAVOR:Marlin\n;TIME:6666\n;LAYER_COUNT:2\nT0\nM82 ;absolute\nG92 E0\nG1 F1500 E-6.5\n\
+        ;LAYER:-1\n;LAYER:0\nM205 X20 Y20\nG0 F3600 X98.1 Y98.1 Z0.3\n;TYPE:WALL-INNER\n\
+        G1 F1500 E0\nG1 F1800 X101.9 Y98.1 E0.1\nG1 X101.9 Y101.9 E0.2\nG91\nG1 Z1 X-.5\nG90\n\
+        G92 X10 Y10\n;TYPE:SKIN\nG1 X11 Y10.5 E0.21\nG92\nM140 S0\n";
+    const KLIPPER: &str = "\
+        N1 START_PRINT BED_TEMP=60 EXTRUDER_TEMP=210*33\n\
+        N2 set_velocity_limit ACCEL=3000 SQUARE_CORNER_VELOCITY=5\n\
+        (by hand) g1x10y10f6000 (on)\nSET_PRESSURE_ADVANCE ADVANCE=0.04\ng28 x y\nG2 I10\n\
+        G3 X5 Y5 I-2.5 J2 Z3 E1\nSET_VELOCITY_LIMIT VELOCITY=200\nM104 T1 S200\nEND_PRINT\n";
     let plan = Plan::new();
     vec![
         Seed::gcode("marlin.gcode", plan.print(Flavour::Marlin)),
@@ -631,7 +659,8 @@ fn run(title: &str, seeds: &[Seed]) {
     let peak = peak_kib();
     let (longest, name) = slowest;
     eprintln!(
-        "{title}: {count} cases in {:.1?}, {whole} of them through all steps; '{name}' took {longest:.1?}; peak {} MiB",
+        "{title}: {count} cases in {:.1?}, {whole} of them through all steps; \
+         '{name}' took {longest:.1?}; peak {} MiB",
         begun.elapsed(),
         peak.unwrap_or(0) >> 10
     );

@@ -63,7 +63,8 @@ fn write_sheet(out: &mut String) -> fmt::Result {
     let height = Pattern::COUNT.div_ceil(PER_ROW) as u32 * down + LEGEND_HEIGHT;
     writeln!(
         out,
-        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}">"#
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+         viewBox=\"0 0 {width} {height}\">"
     )?;
     writeln!(out, r#"<rect width="100%" height="100%" fill="white"/>"#)?;
     write_defs(out, &region)?;
@@ -73,7 +74,8 @@ fn write_sheet(out: &mut String) -> fmt::Result {
             (GAP + column as u32 * across, row as u32 * down + GAP / 2 + TITLE_HEIGHT);
         writeln!(
             out,
-            r##"<text x="{left}" y="{}" {FONT} font-size="13"><tspan fill="#6b7480">{}</tspan> {pattern}</text>"##,
+            "<text x=\"{left}\" y=\"{}\" {FONT} font-size=\"13\"><tspan fill=\"#6b7480\">{}\
+             </tspan> {pattern}</text>",
             top - 8,
             pattern.number(),
         )?;
@@ -121,7 +123,8 @@ fn write_pattern(out: &mut String, region: &Region, order: &[Cell]) -> fmt::Resu
         let dashes = r#"stroke-dasharray="0.3 0.22" stroke-linecap="butt""#;
         writeln!(
             out,
-            r#"<path fill="none" {dashes} stroke="{JUMP_COLOUR}" stroke-width="{JUMP_WIDTH}" d="{jumps}"/>"#
+            "<path fill=\"none\" {dashes} stroke=\"{JUMP_COLOUR}\" stroke-width=\"{JUMP_WIDTH}\" \
+             d=\"{jumps}\"/>"
         )?;
     }
     writeln!(

@@ -75,8 +75,8 @@ pub struct Pattern(u8);
 /// A name that is not that of a [`Pattern`].
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error(
-    "unknown pattern '{0}': expected a name like zigzag-x-0, raster-y-3, spiral-in-1, spiral-out-2, \
-     contour-zigzag-x-0, contour-raster-y-3 or diagonal-1"
+    "unknown pattern '{0}': expected a name like zigzag-x-0, raster-y-3, spiral-in-1, \
+     spiral-out-2, contour-zigzag-x-0, contour-raster-y-3 or diagonal-1"
 )]
 pub struct UnknownPattern(pub String);
 

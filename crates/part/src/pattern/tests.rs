@@ -235,7 +235,11 @@ fn any_region() -> impl Strategy<Value = Region> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 3_000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 3_000,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn every_order_visits_each_cell_once(region in any_region()) {
@@ -244,7 +248,11 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 150,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn orders_are_those_of_the_slow_implementation(region in any_region()) {
@@ -260,7 +268,8 @@ proptest! {
             if family == "diagonal" && corner == 1 {
                 continue;
             }
-            for other in Pattern::ALL.into_iter().filter(|&other| parts_of_name(other).0 == family) {
+            for other in Pattern::ALL.into_iter().filter(|&other| parts_of_name(other).0 == family)
+            {
                 let flips = corner ^ parts_of_name(other).2;
                 let (flip_x, flip_y) = (flips & 1 != 0, flips & 2 != 0);
                 if parts_of_name(other).1 != parts_of_name(pattern).1 {
@@ -278,10 +287,16 @@ proptest! {
             }
         }
         let image = transposed(&region);
-        for (name, other) in [("zigzag-x-0", "zigzag-y-0"), ("raster-x-3", "raster-y-3"),
-            ("contour-zigzag-x-0", "contour-zigzag-y-0"), ("contour-raster-x-0", "contour-raster-y-0")]
-        {
-            let back = |cell| { let (x, y) = image.xy(cell); region.cell(y, x) };
+        for (name, other) in [
+            ("zigzag-x-0", "zigzag-y-0"),
+            ("raster-x-3", "raster-y-3"),
+            ("contour-zigzag-x-0", "contour-zigzag-y-0"),
+            ("contour-raster-x-0", "contour-raster-y-0"),
+        ] {
+            let back = |cell| {
+                let (x, y) = image.xy(cell);
+                region.cell(y, x)
+            };
             let order: Vec<Cell> = named(other).order(&image).into_iter().map(back).collect();
             prop_assert_eq!(order, named(name).order(&region), "{} and {}", name, other);
         }

@@ -29,7 +29,7 @@ pub enum SettingsError {
     },
     /// A bead with an oval cross-section is higher than wide.
     #[error(
-        "process.cross_section is oval: layers of {layer_mm} mm are higher than beads of {cell_mm} mm are wide"
+        "process.cross_section is oval: layer height {layer_mm} mm exceeds bead width {cell_mm} mm"
     )]
     HighBead {
         /// Height of a layer in mm.
@@ -49,7 +49,8 @@ pub enum SettingsError {
     },
     /// The grid of the part reaches beyond the bed.
     #[error(
-        "the part reaches from ({left_mm}, {front_mm}) to ({right_mm}, {back_mm}) mm: that is beyond the bed"
+        "the part reaches from ({left_mm}, {front_mm}) to ({right_mm}, {back_mm}) mm: \
+         that is beyond the bed"
     )]
     PartOutside {
         /// Minimum x in mm.
@@ -76,9 +77,7 @@ pub enum SettingsError {
     #[error("purge.tower overlaps the part")]
     PrimeTowerOverlaps,
     /// The prime tower has too little depth for what a layer purges.
-    #[error(
-        "purge.tower.depth_mm is {depth_mm}: one layer purges enough to need at least {needed_mm}"
-    )]
+    #[error("purge.tower.depth_mm is {depth_mm}: the layer that purges most requires {needed_mm}")]
     PrimeTowerDepth {
         /// Depth of the settings in mm.
         depth_mm: f64,

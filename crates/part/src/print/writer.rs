@@ -16,7 +16,7 @@
 //! The rounding error of each move is carried into the next one, so it does not add up.
 //!
 //! # Travel
-//! Between two beads the filament is retracted if the way is long enough
+//! Between two beads the filament is retracted if they are far enough apart
 //! ([`Process::retract_beyond_mm`]), and the nozzle is raised while it is retracted
 //! ([`Process::z_hop_mm`]); see [`Writer::travel`].
 
@@ -385,7 +385,8 @@ impl<'a> Writer<'a> {
         let hop = if is_hop { process.z_hop_mm } else { 0.0 };
         let height = f64::max(self.top_mm + hop, std::mem::take(&mut self.clearance_mm));
         let speed = process.travel_mm_s;
-        // Up before across: from the layer below, the nozzle would cross what is printed there.
+        // Up before across: at the height of the layer below, the nozzle would drag through its
+        // beads.
         self.move_to([None, None, Some(number(height, DECIMALS))], None, speed);
         self.move_to([Some(x), Some(y), None], None, speed);
         self.move_to([None, None, Some(number(self.top_mm, DECIMALS))], None, speed);

@@ -19,7 +19,7 @@ use crate::frame::Frame;
 /// Cuts a model into layers of cells.
 ///
 /// The bodies of the model must stand on z = 0 ([`beadwork_mesh::Placement`]), be closed
-/// ([`Body::repair`]) and have materials ([`Model::assign`]).
+/// ([`Body::repair`]) and have materials ([`Model::assign_materials`]).
 /// Where bodies overlap, the later one takes the cells.
 ///
 /// A layer exists if its centre height lies within the part; a cell belongs to it if the cell's

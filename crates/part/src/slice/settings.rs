@@ -75,7 +75,11 @@ pub enum SliceError {
         got_mm: f64,
     },
     /// A side of the grid would have too many cells.
-    #[error("beads of {cell_mm} mm make a layer of {width:.0} x {height:.0} cells, more than {max} a side", max = Region::MAX_SIDE)]
+    #[error(
+        "beads of {cell_mm} mm make a layer of {width:.0} x {height:.0} cells: \
+         the maximum is {max} a side",
+        max = Region::MAX_SIDE
+    )]
     Side {
         /// Width of a bead in mm.
         cell_mm: f64,

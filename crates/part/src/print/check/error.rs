@@ -58,7 +58,7 @@ pub enum CheckError {
     },
     /// A motion extrudes neither through the centres of a row nor through those of a column.
     #[error(
-        "line {line}, layer {layer}: extrudes from ({}, {}) to ({}, {}) mm, off the centres of the cells",
+        "line {line}, layer {layer}: extrudes from ({}, {}) to ({}, {}) mm, off the cell centres",
         from_mm[0], from_mm[1], to_mm[0], to_mm[1]
     )]
     OffCentre {

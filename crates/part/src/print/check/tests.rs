@@ -180,7 +180,11 @@ fn changed(program: &Program, at: usize, change: impl FnOnce(&mut Move)) -> Prog
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 600, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 600,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn emitted_programs_pass(case in cases()) {
@@ -188,16 +192,20 @@ proptest! {
         let report = case.check(&print.program);
         prop_assert!(report.is_ok(), "{report:?}\n{}", print.program.emit());
         let report = report.unwrap();
-        let cells: u64 = case.layers.iter().map(|(_, region, _, _)| u64::from(region.cell_count())).sum();
+        let cells: u64 =
+            case.layers.iter().map(|(_, region, _, _)| u64::from(region.cell_count())).sum();
         prop_assert_eq!((report.cells, report.layers), (cells, case.layers.len()));
         prop_assert_eq!(report.tool_changes, print.totals.tool_changes);
         // Rounding loses nothing, however many moves there are.
-        let expected = cells as f64 * case.frame.cell_mm * case.settings.process.bead_mm2(&case.frame);
+        let expected =
+            cells as f64 * case.frame.cell_mm * case.settings.process.bead_mm2(&case.frame);
         prop_assert!((report.part_mm3 - expected).abs() < 1e-3, "{} {expected}", report.part_mm3);
         let length = cells as f64 * case.frame.cell_mm;
         prop_assert!((print.totals.extrusion_mm - length).abs() < 1e-3 * (cells as f64 + 1.0));
         let volume: f64 = print.totals.tools.iter().map(|tool| tool.volume_mm3).sum();
-        prop_assert!((volume - report.part_mm3 - report.prime_tower_mm3).abs() < 1e-6 * volume.max(1.0));
+        prop_assert!(
+            (volume - report.part_mm3 - report.prime_tower_mm3).abs() < 1e-6 * volume.max(1.0)
+        );
     }
 
     #[test]
@@ -220,11 +228,18 @@ proptest! {
     }
 
     #[test]
-    fn a_shifted_position_is_found(case in cases(), at: prop::sample::Index, along_x: bool, cells in 0.2..3.0_f64) {
+    fn a_shifted_position_is_found(
+        case in cases(),
+        at: prop::sample::Index,
+        along_x: bool,
+        cells in 0.2..3.0_f64,
+    ) {
         let print = case.print();
         let lines = part_lines(&print.program);
         let by = Number::from_f64(cells * case.frame.cell_mm, 3).unwrap().millionths();
-        let shifted = |value: Option<Number>| value.map(|value| Number::from_millionths(value.millionths() + by));
+        let shifted = |value: Option<Number>| {
+            value.map(|value| Number::from_millionths(value.millionths() + by))
+        };
         let program = changed(&print.program, lines[at.index(lines.len())], |motion| {
             if motion.y.is_none() || (along_x && motion.x.is_some()) {
                 motion.x = shifted(motion.x);
@@ -236,7 +251,12 @@ proptest! {
     }
 
     #[test]
-    fn too_much_or_too_little_filament_is_found(case in cases(), at: prop::sample::Index, share in 0.0..0.7_f64, more: bool) {
+    fn too_much_or_too_little_filament_is_found(
+        case in cases(),
+        at: prop::sample::Index,
+        share in 0.0..0.7_f64,
+        more: bool,
+    ) {
         let print = case.print();
         let lines = part_lines(&print.program);
         // For the smallest cells, smaller changes vanish in the decimals of a file.
@@ -248,7 +268,12 @@ proptest! {
     }
 
     #[test]
-    fn a_wrong_or_missing_tool_is_found(case in cases(), at: prop::sample::Index, to in 0_u8..4, is_missing: bool) {
+    fn a_wrong_or_missing_tool_is_found(
+        case in cases(),
+        at: prop::sample::Index,
+        to in 0_u8..4,
+        is_missing: bool,
+    ) {
         let print = case.print();
         let tools: Vec<_> = (0..print.program.lines.len())
             .filter(|&at| matches!(print.program.lines[at].command(), Some(Command::Tool(_))))
@@ -270,10 +295,14 @@ proptest! {
     fn missing_retraction_and_unretraction_are_found(case in cases(), at: prop::sample::Index) {
         let print = case.print();
         let last_extrusion = *part_lines(&print.program).last().unwrap();
-        let in_place: Vec<_> = (0..last_extrusion).filter(|&at| match print.program.lines[at].command() {
-            Some(Command::Move(motion)) => motion.e.is_some() && motion.x.or(motion.y).is_none(),
-            _ => false,
-        }).collect();
+        let in_place: Vec<_> = (0..last_extrusion)
+            .filter(|&at| match print.program.lines[at].command() {
+                Some(Command::Move(motion)) => {
+                    motion.e.is_some() && motion.x.or(motion.y).is_none()
+                }
+                _ => false,
+            })
+            .collect();
         prop_assume!(!in_place.is_empty());
         let mut program = print.program.clone();
         program.lines.remove(in_place[at.index(in_place.len())]);
@@ -282,12 +311,21 @@ proptest! {
     }
 
     #[test]
-    fn travel_to_a_forbidden_position_is_found(case in cases(), at: prop::sample::Index, by in 0.01..0.1_f64, side in 0..5) {
+    fn travel_to_a_forbidden_position_is_found(
+        case in cases(),
+        at: prop::sample::Index,
+        by in 0.01..0.1_f64,
+        side in 0..5,
+    ) {
         let print = case.print();
-        let first_extrusion = print.program.trace().find_map(|event| match event {
-            Ok(Event::Motion(motion)) if motion.is_extrusion() => Some(motion),
-            _ => None,
-        }).unwrap();
+        let first_extrusion = print
+            .program
+            .trace()
+            .find_map(|event| match event {
+                Ok(Event::Motion(motion)) if motion.is_extrusion() => Some(motion),
+                _ => None,
+            })
+            .unwrap();
         let at = first_extrusion.line + at.index(print.program.lines.len() - first_extrusion.line);
         let text = match side {
             0 => format!("G1 Z{:.3}", (first_extrusion.to_mm[2] - by).max(0.0)),
@@ -308,21 +346,31 @@ proptest! {
         let print = case.print();
         let last_extrusion = *part_lines(&print.program).last().unwrap();
         // After a tool change some moves lead to where the nozzle is anyway: skip short moves.
-        let across: Vec<_> = print.program.trace().filter_map(|event| match event {
-            Ok(Event::Motion(motion)) => {
-                let [x, y] = [0, 1].map(|axis| motion.to_mm[axis] - motion.from_mm[axis]);
-                let counts = motion.line <= last_extrusion && motion.extruded_mm.abs() <= 0.0 && x.hypot(y) > 0.05;
-                counts.then_some(motion.line - 1)
-            }
-            _ => None,
-        }).collect();
+        let across: Vec<_> = print
+            .program
+            .trace()
+            .filter_map(|event| match event {
+                Ok(Event::Motion(motion)) => {
+                    let [x, y] = [0, 1].map(|axis| motion.to_mm[axis] - motion.from_mm[axis]);
+                    let counts = motion.line <= last_extrusion
+                        && motion.extruded_mm.abs() <= 0.0
+                        && x.hypot(y) > 0.05;
+                    counts.then_some(motion.line - 1)
+                }
+                _ => None,
+            })
+            .collect();
         let mut program = print.program.clone();
         program.lines.remove(across[at.index(across.len())]);
         prop_assert!(case.check(&program).is_err());
     }
 
     #[test]
-    fn a_cold_print_or_one_that_does_not_wait_is_found(case in cases(), at: prop::sample::Index, cools: bool) {
+    fn a_cold_print_or_one_that_does_not_wait_is_found(
+        case in cases(),
+        at: prop::sample::Index,
+        cools: bool,
+    ) {
         let print = case.print();
         let waits = |line: &Line| match line.command() {
             Some(Command::NozzleTemperature { wait, .. }) => *wait != Wait::No,
@@ -348,22 +396,35 @@ proptest! {
             program.lines.remove(at);
         }
         let error = case.check(&program).unwrap_err();
-        let is_named = matches!(error, CheckError::Temperature { .. } | CheckError::NotWaited { .. });
+        let is_named =
+            matches!(error, CheckError::Temperature { .. } | CheckError::NotWaited { .. });
         prop_assert!(is_named, "{error}");
     }
 
     #[test]
-    fn heaters_and_motors_switched_off_are_found(case in cases(), at: prop::sample::Index, what in 0_usize..5) {
+    fn heaters_and_motors_switched_off_are_found(
+        case in cases(),
+        at: prop::sample::Index,
+        what in 0_usize..5,
+    ) {
         let print = case.print();
         let lines = part_lines(&print.program);
         let text = ["M104 S0", "M140 S0", "TURN_OFF_HEATERS", "M84", "M18"][what];
-        let error = case.check(&with_lines(&print.program, lines[at.index(lines.len())], text)).unwrap_err();
-        let is_named = matches!(error, CheckError::Temperature { .. } | CheckError::MotorsOff { .. });
+        let error = case
+            .check(&with_lines(&print.program, lines[at.index(lines.len())], text))
+            .unwrap_err();
+        let is_named =
+            matches!(error, CheckError::Temperature { .. } | CheckError::MotorsOff { .. });
         prop_assert!(is_named, "{error}");
     }
 
     #[test]
-    fn a_faulty_prime_tower_is_found(case in cases(), at: prop::sample::Index, share in 0.0..0.7_f64, change in 0..4) {
+    fn a_faulty_prime_tower_is_found(
+        case in cases(),
+        at: prop::sample::Index,
+        share in 0.0..0.7_f64,
+        change in 0..4,
+    ) {
         let tower = PrimeTower { left_mm: 5.0, front_mm: 5.0, width_mm: 50.0, depth_mm: 4000.0 };
         let purge = Some(Purge::uniform(3, 0.1 + share, Some(tower)));
         let case = Case { settings: Settings { purge, ..case.settings }, ..case };
@@ -373,7 +434,10 @@ proptest! {
         let at = lines[at.index(lines.len())];
         let program = changed(&print.program, at, |motion| match change {
             0 => motion.e = motion.e.map(|e| Number::from_f64(e.to_f64() * share, 5).unwrap()),
-            1 => motion.e = motion.e.map(|e| Number::from_f64(e.to_f64() * (2.0 - share), 5).unwrap()),
+            1 => {
+                motion.e =
+                    motion.e.map(|e| Number::from_f64(e.to_f64() * (2.0 - share), 5).unwrap())
+            }
             2 => motion.x = Some(Number::from_f64(60.0 + share, 3).unwrap()),
             _ => motion.f = Some(Number::whole(1801)),
         });

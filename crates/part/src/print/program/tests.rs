@@ -226,7 +226,7 @@ fn each_broken_setting_is_named() {
         }),
         ("purge.tower reaches beyond the bed", |s| tower(s).left_mm = 245.0),
         ("purge.tower overlaps the part", |s| tower(s).left_mm = 101.0),
-        ("purge.tower.depth_mm is 1: one layer purges enough to need at least 4.5", |s| {
+        ("purge.tower.depth_mm is 1: the layer that purges most requires 4.5", |s| {
             tower(s).depth_mm = 1.0;
         }),
         ("purge.tower.width_mm is 1.2: it must be at least 1.5", |s| tower(s).width_mm = 1.2),

@@ -317,7 +317,11 @@ fn materials_are_given_by_rule() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 200,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     /// A cell is filled if a ray upwards from its centre leaves the body more often than it enters.
     #[test]
@@ -330,7 +334,8 @@ proptest! {
         phase in [0.0..1.0_f64, 0.0..1.0_f64],
         is_shifted: bool,
     ) {
-        let mut ball = moved(&Solid::Sphere { radius_mm: radius, steps }, [shift.0, shift.1, radius]);
+        let mut ball =
+            moved(&Solid::Sphere { radius_mm: radius, steps }, [shift.0, shift.1, radius]);
         // Turned, so that no cell centre lies exactly below an edge, where rays are ambiguous.
         Transform::rotation(2, 17.3).then(&Transform::rotation(0, 5.1)).apply(&mut ball);
         let cube = moved(&Solid::Cuboid { size_mm: [side; 3] }, [shift.1, -shift.0, 0.0]);
@@ -348,8 +353,17 @@ proptest! {
                 for x in 0..voxels.frame.width {
                     let [px, py] = voxels.frame.centre(x, y);
                     let point = [px, py, layers.cut_mm(z)];
-                    let expected = (0..2_u8).rev().find(|&at| winding(&bodies[usize::from(at)].mesh, point) != 0);
-                    prop_assert_eq!(voxels.material(x, y, z), expected, "cell ({}, {}, {})", x, y, z);
+                    let expected = (0..2_u8)
+                        .rev()
+                        .find(|&at| winding(&bodies[usize::from(at)].mesh, point) != 0);
+                    prop_assert_eq!(
+                        voxels.material(x, y, z),
+                        expected,
+                        "cell ({}, {}, {})",
+                        x,
+                        y,
+                        z
+                    );
                 }
             }
         }

@@ -86,10 +86,17 @@ fn hard_surfaces() -> impl Strategy<Value = (Mesh, Vec<u8>)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2_000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 2_000,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
-    fn the_sweep_finds_the_triangles_that_a_search_finds((mesh, colours) in hard_surfaces(), layer in prop::sample::select(vec![0.3, 0.5, 1.0, 7.0])) {
+    fn the_sweep_finds_the_triangles_that_a_search_finds(
+        (mesh, colours) in hard_surfaces(),
+        layer in prop::sample::select(vec![0.3, 0.5, 1.0, 7.0]),
+    ) {
         let layers = (9.0_f64 / layer) as usize;
         let outlines = cut(&mesh, &colours, layer, layers, &Control::default()).unwrap();
         prop_assert_eq!(outlines.len(), layers);
