@@ -714,7 +714,7 @@ fn seeds_are_valid() {
         match &seed.content {
             Content::Mesh(format, bytes) => read(*format, bytes),
             Content::Parts(parts) => {
-                read(Format::ThreeMf, &pack(parts, CompressionMethod::Deflated))
+                read(Format::ThreeMf, &pack(parts, CompressionMethod::Deflated));
             }
             Content::Gcode(bytes) => {
                 let program = Program::from_bytes(bytes, &Control::default()).unwrap();

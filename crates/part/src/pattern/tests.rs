@@ -47,7 +47,7 @@ fn slow_sweep(pattern: Pattern, region: &Region, taken: &BTreeSet<Cell>) -> Vec<
             (v, if (v % 2 == 0) == (family == "zigzag") { u } else { -u })
         }),
         "raster" | "contour-raster" => {
-            cells.sort_by_key(|&cell| (position(cell).1, position(cell).0))
+            cells.sort_by_key(|&cell| (position(cell).1, position(cell).0));
         }
         "diagonal" => cells.sort_by_key(|&cell| {
             let (u, v) = position(cell);

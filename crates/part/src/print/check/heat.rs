@@ -82,7 +82,7 @@ impl<'a> Heaters<'a> {
         let flavour = self.settings.printer.flavour;
         match *event {
             Event::Heat { heater: Heater::Bed, celsius, wait, .. } => {
-                self.bed.set(celsius, wait, flavour)
+                self.bed.set(celsius, wait, flavour);
             }
             Event::Heat { heater: Heater::Nozzle(tool), celsius, wait, .. } => {
                 if let Some(nozzle) = self.nozzle(tool) {

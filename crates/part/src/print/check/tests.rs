@@ -436,7 +436,7 @@ proptest! {
             0 => motion.e = motion.e.map(|e| Number::from_f64(e.to_f64() * share, 5).unwrap()),
             1 => {
                 motion.e =
-                    motion.e.map(|e| Number::from_f64(e.to_f64() * (2.0 - share), 5).unwrap())
+                    motion.e.map(|e| Number::from_f64(e.to_f64() * (2.0 - share), 5).unwrap());
             }
             2 => motion.x = Some(Number::from_f64(60.0 + share, 3).unwrap()),
             _ => motion.f = Some(Number::whole(1801)),

@@ -192,17 +192,17 @@ fn each_broken_setting_is_named() {
     type Change = fn(&mut Settings);
     let cases: [(&str, Change); 15] = [
         ("printer.bed_mm[1] is NaN: it must be from 1 to 10000", |s| {
-            s.printer.bed_mm[1] = f64::NAN
+            s.printer.bed_mm[1] = f64::NAN;
         }),
         ("process.print_mm_s is 0: it must be more than 0 and at most a million", |s| {
             s.process.print_mm_s = 0.0;
         }),
         ("process.travel_mm_s is 150: printer.max_speed_mm_s is 149", |s| {
-            s.printer.max_speed_mm_s = 149.0
+            s.printer.max_speed_mm_s = 149.0;
         }),
         ("process.fan is 2: it must be from 0 to 1", |s| s.process.fan = 2.0),
         ("tools[1].filament_mm is -1: it must be from 0.5 to 20", |s| {
-            s.tools[1].filament_mm = -1.0
+            s.tools[1].filament_mm = -1.0;
         }),
         ("purge.volume_mm3[1][0] is inf: it must be at least 0 and at most a million", |s| {
             s.purge.as_mut().unwrap().volume_mm3[1][0] = f64::INFINITY;
