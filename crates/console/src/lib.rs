@@ -6,7 +6,8 @@
 //!   memory between training steps.
 //! - [`chart`]: line charts and heat maps as SVG.
 //! - [`part`] and [`printer`]: flags that name a part and a printer, and what they load;
-//!   [`plan`]: planned layers as checked G-code.
+//!   [`plan`]: planned layers as checked G-code; [`grid_choice`]: the cell grid that needs the
+//!   fewest beads.
 //! - [`search`]: any search method on one layer, reported as a row of a table.
 //!
 //! This crate writes to the terminal and reads and writes files; the compute crates do neither.
@@ -21,6 +22,7 @@ pub mod accuracy;
 pub mod cancel;
 pub mod chart;
 pub mod control;
+pub mod grid_choice;
 #[cfg_attr(not(feature = "learn"), path = "unlearned.rs")]
 pub mod learned;
 pub mod machine;

@@ -9,7 +9,7 @@ use beadwork_base::Threads;
 use beadwork_mesh::{
     Bounds, Example, Format, MaterialRule, Model, Placement, ReadLimits, RepairReport, Transform,
 };
-use beadwork_part::slice::{FillRule, Layers, Settings, slice};
+use beadwork_part::slice::{Cut, FillRule, Layers, Settings};
 use clap::ValueEnum;
 use rayon::ThreadPool;
 
@@ -109,6 +109,34 @@ impl<const N: usize> FromStr for Numbers<N> {
     }
 }
 
+/// A part cut into outlines, which any cell grid may be laid over.
+pub struct CutPart {
+    /// Name of its first file.
+    pub name: String,
+    /// The mesh, repaired and placed on the bed.
+    pub model: Model,
+    /// The outlines of all layers.
+    pub cut: Cut,
+    /// Settings of the slicing, as the flags give them.
+    pub settings: Settings,
+    /// Name and repairs of each body that was not sound.
+    pub repaired: Vec<(String, RepairReport)>,
+}
+
+impl CutPart {
+    /// The layers of cells on the grid of these settings, which must have the layer height of the
+    /// cut.
+    pub fn layers(&self, settings: &Settings, threads: Threads<'_>) -> anyhow::Result<Layers> {
+        Ok(control::quiet(threads, |control| self.cut.layers(settings, control))??)
+    }
+
+    /// The part with layers that [`CutPart::layers`] returned.
+    pub fn with_layers(self, layers: Layers) -> Part {
+        let bounds = self.model.bounds();
+        Part { name: self.name, model: self.model, layers, repaired: self.repaired, bounds }
+    }
+}
+
 /// A part sliced into layers.
 pub struct Part {
     /// Name of its first file.
@@ -146,6 +174,13 @@ impl PartArgs {
 
     /// Reads, repairs, places and slices the part.
     pub fn load(&self, bed_mm: [f64; 3], pool: &ThreadPool) -> anyhow::Result<Part> {
+        let part = self.cut(bed_mm, pool)?;
+        let layers = part.layers(&part.settings, Threads::Pool(pool))?;
+        Ok(part.with_layers(layers))
+    }
+
+    /// Reads, repairs, places and cuts the part.
+    pub fn cut(&self, bed_mm: [f64; 3], pool: &ThreadPool) -> anyhow::Result<CutPart> {
         let mut model = Model::default();
         let mut repaired = Vec::new();
         for path in &self.parts {
@@ -183,10 +218,9 @@ impl PartArgs {
             ..Settings::default()
         };
         let threads = Threads::Pool(pool);
-        let layers =
-            control::with_bar("slice", threads, |control| slice(&model, &settings, control))??;
-        let bounds = model.bounds();
-        Ok(Part { name: name_of(&self.parts[0]), layers, repaired, bounds, model })
+        let cut =
+            control::with_bar("slice", threads, |control| Cut::new(&model, &settings, control))??;
+        Ok(CutPart { name: name_of(&self.parts[0]), model, cut, settings, repaired })
     }
 
     fn read(&self, path: &Path) -> anyhow::Result<Model> {

@@ -1,0 +1,160 @@
+//! Choice of the cell grid: its position relative to the part, and the bead width.
+//!
+//! The number of pieces that a round part needs depends on where the grid lies and on the size of
+//! its cells.
+//! So a command can try several grids: all candidates are *screened* by a proven bound on the
+//! pieces of their layers, which takes a fraction of the time of a plan, and the caller plans the
+//! best few.
+
+use anyhow::Context;
+use beadwork_base::{Control, Interrupted, Threads};
+use beadwork_grid::{Region, piece_bound};
+use beadwork_part::slice::{Layer, Layers, Settings};
+use ndarray::Array2;
+
+use crate::part::CutPart;
+use crate::{cancel, progress};
+
+/// Width of the steps between the bead widths tried, as a share of the width.
+const BEAD_STEP: f64 = 0.025;
+
+/// Flags that name the grids to try.
+#[derive(clap::Args)]
+pub struct GridArgs {
+    /// Try N x N positions of the grid relative to the part, and keep the plan that costs least.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
+    phases: u32,
+    /// Also try bead widths up to this many per cent narrower and wider, in steps of 2.5 %; 0
+    /// to 10.
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = percent)]
+    bead_range: f64,
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    let percent = text.parse().ok().filter(|percent| (0.0..=10.0).contains(percent));
+    percent.ok_or_else(|| "expected a number from 0 to 10".to_owned())
+}
+
+/// A grid, and how few pieces its layers need.
+#[derive(Clone, Copy, Debug)]
+pub struct Candidate {
+    /// Settings of the slicing.
+    pub settings: Settings,
+    /// Proven lower bound on the pieces of all layers, where no piece runs across a zone border.
+    pub piece_bound: u64,
+}
+
+impl GridArgs {
+    /// Settings of all grids to try; the first are those of the flags.
+    pub fn settings(&self, first: &Settings) -> Vec<Settings> {
+        let steps = (self.bead_range / 100.0 / BEAD_STEP + 1e-9).floor() as i32;
+        let mut widths: Vec<i32> = (-steps..=steps).collect();
+        // The width of the flags first, then those closest to it.
+        widths.sort_by_key(|step| (step.abs(), *step));
+        let share = |number: u32| f64::from(number) / f64::from(self.phases);
+        let mut all = Vec::new();
+        for width in widths {
+            for y in 0..self.phases {
+                for x in 0..self.phases {
+                    all.push(Settings {
+                        cell_mm: first.cell_mm * (1.0 + BEAD_STEP * f64::from(width)),
+                        phase: [share(x), share(y)],
+                        ..*first
+                    });
+                }
+            }
+        }
+        all
+    }
+
+    /// Screens all grids, and returns the `count` best ones, those of equal bounds in the order of
+    /// [`GridArgs::settings`].
+    /// The grid of the flags is always among them.
+    ///
+    /// A grid without cells in some layer below the top is left out.
+    /// Costs a filling of the outlines and a maximum 2-matching of each layer for each grid.
+    pub fn best(
+        &self,
+        part: &CutPart,
+        count: usize,
+        threads: Threads<'_>,
+    ) -> anyhow::Result<Vec<Candidate>> {
+        let all = self.settings(&part.settings);
+        if all.len() == 1 {
+            return Ok(vec![Candidate { settings: all[0], piece_bound: 0 }]);
+        }
+        let bar = progress::bar(all.len() as u64, "grids");
+        let mut candidates = Vec::new();
+        for (number, settings) in all.into_iter().enumerate() {
+            let layers = part.layers(&settings, threads).with_context(|| {
+                let [x, y] = settings.phase;
+                format!("grid with beads of {} mm and phase {x}, {y}", settings.cell_mm)
+            });
+            bar.inc(1);
+            // The default grid decides what is an error; others are only alternatives.
+            let layers = match layers {
+                Ok(layers) if number == 0 || layers.gap().is_none() => layers,
+                Err(error) if number == 0 => return Err(error),
+                _ => continue,
+            };
+            let control = Control { cancel: Some(cancel::token()?), ..Control::on(threads) };
+            candidates.push(Candidate { settings, piece_bound: pieces(&layers, &control)? });
+        }
+        bar.finish_and_clear();
+        let first = candidates[0];
+        candidates[1..].sort_by_key(|candidate| candidate.piece_bound);
+        candidates.truncate(count.max(1));
+        candidates.sort_by_key(|candidate| candidate.piece_bound);
+        debug_assert!(candidates.iter().any(|candidate| candidate.settings == first.settings));
+        Ok(candidates)
+    }
+}
+
+/// Lower bound on the pieces of all layers, where every piece lies in one zone.
+fn pieces(layers: &Layers, control: &Control<'_>) -> Result<u64, Interrupted> {
+    let filled: Vec<&Layer> = layers.layers.iter().flatten().collect();
+    // Layers of a prism are alike: one of several equal neighbours is enough.
+    let alike = filled.chunk_by(|a, b| a == b).collect::<Vec<_>>();
+    let bounds = control.threads.map(&alike, |layers| {
+        let bound = zone_pieces(layers[0], &control.on_one_thread())?;
+        Ok(bound * layers.len() as u64)
+    });
+    bounds.into_iter().sum()
+}
+
+/// Lower bound on the pieces of a layer, where every piece lies in one zone.
+fn zone_pieces(layer: &Layer, control: &Control<'_>) -> Result<u64, Interrupted> {
+    let Layer { region, zones } = layer;
+    if zones.count() == 1 {
+        return Ok(u64::from(piece_bound(region, control)?));
+    }
+    let (inside, materials) = (region.view(), zones.view(region));
+    let mut sum = 0;
+    for zone in 0..zones.count() {
+        let mask = Array2::from_shape_fn(inside.raw_dim(), |at| {
+            inside[at] && u32::from(materials[at]) == zone
+        });
+        // A zone without cells has no region.
+        if let Ok(region) = Region::from_array(mask.view()) {
+            sum += u64::from(piece_bound(&region, control)?);
+        }
+    }
+    Ok(sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn first_grid_is_that_of_the_flags() {
+        let flags = Settings::default();
+        for (phases, bead_range, count) in [(1, 0.0, 1), (3, 0.0, 9), (2, 10.0, 36), (1, 2.4, 1)] {
+            let all = GridArgs { phases, bead_range }.settings(&flags);
+            assert_eq!(all.len(), count);
+            assert_eq!(all[0], flags);
+            let widths = all.iter().map(|settings| settings.cell_mm / flags.cell_mm);
+            assert!(widths.into_iter().all(|width| (0.8999..=1.1001).contains(&width)));
+        }
+    }
+}
