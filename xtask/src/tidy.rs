@@ -1,6 +1,7 @@
 //! `cargo xtask tidy`: checks that neither rustfmt nor clippy makes.
 
 mod manifest;
+mod paths;
 #[cfg(test)]
 mod tests;
 mod words;
@@ -113,6 +114,9 @@ fn check(path: &str, text: &str, words: &BannedWords) -> Vec<Problem> {
     found.extend(words.check(text));
     if has_extension(path, "rs") {
         found.extend(source(file_name(path), text));
+    }
+    if has_extension(path, "md") {
+        found.extend(paths::check(path, text, |named| workspace::root().join(named).exists()));
     }
     if file_name(path) == "Cargo.toml" {
         found.extend(manifest::check(text));
