@@ -12,8 +12,8 @@
 //! Temperatures are stored relative to the air and stay below a few hundred kelvin, so one unit in
 //! the last place is about 1.5e-5 K, far below the error of the discretisation.
 
-use crate::material::Material;
-use crate::process::Process;
+use crate::material::ThermalMaterial;
+use crate::process::ProcessParameters;
 use crate::property::ZERO_CELSIUS_K;
 
 /// Stefan-Boltzmann constant, W/(m² K⁴), rounded as in the paper (Kim et al. 2026).
@@ -144,7 +144,12 @@ fn round_for_exact_sums(conductances: [f64; 2]) -> [f64; 2] {
 
 impl Coefficients {
     /// Coefficients for voxels of a width (along x and y) and a height in metres.
-    pub(crate) fn new(material: &Material, process: &Process, width_m: f64, height_m: f64) -> Self {
+    pub(crate) fn new(
+        material: &ThermalMaterial,
+        process: &ProcessParameters,
+        width_m: f64,
+        height_m: f64,
+    ) -> Self {
         let capacity = material.heat_capacity_j_m3k();
         let conductance = |length_m: f64| material.diffusivity_m2_s() / length_m.powi(2);
         let [lateral, vertical] =

@@ -1,10 +1,13 @@
 //! The plain steppers: every voxel is stepped in every step.
 
+use beadwork_base::Interrupted;
+
 use crate::aligned::AlignedBuffer;
 use crate::coefficients::Coefficients;
 use crate::interval::Interval;
 use crate::kernel::{EulerSweep, Quadratic, SweepBuffers, TwoStageSweep, TwoSteps, dispatch};
 use crate::occupancy::Change;
+use crate::run_control::RunControl;
 use crate::state::StateMut;
 
 /// How a step is taken.
@@ -52,7 +55,8 @@ impl ExplicitStepper {
         coefficients: &Coefficients,
         intervals: &[Interval],
         threads: usize,
-    ) {
+        run: &RunControl<'_>,
+    ) -> Result<(), Interrupted> {
         self.kept.threads = threads;
         if self.scheme == Scheme::Euler {
             self.scratch.clone_from(&state.patch.theta);
@@ -70,7 +74,9 @@ impl ExplicitStepper {
             let steps = if whole { 1 } else { interval.split(self.longest_s).count() };
             let seconds = interval.seconds / steps as f64;
             match self.scheme {
-                Scheme::Euler => self.euler(&mut state, coefficients, seconds as f32, steps, held),
+                Scheme::Euler => {
+                    self.euler(&mut state, coefficients, seconds, steps, held, run)?;
+                }
                 Scheme::Heun { steps: parts } => {
                     self.heun(
                         &mut state,
@@ -78,34 +84,44 @@ impl ExplicitStepper {
                         seconds / f64::from(parts),
                         steps * parts as usize,
                         held,
-                    );
+                        run,
+                    )?;
                 }
             }
+            run.complete(interval);
         }
+        Ok(())
     }
 
     fn euler(
         &mut self,
         state: &mut StateMut<'_>,
         coefficients: &Coefficients,
-        seconds: f32,
+        step_s: f64,
         steps: usize,
         held: Option<usize>,
-    ) {
+        run: &RunControl<'_>,
+    ) -> Result<(), Interrupted> {
         let patch = &mut *state.patch;
-        let (shape, top) = (patch.shape, state.voxels.top());
+        let (shape, top, seconds) = (patch.shape, state.voxels.top(), step_s as f32);
+        let updates = shape.row * shape.planes * top;
         for _ in 0..steps / 2 {
+            run.poll(2 * updates)?;
             TwoStageSweep { coefficients, patch, stages: TwoSteps { seconds }, held, top }
                 .sweep(&mut self.kept);
+            run.pass(2.0 * step_s);
         }
         if steps % 2 == 1 {
+            run.poll(updates)?;
             let (arrays, from, to) = (&patch.arrays, &patch.theta, &mut self.scratch);
             dispatch(EulerSweep { coefficients, shape, arrays, from, to, top, seconds });
             std::mem::swap(&mut patch.theta, &mut self.scratch);
             if let Some(held) = held {
                 patch.theta[held] = coefficients.birth_theta;
             }
+            run.pass(step_s);
         }
+        Ok(())
     }
 
     fn heun(
@@ -115,11 +131,16 @@ impl ExplicitStepper {
         seconds: f64,
         steps: usize,
         held: Option<usize>,
-    ) {
+        run: &RunControl<'_>,
+    ) -> Result<(), Interrupted> {
         let (patch, top) = (&mut *state.patch, state.voxels.top());
+        let updates = 2 * patch.shape.row * patch.shape.planes * top;
         let stages = Quadratic { a: seconds as f32, b: (seconds * seconds / 2.0) as f32 };
         for _ in 0..steps {
+            run.poll(updates)?;
             TwoStageSweep { coefficients, patch, stages, held, top }.sweep(&mut self.kept);
+            run.pass(seconds);
         }
+        Ok(())
     }
 }

@@ -13,18 +13,22 @@ pub(crate) struct Interval {
     pub(crate) born: bool,
     /// Length, s, more than 0.
     pub(crate) seconds: f64,
+    /// How many events of the call are complete at the interval's end; `None` if an event ends
+    /// later.
+    pub(crate) completes: Option<usize>,
 }
 
 impl Interval {
     /// Splits the interval into the smallest number of equal ones no longer than a limit.
     ///
-    /// Only the first of them has the birth.
+    /// Only the first of them has the birth, and only the last completes an event.
     pub(crate) fn split(self, max_s: f64) -> impl Iterator<Item = Self> {
         // Rounding must not turn a whole number of limits into one more.
         let count = (self.seconds / max_s - 1e-6).ceil().max(1.0);
         (0..count as usize).map(move |i| Self {
             born: self.born && i == 0,
             seconds: self.seconds / count,
+            completes: self.completes.filter(|_| i + 1 == count as usize),
             ..self
         })
     }

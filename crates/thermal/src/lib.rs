@@ -1,81 +1,111 @@
-//! The heat of a print: which voxels are laid down when, and how warm all of them are.
+//! The temperatures of a part while it is printed.
 //!
-//! - [`Simulation`]: a part as it is printed, layer by layer or birth by birth, by one of three
-//!   [`Method`]s.
-//! - [`Material`] and [`Process`]: what it is made of and how, with presets.
-//! - [`Spread`]: how even temperatures are, in all of the part or in a layer.
-//! - [`HotSpots`]: where heat gathers.
-//! - [`LayerReport`]: these measures at a layer's end, and the paper's [`reward`] of a part.
-//! - [`Section`]: temperatures on a plane through the part, and how far each is from their mean.
-//! - [`Simulation::run_watched`]: looks at a print every so often; [`Probes`] and [`TimeAbove`] are
-//!   such looks.
-//! - [`Simulation::bonds`]: how warm the ground is on which beads land.
-//! - [`Simulation::try_orders`]: many orders of a layer, tried from one state.
-//! - [`Warpage`]: how much the part is likely to warp, to rank plans by.
+//! A part is an array of voxels, each a piece of a bead.
+//! Each **deposition event** adds a voxel at the temperature of the nozzle, which holds it there
+//! until the event ends.
+//! From then on it conducts heat to its neighbours, to the build plate and to the air.
+//! A [`Simulation`] solves the heat equation of this growing part, and the rest of the crate
+//! measures the result.
 //!
+//! # Modules
+//! - [`simulation`]: [`Simulation`], its [methods](simulation::Method), and all temperatures as
+//!   arrays, to read and to set.
+//! - [`material`] and [`process`]: what is printed, and how, with presets.
+//! - [`event`]: deposition events, and those of a layer that is printed in a given order.
+//! - [`program`]: deposition events of a G-code program.
+//! - [`statistics`]: how uniform temperatures are, in the part or in a layer.
+//! - [`hot_spots`]: connected groups of hot voxels.
+//! - [`interlayer`]: substrate temperatures, on which the welds between layers depend.
+//! - [`report`]: these measures at the end of a layer, and the paper's reward of a part.
+//! - [`section`]: temperatures on a plane through the part.
+//! - [`sampling`]: measures over time, such as probes and the time above a temperature.
+//! - [`warpage`]: how much the part is likely to warp, to rank plans by.
+//!
+//! # Example
 //! ```
 //! use std::sync::Arc;
 //!
+//! use beadwork_base::Control;
 //! use beadwork_part::slice::Voxels;
 //! use beadwork_part::{Frame, Pattern};
-//! use beadwork_thermal::{Material, Method, Process, Simulation};
+//! use beadwork_thermal::simulation::Method;
+//! use beadwork_thermal::{ProcessParameters, Simulation, ThermalMaterial};
 //! use ndarray::Array3;
 //!
-//! let frame = Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width: 30, height: 20 };
+//! let (cell_mm, layer_mm, width, height) = (0.5, 0.25, 30, 20);
+//! let frame = Frame { left_mm: 0.0, back_mm: 0.0, cell_mm, layer_mm, width, height };
 //! let part = Arc::new(Voxels::new(frame, Array3::zeros((2, 20, 30))));
-//! let mut simulation = Simulation::new(part.clone(), &Material::abs(), &Process::default(), Method::default())?;
+//! let (material, process) = (ThermalMaterial::abs(), ProcessParameters::default());
+//! let mut simulation = Simulation::new(part.clone(), &material, &process, Method::default())?;
+//!
+//! let control = Control::default();
 //! for layer in 0..2 {
 //!     let order = Pattern::CONVENTIONAL.order(&part.region(layer as usize)?);
-//!     simulation.deposit(layer, &order)?;
+//!     simulation.deposit(layer, &order, &control)?;
 //! }
-//! let hottest = simulation.layer_c(1).map(|(_, celsius)| celsius).fold(0.0, f64::max);
-//! assert!(hottest > 200.0);
+//! let all = simulation.statistics().expect("voxels are deposited");
+//! assert!(all.max_c > 200.0 && all.mean_c < 150.0);
+//!
+//! // Go on from a changed field, such as a prediction: here, 10 K colder.
+//! let colder = simulation.temperatures_c() - 10.0;
+//! simulation.set_temperatures_c(colder.view())?;
+//! simulation.pause(2.0, &control)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # Conventions
+//! Positions are x, y and z in voxels from the left, the back and the bottom; arrays have the axes
+//! `[z, y, x]`.
+//! Temperatures are in °C, and names say so (`_c`).
+//! Long calls take a [`Control`](beadwork_base::Control) and say what their progress counts and in
+//! which state an interruption leaves things.
+//! The same input gives the same bits on every machine and on any number of threads.
+//!
+//! # Features
+//! - `oracle` (off by default): [`oracle`], slow solvers to test against.
+//!
+//! # Limits
+//! Material properties are constants, air has one temperature, beads fill their voxels, and a part
+//! has one material.
 
 mod aligned;
 mod block_grid;
 mod coefficients;
+pub mod event;
 mod explicit;
 mod fast;
-mod hot_spots;
-mod interlayer;
+pub mod hot_spots;
+pub mod interlayer;
 mod interval;
 mod kernel;
-mod material;
+pub mod material;
+mod method;
 mod occupancy;
+#[cfg(any(test, feature = "oracle"))]
+pub mod oracle;
 mod patch;
-pub mod plain;
-mod process;
-mod program;
+pub mod process;
+pub mod program;
 mod property;
-mod report;
+pub mod report;
 mod rows;
-mod section;
-mod simulation;
-mod spread;
+mod run_control;
+pub mod sampling;
+pub mod section;
+pub mod simulation;
 mod state;
+pub mod statistics;
 #[cfg(test)]
 mod testing;
-mod timeline;
-mod trials;
-pub mod truth;
-mod warpage;
-mod watch;
+pub mod warpage;
 
-pub use fast::Accuracy;
-pub use hot_spots::{HotSpot, HotSpots};
-pub use interlayer::Bond;
-pub use material::Material;
-pub use process::Process;
-pub use program::{
-    ProgramError, ProgramSettings, ProgramSlots, VoxelsError, program_slots, program_voxels,
-};
+pub use event::DepositionEvent;
+pub use hot_spots::HotSpots;
+pub use interlayer::InterlayerTemperatures;
+pub use material::ThermalMaterial;
+pub use process::ProcessParameters;
 pub use property::PropertyError;
-pub use report::{LayerReport, reward};
-pub use section::{Plane, Section};
-pub use simulation::{DepositError, Method, SetupError, Simulation};
-pub use spread::Spread;
-pub use timeline::{Slot, layer_slots};
-pub use warpage::{Warpage, WarpageEstimate};
-pub use watch::{Probes, TimeAbove};
+pub use report::LayerReport;
+pub use section::Section;
+pub use simulation::Simulation;
+pub use statistics::TemperatureStatistics;

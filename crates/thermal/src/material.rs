@@ -1,35 +1,63 @@
-//! What a print is made of.
+//! Thermal and mechanical properties of a filament.
 
 use crate::property::{self, PropertyError};
 
-/// A thermoplastic, as far as heat goes.
-/// Its properties do not depend on the temperature, and melting takes no heat.
+/// Properties of a thermoplastic that matter for temperatures and warpage.
 ///
-/// The presets are typical values of unfilled filament; a spool's own data sheet knows better.
+/// They do not depend on the temperature, and melting takes no latent heat.
+/// The [presets](Preset) are typical values of unfilled filament; prefer a spool's data sheet.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Material {
-    /// What it is called.
+pub struct ThermalMaterial {
+    /// Name, such as `ABS`.
     pub name: String,
-    /// Thermal conductivity, W/(m K).
-    /// More than 0.
+    /// Thermal conductivity, W/(m K), more than 0.
     pub conductivity_w_mk: f64,
-    /// Specific heat, J/(kg K).
-    /// More than 0.
+    /// Specific heat, J/(kg K), more than 0.
     pub specific_heat_j_kgk: f64,
-    /// Density, kg/m³.
-    /// More than 0.
+    /// Density, kg/m³, more than 0.
     pub density_kg_m3: f64,
-    /// Emissivity of its surface, 0 to 1.
+    /// Emissivity of the surface, 0 to 1.
     pub emissivity: f64,
-    /// Glass transition, °C: below it a bead holds its shape.
+    /// Glass transition temperature, °C: below it, a bead is solid.
     pub glass_transition_c: f64,
-    /// Linear thermal expansion below the glass transition, 1/K.
-    /// 0 to 0.01.
+    /// Coefficient of linear thermal expansion below the glass transition, 1/K, 0 to 0.01.
     pub expansion_per_k: f64,
 }
 
-impl Material {
-    /// ABS: the thermal properties of the paper (Kim et al. 2026, table of the solver); glass
+/// A filament with typical properties.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Preset {
+    /// [`ThermalMaterial::abs`].
+    Abs,
+    /// [`ThermalMaterial::pla`].
+    Pla,
+    /// [`ThermalMaterial::petg`].
+    Petg,
+}
+
+beadwork_base::named_enum! {
+    Preset, "material":
+    Abs = "abs",
+    Pla = "pla",
+    Petg = "petg",
+}
+
+impl Preset {
+    /// Its properties.
+    pub fn material(self) -> ThermalMaterial {
+        match self {
+            Self::Abs => ThermalMaterial::abs(),
+            Self::Pla => ThermalMaterial::pla(),
+            Self::Petg => ThermalMaterial::petg(),
+        }
+    }
+}
+
+impl ThermalMaterial {
+    /// ABS.
+    ///
+    /// The thermal properties are those of the paper (Kim et al. 2026, table of the solver); glass
     /// transition and expansion are typical of moulding grades.
     pub fn abs() -> Self {
         Self {
@@ -43,9 +71,11 @@ impl Material {
         }
     }
 
-    /// PLA: conductivity, specific heat and glass transition as on makeitfrom.com (polylactic
-    /// acid), the density of Ingeo 2003D.
-    /// Sources of its expansion differ: that of PETG stands in.
+    /// PLA.
+    ///
+    /// Conductivity, specific heat and glass transition are those of makeitfrom.com (polylactic
+    /// acid), the density is that of Ingeo 2003D.
+    /// Sources disagree on its expansion, so it is that of PETG.
     pub fn pla() -> Self {
         Self {
             name: "PLA".into(),
@@ -58,8 +88,10 @@ impl Material {
         }
     }
 
-    /// PETG: all but the density as on makeitfrom.com (glycol-modified polyethylene terephthalate);
-    /// the density is the middle of 1.25 to 1.29 g/cm³ on data sheets.
+    /// PETG.
+    ///
+    /// The density is the mean of 1.25 to 1.29 g/cm³ on data sheets; all other properties are those
+    /// of makeitfrom.com (glycol-modified polyethylene terephthalate).
     pub fn petg() -> Self {
         Self {
             name: "PETG".into(),
@@ -72,14 +104,7 @@ impl Material {
         }
     }
 
-    /// The preset of a name, in any case: `abs`, `pla` or `petg`.
-    pub fn preset(name: &str) -> Option<Self> {
-        [Self::abs(), Self::pla(), Self::petg()]
-            .into_iter()
-            .find(|preset| preset.name.eq_ignore_ascii_case(name))
-    }
-
-    /// Heat to warm a cubic metre by one kelvin, J/(m³ K).
+    /// Volumetric heat capacity, J/(m³ K).
     pub fn heat_capacity_j_m3k(&self) -> f64 {
         self.density_kg_m3 * self.specific_heat_j_kgk
     }
@@ -89,7 +114,7 @@ impl Material {
         self.conductivity_w_mk / self.heat_capacity_j_m3k()
     }
 
-    /// Whether all properties are such as a material can have.
+    /// Returns an error for the first property that is out of its range.
     pub fn check(&self) -> Result<(), PropertyError> {
         property::positive("conductivity_w_mk", self.conductivity_w_mk)?;
         property::positive("specific_heat_j_kgk", self.specific_heat_j_kgk)?;
@@ -97,5 +122,19 @@ impl Material {
         property::within("emissivity", self.emissivity, 0.0, 1.0)?;
         property::temperature("glass_transition_c", self.glass_transition_c)?;
         property::within("expansion_per_k", self.expansion_per_k, 0.0, 0.01)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn presets_have_valid_properties_and_their_own_name() {
+        for preset in Preset::ALL {
+            let material = preset.material();
+            assert_eq!(material.check(), Ok(()));
+            assert_eq!(material.name.to_lowercase(), preset.name());
+        }
     }
 }

@@ -124,15 +124,19 @@ mod tests {
     use rand_xoshiro::Xoshiro256PlusPlus;
 
     use super::*;
-    use crate::material::Material;
+    use crate::material::ThermalMaterial;
     use crate::patch::{LineKind, Patch};
-    use crate::process::Process;
+    use crate::process::ProcessParameters;
 
     #[test]
     fn changes_leave_every_line_and_number_as_the_faces_have_them() {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(0);
-        let coefficients =
-            Coefficients::new(&Material::abs(), &Process::default(), 0.5e-3, 0.25e-3);
+        let coefficients = Coefficients::new(
+            &ThermalMaterial::abs(),
+            &ProcessParameters::default(),
+            0.5e-3,
+            0.25e-3,
+        );
         let mut uniform = 0;
         for _ in 0..300 {
             let size = [90, 6, 6].map(|most| random.random_range(1..most));

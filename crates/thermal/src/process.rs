@@ -1,37 +1,37 @@
-//! How a part is printed.
+//! Parameters of the print that matter for its temperatures.
 
-use crate::material::Material;
+use crate::material::ThermalMaterial;
 use crate::property::{self, PropertyError};
 
-/// How a part is printed, as far as heat goes.
-/// The default is the paper's (Kim et al. 2026).
+/// Temperatures, heat transfer and speeds of a print.
+///
+/// The default is the process of the paper (Kim et al. 2026).
+/// Construct it with `..ProcessParameters::default()`: fields may be added.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Process {
-    /// Temperature at which a voxel is laid down and held while the nozzle is on it, °C.
+pub struct ProcessParameters {
+    /// Temperature at which a voxel is deposited, and held while the nozzle is on it, °C.
     pub extrusion_c: f64,
-    /// Temperature of the build plate under layer 0, °C; `None` for a plate that takes up no heat.
+    /// Temperature of the build plate under layer 0, °C; `None` for an insulating plate.
     pub plate_c: Option<f64>,
-    /// Temperature of the air and of everything around, °C.
+    /// Temperature of the air and of all surroundings that radiate, °C.
     pub ambient_c: f64,
-    /// Heat transfer to the air, W/(m² K).
-    /// At least 0.
+    /// Convective heat transfer coefficient, W/(m² K), at least 0.
     pub convection_w_m2k: f64,
-    /// Speed of printing, mm/s: a voxel takes its width over this.
-    /// More than 0.
+    /// Print speed, mm/s, more than 0: a voxel takes its width over this speed.
     pub print_mm_s: f64,
-    /// Speed of travel between voxels that are not neighbours, mm/s; `None` for a nozzle that is
-    /// there at once.
+    /// Speed of travel moves between voxels that are not neighbours, mm/s; `None` for travel that
+    /// takes no time.
     pub travel_mm_s: Option<f64>,
-    /// Whether heat from a surface first has to cross the half voxel behind it.
+    /// Whether heat has to cross half a voxel before it leaves the surface.
     ///
-    /// The plain scheme takes the temperature of a voxel's centre for that of its surface, which
-    /// loses too much; with this, a surface at distance d from the centre passes h / (1 + h d / k)
-    /// in place of h, for convection and radiation together.
-    /// Off for the paper's results.
+    /// The paper's scheme, which is the default, takes the temperature at a voxel's centre for that
+    /// of its surface and so overestimates the loss.
+    /// With the surface resistance, a surface at distance d from the centre passes h / (1 + h d /
+    /// k) instead of h, for convection and radiation together.
     pub surface_resistance: bool,
 }
 
-impl Default for Process {
+impl Default for ProcessParameters {
     fn default() -> Self {
         Self {
             extrusion_c: 230.0,
@@ -45,10 +45,10 @@ impl Default for Process {
     }
 }
 
-impl Process {
-    /// Temperatures that suit a preset of [`Material`]: 210 °C and a plate of 60 °C for PLA, 240 °C
-    /// and 80 °C for PETG, the paper's for all else.
-    pub fn suited_to(material: &Material) -> Self {
+impl ProcessParameters {
+    /// The default with nozzle and plate temperatures that suit a material, by its name: 210 and
+    /// 60 °C for PLA, 240 and 80 °C for PETG, the default's for any other.
+    pub fn suited_to(material: &ThermalMaterial) -> Self {
         let temperatures =
             |extrusion_c, plate_c| Self { extrusion_c, plate_c: Some(plate_c), ..Self::default() };
         match material.name.as_str() {
@@ -58,7 +58,7 @@ impl Process {
         }
     }
 
-    /// Whether all settings are such as a printer can have.
+    /// Returns an error for the first parameter that is out of its range.
     pub fn check(&self) -> Result<(), PropertyError> {
         property::temperature("ambient_c", self.ambient_c)?;
         property::temperature("extrusion_c", self.extrusion_c)?;

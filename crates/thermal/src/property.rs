@@ -1,33 +1,36 @@
-//! What properties of materials and processes may be.
+//! Valid ranges of the properties of materials and processes.
 
 use thiserror::Error;
 
 /// 0 °C in kelvin.
 pub(crate) const ZERO_CELSIUS_K: f64 = 273.15;
 
-/// A property that no material and no process has.
+/// Valid temperatures, °C: from absolute zero to where no thermoplastic is left.
+pub(crate) const TEMPERATURE_RANGE_C: [f64; 2] = [-ZERO_CELSIUS_K, 1000.0];
+
+/// A property of a material or a process is out of range.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum PropertyError {
-    /// Must be more than 0.
+    /// The property must be positive.
     #[error("{property} is {value}: it must be more than 0")]
     NotPositive {
-        /// Which, with its unit.
+        /// Name of the field, with its unit.
         property: &'static str,
-        /// What it is.
+        /// Its value.
         value: f64,
     },
-    /// Must lie in a range.
-    #[error("{property} is {value}: it must be from {least} to {most}")]
+    /// The property must lie in a range.
+    #[error("{property} is {value}: it must be from {min} to {max}")]
     OutOfRange {
-        /// Which, with its unit.
+        /// Name of the field, with its unit.
         property: &'static str,
-        /// What it is.
+        /// Its value.
         value: f64,
-        /// The least it may be.
-        least: f64,
-        /// The most it may be.
-        most: f64,
+        /// The smallest valid value.
+        min: f64,
+        /// The largest valid value.
+        max: f64,
     },
 }
 
@@ -41,16 +44,16 @@ pub(crate) fn positive(property: &'static str, value: f64) -> Result<(), Propert
 pub(crate) fn within(
     property: &'static str,
     value: f64,
-    least: f64,
-    most: f64,
+    min: f64,
+    max: f64,
 ) -> Result<(), PropertyError> {
-    if (least..=most).contains(&value) {
+    if (min..=max).contains(&value) {
         return Ok(());
     }
-    Err(PropertyError::OutOfRange { property, value, least, most })
+    Err(PropertyError::OutOfRange { property, value, min, max })
 }
 
-/// °C, from absolute zero to where no thermoplastic is left.
 pub(crate) fn temperature(property: &'static str, value: f64) -> Result<(), PropertyError> {
-    within(property, value, -ZERO_CELSIUS_K, 1000.0)
+    let [min, max] = TEMPERATURE_RANGE_C;
+    within(property, value, min, max)
 }

@@ -1,14 +1,16 @@
-//! Small parts in the middle of their print, for the tests of measures.
+//! Small parts during their print, for the unit tests of measures.
 
 use std::sync::Arc;
 
+use beadwork_base::Control;
 use beadwork_part::slice::Voxels;
 use beadwork_part::{Frame, Pattern};
 use ndarray::Array3;
 
-use crate::{Material, Method, Process, Simulation};
+use crate::simulation::Method;
+use crate::{ProcessParameters, Simulation, ThermalMaterial};
 
-/// Stairs that rise along x, with a hole through all layers if they are large enough.
+/// Stairs that rise along x; wider than 8 voxels, they have a hole through all layers.
 pub(crate) fn stairs(width: u32, height: u32, depth: usize) -> Arc<Voxels> {
     let frame = Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width, height };
     let filled = |x: u32, y: u32, z: usize| {
@@ -21,19 +23,21 @@ pub(crate) fn stairs(width: u32, height: u32, depth: usize) -> Arc<Voxels> {
 }
 
 pub(crate) fn unprinted(part: Arc<Voxels>) -> Simulation {
-    Simulation::new(part, &Material::abs(), &Process::default(), Method::default()).unwrap()
+    let process = ProcessParameters::default();
+    Simulation::new(part, &ThermalMaterial::abs(), &process, Method::default()).unwrap()
 }
 
-/// All layers but the last two, and half of the last but one.
+/// All but the two topmost layers are printed, and half of the lower one of these.
 pub(crate) fn half_printed(part: &Arc<Voxels>) -> Simulation {
     let mut simulation = unprinted(part.clone());
     let order = |layer: usize| Pattern::CONVENTIONAL.order(&part.region(layer).unwrap());
+    let control = Control::default();
     for layer in 0..part.depth - 2 {
-        simulation.deposit(layer as u32, &order(layer)).unwrap();
+        simulation.deposit(layer as u32, &order(layer), &control).unwrap();
     }
     let layer = part.depth - 2;
     let cells = order(layer);
-    let slots = simulation.slots(layer as u32, &cells[..cells.len() / 2]);
-    simulation.run(&slots).unwrap();
+    let events = simulation.layer_events(layer as u32, &cells[..cells.len() / 2]);
+    simulation.run(&events, &control).unwrap();
     simulation
 }

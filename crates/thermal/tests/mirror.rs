@@ -1,5 +1,4 @@
-//! Heat knows no left and right: mirrored, turned and shifted prints give the same field, mirrored,
-//! turned and shifted.
+//! Symmetry: a mirrored, transposed or shifted print has the mirrored, transposed or shifted field.
 
 #![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
 
@@ -8,16 +7,17 @@ mod common;
 use std::sync::Arc;
 
 use beadwork_part::slice::Voxels;
-use beadwork_thermal::{Accuracy, Method, Simulation, Slot};
+use beadwork_thermal::simulation::{Accuracy, Method};
+use beadwork_thermal::{DepositionEvent, Simulation};
 use common::{Difference, Print, Random, difference, part_of, random_part, voxels};
 
-/// Where a voxel goes.
+/// A map of voxels.
 #[derive(Clone, Copy, Debug)]
 enum View {
     MirroredX,
     MirroredY,
-    Turned,
-    /// To greater x: columns fall into other cache lines.
+    Transposed,
+    /// Along x, so that columns lie in other cache lines.
     Shifted(u32),
 }
 
@@ -26,16 +26,16 @@ impl View {
         let (width, height) = (part.frame.width, part.frame.height);
         match self {
             Self::MirroredX | Self::MirroredY => [width, height],
-            Self::Turned => [height, width],
+            Self::Transposed => [height, width],
             Self::Shifted(by) => [width + by, height],
         }
     }
 
-    fn place(self, [x, y, z]: [u32; 3], part: &Voxels) -> [u32; 3] {
+    fn position(self, [x, y, z]: [u32; 3], part: &Voxels) -> [u32; 3] {
         match self {
             Self::MirroredX => [part.frame.width - 1 - x, y, z],
             Self::MirroredY => [x, part.frame.height - 1 - y, z],
-            Self::Turned => [y, x, z],
+            Self::Transposed => [y, x, z],
             Self::Shifted(by) => [x + by, y, z],
         }
     }
@@ -45,14 +45,17 @@ impl View {
         let [width, height] = self.size(part);
         let frame = beadwork_part::Frame { width, height, ..part.frame };
         let filled: std::collections::HashSet<[u32; 3]> =
-            voxels(part).map(|voxel| self.place(voxel, part)).collect();
-        let other = part_of(frame, part.depth, |place| filled.contains(&place.map(|i| i as u32)));
-        let moved =
-            |slot: &Slot| Slot { voxel: slot.voxel.map(|voxel| self.place(voxel, part)), ..*slot };
-        let slots = print.slots.iter().map(moved).collect();
+            voxels(part).map(|voxel| self.position(voxel, part)).collect();
+        let other =
+            part_of(frame, part.depth, |position| filled.contains(&position.map(|i| i as u32)));
+        let moved = |event: &DepositionEvent| DepositionEvent {
+            voxel: event.voxel.map(|voxel| self.position(voxel, part)),
+            ..*event
+        };
+        let events = print.events.iter().map(moved).collect();
         Print {
             part: other,
-            slots,
+            events,
             material: print.material.clone(),
             process: print.process.clone(),
         }
@@ -62,21 +65,22 @@ impl View {
 const VIEWS: [View; 6] = [
     View::MirroredX,
     View::MirroredY,
-    View::Turned,
+    View::Transposed,
     View::Shifted(1),
     View::Shifted(7),
     View::Shifted(21),
 ];
 
 fn compare(part: &Arc<Voxels>, view: View, one: &Simulation, other: &Simulation) -> Difference {
-    let of = |simulation: &Simulation, voxel| simulation.temperature_c(voxel).unwrap();
-    let ones: Vec<f64> = voxels(part).map(|voxel| of(one, voxel)).collect();
-    let others: Vec<f64> = voxels(part).map(|voxel| of(other, view.place(voxel, part))).collect();
+    let celsius = |simulation: &Simulation, voxel| simulation.temperature_c(voxel).unwrap();
+    let ones: Vec<f64> = voxels(part).map(|voxel| celsius(one, voxel)).collect();
+    let others: Vec<f64> =
+        voxels(part).map(|voxel| celsius(other, view.position(voxel, part))).collect();
     difference(&ones, &others)
 }
 
 #[test]
-fn plain_methods_give_the_same_bits() {
+fn explicit_methods_give_the_same_bits() {
     for seed in 0..12 {
         let mut random = Random::new(seed);
         let print = Print::random(&mut random, [40, 12, 4]);
@@ -91,7 +95,7 @@ fn plain_methods_give_the_same_bits() {
     }
 }
 
-/// Windows begin and end with cache lines, so the fast stepper knows left and right a little.
+/// Windows begin and end with cache lines, so the fast method is not quite symmetric in x.
 #[test]
 fn the_fast_method_gives_nearly_the_same() {
     for seed in 0..12 {
@@ -101,13 +105,13 @@ fn the_fast_method_gives_nearly_the_same() {
         // Measured: 0.75 and 0.056 K, 0.31 and 0.031 K.
         let standard = (Accuracy::Standard, Difference { rms: 0.08, max: 1.0 });
         let high = (Accuracy::High, Difference { rms: 0.05, max: 0.5 });
-        for (accuracy, most) in [standard, high] {
+        for (accuracy, limit) in [standard, high] {
             let one = print.run(Method::Fast(accuracy));
             for view in VIEWS {
                 let other = view.print(&print).run(Method::Fast(accuracy));
                 let apart = compare(&print.part, view, &one, &other);
                 let case = format!("print {seed}, {accuracy:?}, {view:?}");
-                assert!(apart.max < most.max && apart.rms < most.rms, "{case}: {apart:?}");
+                assert!(apart.max < limit.max && apart.rms < limit.rms, "{case}: {apart:?}");
             }
         }
     }

@@ -46,7 +46,8 @@ impl FastStepper {
         let flows = flows(far, intervals, seconds, parts, region, block_grid, coefficients, top);
         let outer = HaloSource::Far { halo: &halo, flows: &flows };
         let mut finer = NestedPatch::new(&mut near, whole.known, outer, seconds);
-        self.advance(&mut finer, voxels, coefficients, level - 1, intervals);
+        self.advance(&mut finer, voxels, coefficients, level - 1, intervals)
+            .expect("a window is not interrupted");
         finer.apply(&self.memory.changes, coefficients);
         whole.apply(&self.memory.changes, coefficients);
         halo.clear(&mut near);
@@ -133,16 +134,20 @@ fn source(
 mod tests {
     use super::*;
     use crate::fast::level::{Accuracy, levels};
-    use crate::material::Material;
+    use crate::material::ThermalMaterial;
     use crate::patch::Shape;
-    use crate::process::Process;
+    use crate::process::ProcessParameters;
     use crate::state::State;
 
     /// A step is as long for the blocks as for the voxels, wherever its intervals begin and end.
     #[test]
     fn blocks_take_all_of_the_time() {
-        let coefficients =
-            Coefficients::new(&Material::abs(), &Process::default(), 0.5e-3, 0.25e-3);
+        let coefficients = Coefficients::new(
+            &ThermalMaterial::abs(),
+            &ProcessParameters::default(),
+            0.5e-3,
+            0.25e-3,
+        );
         let mut state = State::empty(Shape::around(30, 20, 12), &coefficients);
         let (state_mut, mut changes) = (state.make_mut(), Vec::new());
         let (patch, mut voxels) = (state_mut.patch, state_mut.voxels);
@@ -159,7 +164,7 @@ mod tests {
         let (block_grid, top) = (voxels.block_grid(), voxels.top());
         let region = Region { low: [1, 2, 1], high: [16, 5, 4] };
         let seconds = levels(Accuracy::High, &coefficients)[4].seconds;
-        let pause = |seconds| Interval { held: None, born: false, seconds };
+        let pause = |seconds| Interval { held: None, born: false, seconds, completes: None };
         let many = vec![pause(seconds / 100.0); 100];
         let cases = [
             vec![pause(seconds)],

@@ -23,11 +23,14 @@ mod level;
 mod nested;
 mod window;
 
+use beadwork_base::Interrupted;
+
 use crate::coefficients::Coefficients;
 use crate::interval::{self, Interval};
 use crate::kernel::{Quadratic, SweepBuffers, TwoStageSweep};
 use crate::occupancy::Change;
 use crate::patch::Patch;
+use crate::run_control::RunControl;
 use crate::state::{StateMut, Voxels};
 
 use self::far::FarField;
@@ -105,25 +108,32 @@ impl FastStepper {
         coefficients: &Coefficients,
         intervals: &[Interval],
         threads: usize,
-    ) {
+        run: &RunControl<'_>,
+    ) -> Result<(), Interrupted> {
         self.memory.kept.threads = threads;
         let StateMut { patch, mut voxels } = state;
+        let mut result = Ok(());
         for intervals in intervals.chunks(RUN) {
-            let mut whole = NestedPatch::whole(patch);
+            let mut whole = NestedPatch::whole(patch, run);
             let shape = whole.patch.shape;
             let many = shape.row * shape.planes * voxels.top() >= self.many_voxels;
             let level = self.levels.len() - if many { 1 } else { 2 };
-            self.advance(&mut whole, &mut voxels, coefficients, level, intervals);
+            result = self.advance(&mut whole, &mut voxels, coefficients, level, intervals);
             whole.apply(&self.memory.changes, coefficients);
             self.memory.changes.clear();
+            if result.is_err() {
+                break;
+            }
         }
         self.end_composite(patch, &voxels, coefficients);
         let oldest = self.now - self.levels.iter().map(Level::pause_age_s).fold(0.0, f64::max);
         let past = self.history.partition_point(|&(_, time)| time < oldest);
         self.history.drain(..past);
+        result
     }
 
     /// Takes a patch through some intervals, in steps of a level or shorter ones.
+    /// Only the whole part can be interrupted, never a window.
     fn advance(
         &mut self,
         nested: &mut NestedPatch<'_>,
@@ -131,16 +141,15 @@ impl FastStepper {
         coefficients: &Coefficients,
         level: usize,
         mut intervals: &[Interval],
-    ) {
+    ) -> Result<(), Interrupted> {
         if level == 0 {
-            self.births(nested, voxels, coefficients, intervals);
-            return;
+            return self.births(nested, voxels, coefficients, intervals);
         }
         let longest = self.levels[level].seconds;
         while let Some((&first, rest)) = intervals.split_first() {
             if first.seconds > longest {
                 for part in first.split(longest) {
-                    self.group(nested, voxels, coefficients, level, &[part]);
+                    self.group(nested, voxels, coefficients, level, &[part])?;
                 }
                 intervals = rest;
                 continue;
@@ -151,9 +160,10 @@ impl FastStepper {
                 seconds <= longest
             };
             let (group, rest) = intervals.split_at(intervals.iter().take_while(fits).count());
-            self.group(nested, voxels, coefficients, level, group);
+            self.group(nested, voxels, coefficients, level, group)?;
             intervals = rest;
         }
+        Ok(())
     }
 
     /// Takes a patch through intervals that fit into one step of a level.
@@ -164,7 +174,9 @@ impl FastStepper {
         coefficients: &Coefficients,
         level: usize,
         intervals: &[Interval],
-    ) {
+    ) -> Result<(), Interrupted> {
+        // Even on blocks a group is worth a poll; on voxels, each stage updates all of them.
+        nested.poll(self.levels[level].stages() as usize, voxels.top())?;
         let blocks = matches!(self.levels[level].step, StepMethod::Blocks);
         let seconds = interval::total_seconds(intervals);
         let window = self.window(nested.patch, voxels.top(), level, intervals, seconds);
@@ -172,12 +184,12 @@ impl FastStepper {
             if blocks {
                 self.end_composite(nested.patch, voxels, coefficients);
             }
-            self.advance(nested, voxels, coefficients, level - 1, intervals);
-            return;
+            return self.advance(nested, voxels, coefficients, level - 1, intervals);
         }
         if blocks {
             self.composite(nested, voxels, coefficients, level, intervals, window);
-            return;
+            nested.pass(intervals);
+            return Ok(());
         }
         nested.apply(&self.memory.changes, coefficients);
         let inner = window.map(|window| {
@@ -191,13 +203,16 @@ impl FastStepper {
             let outer = HaloSource::Patch(&*nested.patch);
             let known = nested.known;
             let mut finer = NestedPatch::new(&mut inner, known, outer, seconds);
-            self.advance(&mut finer, voxels, coefficients, level - 1, intervals);
+            self.advance(&mut finer, voxels, coefficients, level - 1, intervals)
+                .expect("a window is not interrupted");
             nested.apply(&self.memory.changes, coefficients);
             inner.put_back(nested.patch);
             self.memory.windows.push(inner);
         } else {
             self.now += seconds;
         }
+        nested.pass(intervals);
+        Ok(())
     }
 
     /// Takes a patch through intervals, each in one step or more.
@@ -207,10 +222,11 @@ impl FastStepper {
         voxels: &mut Voxels<'_>,
         coefficients: &Coefficients,
         intervals: &[Interval],
-    ) {
+    ) -> Result<(), Interrupted> {
         let seconds = interval::total_seconds(intervals);
         nested.advance_halo(seconds, voxels.top());
         for interval in intervals {
+            nested.poll(self.levels[0].stages() as usize, voxels.top())?;
             if let Some(at) = interval.held.filter(|_| interval.born) {
                 voxels.birth(at, nested.patch, coefficients, &mut self.memory.changes);
                 self.history.push((at, self.now + interval.seconds));
@@ -223,7 +239,9 @@ impl FastStepper {
                 self.step(nested.patch, voxels, coefficients, 0, part.seconds, held);
             }
             self.now += interval.seconds;
+            nested.pass(std::slice::from_ref(interval));
         }
+        Ok(())
     }
 
     /// One step of a level.

@@ -1,8 +1,12 @@
 //! Patches that are stepped within a step of what is around them.
 
+use beadwork_base::Interrupted;
+
 use crate::coefficients::Coefficients;
+use crate::interval::Interval;
 use crate::occupancy::Change;
 use crate::patch::Patch;
+use crate::run_control::RunControl;
 
 use super::far::{BorderFluxes, FluxHalo};
 
@@ -17,6 +21,8 @@ pub(super) struct NestedPatch<'a> {
     done_s: f64,
     /// How far the halo has moved, as a part of the step.
     halo: f64,
+    /// Control of the call, if the patch is the whole part.
+    run: Option<&'a RunControl<'a>>,
 }
 
 /// What the halo of a patch follows in a step of what is around it.
@@ -38,12 +44,30 @@ impl<'a> NestedPatch<'a> {
         outer: HaloSource<'a>,
         step_s: f64,
     ) -> Self {
-        Self { patch, known, outer, step_s, done_s: 0.0, halo: 0.0 }
+        Self { patch, known, outer, step_s, done_s: 0.0, halo: 0.0, run: None }
     }
 
     /// The whole part.
-    pub(super) fn whole(patch: &'a mut Patch) -> Self {
-        Self::new(patch, 0, HaloSource::None, 0.0)
+    pub(super) fn whole(patch: &'a mut Patch, run: &'a RunControl<'a>) -> Self {
+        Self { run: Some(run), ..Self::new(patch, 0, HaloSource::None, 0.0) }
+    }
+
+    /// Returns an error if the call should end before a step of `stages` stages; rows of the part
+    /// from `top` on are empty.
+    ///
+    /// Never for a window: while it is stepped, the rest of the part is ahead of it.
+    pub(super) fn poll(&self, stages: usize, top: usize) -> Result<(), Interrupted> {
+        let updates = stages * self.patch.shape.row * self.patch.shape.planes * top;
+        self.run.map_or(Ok(()), |run| run.poll(updates))
+    }
+
+    /// Notes that the whole part has been stepped through some intervals.
+    pub(super) fn pass(&self, intervals: &[Interval]) {
+        let Some(run) = self.run else { return };
+        for interval in intervals {
+            run.pass(interval.seconds);
+            run.complete(interval);
+        }
     }
 
     /// Brings the halo to where it is in the middle of the next so many seconds, of which then is

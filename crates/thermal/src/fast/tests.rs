@@ -1,24 +1,25 @@
 //! Steps on blocks and voxels together, which only large parts take, on small ones.
 
+use beadwork_base::Control;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::*;
 use crate::explicit::{ExplicitStepper, Scheme};
-use crate::material::Material;
+use crate::material::ThermalMaterial;
 use crate::patch::Shape;
-use crate::process::Process;
+use crate::process::ProcessParameters;
 use crate::state::State;
 
 const BIRTH_S: f64 = 1.0 / 60.0;
 
 fn birth(at: [usize; 3], seconds: f64) -> Interval {
-    Interval { held: Some(at), born: true, seconds }
+    Interval { held: Some(at), born: true, seconds, completes: None }
 }
 
 fn pause(seconds: f64) -> Interval {
-    Interval { held: None, born: false, seconds }
+    Interval { held: None, born: false, seconds, completes: None }
 }
 
 /// A zigzag through layers from which a corner may be missing, layer by layer.
@@ -37,19 +38,21 @@ fn zigzag(size: [usize; 3], filled: impl Fn([usize; 3]) -> bool) -> Vec<Vec<Inte
 /// differences of both at the layers' ends: root of the mean square and largest.
 fn errors(
     size: [usize; 3],
-    process: &Process,
+    process: &ProcessParameters,
     layers: &[Vec<Interval>],
     accuracy: Accuracy,
 ) -> [f64; 2] {
-    let coefficients = Coefficients::new(&Material::abs(), process, 0.5e-3, 0.25e-3);
+    let coefficients = Coefficients::new(&ThermalMaterial::abs(), process, 0.5e-3, 0.25e-3);
     let empty = State::empty(Shape::around(size[0], size[1], size[2]), &coefficients);
     let (mut long, mut short) = (empty.clone(), empty);
+    let control = Control::default();
+    let run = RunControl::new(&control, 0);
     let mut fast = FastStepper { many_voxels: 0, ..FastStepper::new(accuracy, &coefficients) };
     let mut heun = ExplicitStepper::new(Scheme::Heun { steps: 2 }, BIRTH_S);
     let (mut squares, mut count, mut most) = (0.0, 0_u32, 0.0_f64);
     for intervals in layers {
-        fast.run(long.make_mut(), &coefficients, intervals, 1);
-        heun.run(short.make_mut(), &coefficients, intervals, 1);
+        fast.run(long.make_mut(), &coefficients, intervals, 1, &run).unwrap();
+        heun.run(short.make_mut(), &coefficients, intervals, 1, &run).unwrap();
         for (index, theta) in long.patch.theta.iter().enumerate() {
             if long.occupancy.is_active(index) {
                 let error = f64::from((theta - short.patch.theta[index]).abs());
@@ -68,7 +71,7 @@ fn regions_are_as_exact_as_small_parts() {
     for (i, filled) in cases.into_iter().enumerate() {
         let layers = zigzag(size, filled);
         for (accuracy, most) in [(Accuracy::Standard, [0.06, 2.5]), (Accuracy::High, [0.03, 0.8])] {
-            let reached = errors(size, &Process::default(), &layers, accuracy);
+            let reached = errors(size, &ProcessParameters::default(), &layers, accuracy);
             assert!(
                 reached.iter().zip(most).all(|(error, most)| *error < most),
                 "{i}, {accuracy:?}: {reached:?}"
@@ -101,7 +104,7 @@ fn pauses_and_jumps_of_large_parts() {
         }
     }
     for (accuracy, most) in [(Accuracy::Standard, [0.1, 2.5]), (Accuracy::High, [0.06, 1.0])] {
-        let reached = errors(size, &Process::default(), &layers, accuracy);
+        let reached = errors(size, &ProcessParameters::default(), &layers, accuracy);
         assert!(
             reached.iter().zip(most).all(|(error, most)| *error < most),
             "{accuracy:?}: {reached:?}"
@@ -112,18 +115,21 @@ fn pauses_and_jumps_of_large_parts() {
 #[test]
 fn nothing_is_lost_where_nothing_can_be() {
     let size = [50, 40, 20];
-    let material = Material { emissivity: 0.0, ..Material::abs() };
-    let process = Process { plate_c: None, convection_w_m2k: 0.0, ..Process::default() };
+    let material = ThermalMaterial { emissivity: 0.0, ..ThermalMaterial::abs() };
+    let process =
+        ProcessParameters { plate_c: None, convection_w_m2k: 0.0, ..ProcessParameters::default() };
     let coefficients = Coefficients::new(&material, &process, 0.5e-3, 0.25e-3);
     let mut heats = Vec::new();
     let empty = State::empty(Shape::around(size[0], size[1], size[2]), &coefficients);
     let (mut long, mut short) = (empty.clone(), empty);
+    let control = Control::default();
+    let run = RunControl::new(&control, 0);
     let mut fast =
         FastStepper { many_voxels: 0, ..FastStepper::new(Accuracy::Standard, &coefficients) };
     let mut heun = ExplicitStepper::new(Scheme::Heun { steps: 2 }, BIRTH_S);
     for intervals in zigzag(size, |_| true) {
-        fast.run(long.make_mut(), &coefficients, &intervals, 1);
-        heun.run(short.make_mut(), &coefficients, &intervals, 1);
+        fast.run(long.make_mut(), &coefficients, &intervals, 1, &run).unwrap();
+        heun.run(short.make_mut(), &coefficients, &intervals, 1, &run).unwrap();
         heats = [&long, &short]
             .map(|state| state.patch.theta.iter().map(|&theta| f64::from(theta)).sum::<f64>())
             .to_vec();

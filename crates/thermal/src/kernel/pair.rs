@@ -342,8 +342,8 @@ mod tests {
 
     use super::*;
     use crate::kernel::{EulerSweep, Quadratic, TwoSteps};
-    use crate::material::Material;
-    use crate::process::Process;
+    use crate::material::ThermalMaterial;
+    use crate::process::ProcessParameters;
     use crate::state::{State, StateMut};
 
     /// A patch of which a part of the voxels is active, at any temperatures, and perhaps one of
@@ -379,8 +379,8 @@ mod tests {
 
     fn coefficient_sets() -> [Coefficients; 2] {
         [false, true].map(|surface_resistance| {
-            let process = Process { surface_resistance, ..Process::default() };
-            Coefficients::new(&Material::abs(), &process, 0.5e-3, 0.25e-3)
+            let process = ProcessParameters { surface_resistance, ..ProcessParameters::default() };
+            Coefficients::new(&ThermalMaterial::abs(), &process, 0.5e-3, 0.25e-3)
         })
     }
 

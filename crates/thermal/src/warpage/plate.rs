@@ -1,54 +1,65 @@
-//! A plate that some cause bends, free at its edges.
+//! An elastic plate with free edges that takes the shape of minimum bending energy.
 //!
-//! Of all deflections w, the plate takes the one of least energy (Kirchhoff's theory, Poisson's
-//! ratio 0):
+//! Each cell of the plate would take a curvature κ by itself, and has a bending stiffness D.
+//! Of all deflections w, the plate takes the one that minimizes the energy (Kirchhoff plate theory,
+//! with Poisson's ratio 0)
 //!
-//! `Σ D ((w_xx - κ)² + (w_yy - κ)² + 2 w_xy²)`,
+//! `Σ D ((w_xx - κ)² + (w_yy - κ)² + 2 w_xy²)`.
 //!
-//! with κ the curvature each place would take alone and D its stiffness.
-//! Second differences stand for derivatives: those along an axis wherever three cells lie in a row,
-//! the mixed one on each square of four.
-//! No condition at the edges is needed, so that plates may have any outline and holes.
-//! One κ everywhere makes a paraboloid, exactly.
+//! Derivatives are second differences: those along an axis wherever three cells lie in a row, the
+//! mixed one on each square of four cells.
+//! Free edges are the natural boundary condition of this energy, so edges need no equations, and a
+//! plate may have any outline and holes.
+//! With one κ everywhere, the result is exactly a paraboloid.
+
+use beadwork_base::{Control, Interrupted};
 
 /// The cells of a plate, `[y, x]`.
 #[derive(Clone, Debug)]
 pub(super) struct Plate {
     pub(super) width: usize,
     pub(super) height: usize,
-    /// Distance of cells.
+    /// Distance between the centres of neighbouring cells.
     pub(super) spacing: f64,
-    /// Stiffness against bending, in any unit; 0 where there is no plate.
+    /// Bending stiffness, in any unit; 0 where there is no plate.
     pub(super) stiffness: Vec<f64>,
-    /// The curvature each cell would take alone, in one over the unit of `spacing`.
+    /// The curvature that each cell would take by itself, in one over the unit of `spacing`.
     pub(super) curvature: Vec<f64>,
 }
 
-/// Ties each cell to the ground, by so much of its own stiffness: no more than what fixes how parts
-/// of a plate that nothing else holds lie in space.
-const TIE: f64 = 1e-10;
+/// Stiffness of a spring that holds each cell at 0, as a fraction of the cell's bending stiffness.
+///
+/// The energy does not change if the plate, or one of several connected pieces of it, is moved or
+/// tilted; the springs make the system of equations positive definite, and are too weak to matter
+/// otherwise.
+const SPRING: f64 = 1e-10;
+
+/// Rows of the system between two polls of the control.
+const ROWS_PER_POLL: usize = 16;
 
 impl Plate {
-    /// The deflection of each cell above the plane that fits all best, in the unit of `spacing`; 0
+    /// The deflection of each cell above the best-fitting plane, in the unit of `spacing`; 0
     /// outside the plate.
     ///
     /// Costs the number of cells times the square of the shorter side.
-    pub(super) fn deflection(&self) -> Vec<f64> {
+    /// Progress counts cells of the plate.
+    pub(super) fn deflection(&self, control: &Control<'_>) -> Result<Vec<f64>, Interrupted> {
         let cells: Vec<[usize; 2]> = self.cells().collect();
         if cells.is_empty() {
-            return vec![0.0; self.stiffness.len()];
+            return Ok(vec![0.0; self.stiffness.len()]);
         }
-        // Numbered along the shorter side, neighbours have near numbers.
+        // Numbered along the shorter side, neighbours have close numbers and the band is narrow.
         let mut sorted = cells.clone();
         sorted.sort_by_key(|&[x, y]| if self.width < self.height { [y, x] } else { [x, y] });
         let mut numbers = vec![usize::MAX; self.stiffness.len()];
         (0..).zip(&sorted).for_each(|(number, &[x, y])| numbers[y * self.width + x] = number);
         let terms: Vec<Term> = self.terms(&cells, &numbers).collect();
-        let mut system =
-            Banded::zero(cells.len(), terms.iter().map(Term::reach).max().unwrap_or(0));
+        let bandwidth = terms.iter().map(Term::bandwidth).max().unwrap_or(0);
+        // The normal equations of the least-squares problem that the energy is.
+        let mut system = BandedMatrix::zero(cells.len(), bandwidth);
         let mut right = vec![0.0; cells.len()];
         for (number, &[x, y]) in sorted.iter().enumerate() {
-            *system.at(number, number) += TIE * self.stiffness[y * self.width + x];
+            *system.at(number, number) += SPRING * self.stiffness[y * self.width + x];
         }
         for term in &terms {
             for &(i, a) in term.entries() {
@@ -58,19 +69,20 @@ impl Plate {
                 }
             }
         }
-        system.solve(&mut right);
+        system.solve(&mut right, control)?;
         let mut deflection: Vec<f64> =
             numbers.iter().map(|&number| right.get(number).copied().unwrap_or(0.0)).collect();
         self.level(&cells, &mut deflection);
-        deflection
+        Ok(deflection)
     }
 
+    /// x and y of all cells, row by row.
     pub(super) fn cells(&self) -> impl Iterator<Item = [usize; 2]> {
         let all = (0..self.height).flat_map(|y| (0..self.width).map(move |x| [x, y]));
         all.filter(|&[x, y]| self.stiffness[y * self.width + x] > 0.0)
     }
 
-    /// All differences that the energy is made of.
+    /// The squared differences that add up to the energy.
     fn terms(&self, cells: &[[usize; 2]], numbers: &[usize]) -> impl Iterator<Item = Term> {
         let number = |x: usize, y: usize| {
             let inside = x < self.width && y < self.height;
@@ -78,13 +90,13 @@ impl Plate {
         };
         cells.iter().flat_map(move |&[x, y]| {
             let of = |numbers: &[f64], [x, y]: [usize; 2]| numbers[y * self.width + x];
-            let bent = |ends: [Option<usize>; 2]| {
+            let bending = |ends: [Option<usize>; 2]| {
                 let [a, c] = ends;
                 let entries = [(a?, 1.0), (number(x, y)?, -2.0), (c?, 1.0), (0, 0.0)];
                 let target = of(&self.curvature, [x, y]) * self.spacing * self.spacing;
                 Some(Term { entries, count: 3, target, weight: of(&self.stiffness, [x, y]) })
             };
-            let twisted = || {
+            let twisting = || {
                 let entries = [
                     (number(x, y)?, 1.0),
                     (number(x + 1, y)?, -1.0),
@@ -92,47 +104,50 @@ impl Plate {
                     (number(x + 1, y + 1)?, 1.0),
                 ];
                 let corners = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
-                // Their mean, twice: the energy has the mixed derivative twice.
+                // Twice the mean stiffness, as the energy has the mixed derivative twice.
                 let weight =
                     corners.map(|corner| of(&self.stiffness, corner)).iter().sum::<f64>() / 2.0;
                 Some(Term { entries, count: 4, target: 0.0, weight })
             };
-            let along_x = bent([number(x.wrapping_sub(1), y), number(x + 1, y)]);
-            let along_y = bent([number(x, y.wrapping_sub(1)), number(x, y + 1)]);
-            [along_x, along_y, twisted()].into_iter().flatten()
+            let along_x = bending([number(x.wrapping_sub(1), y), number(x + 1, y)]);
+            let along_y = bending([number(x, y.wrapping_sub(1)), number(x, y + 1)]);
+            [along_x, along_y, twisting()].into_iter().flatten()
         })
     }
 
-    /// Takes the best-fitting plane away.
+    /// Subtracts the best-fitting plane.
     fn level(&self, cells: &[[usize; 2]], deflection: &mut [f64]) {
         let count = cells.len() as f64;
-        let mean = |of: &dyn Fn([usize; 2]) -> f64| {
-            cells.iter().map(|&cell| of(cell)).sum::<f64>() / count
+        let mean = |value: &dyn Fn([usize; 2]) -> f64| {
+            cells.iter().map(|&cell| value(cell)).sum::<f64>() / count
         };
         let at = |[x, y]: [usize; 2]| y * self.width + x;
         let (x0, y0) = (mean(&|[x, _]| x as f64), mean(&|[_, y]| y as f64));
-        let away = |[x, y]: [usize; 2]| (x as f64 - x0, y as f64 - y0);
+        let centred = |[x, y]: [usize; 2]| (x as f64 - x0, y as f64 - y0);
         let w0 = mean(&|cell| deflection[at(cell)]);
-        let product = |of: &dyn Fn(f64, f64, f64) -> f64| {
-            mean(&|cell| of(away(cell).0, away(cell).1, deflection[at(cell)] - w0))
+        let moment = |value: &dyn Fn(f64, f64, f64) -> f64| {
+            mean(&|cell| value(centred(cell).0, centred(cell).1, deflection[at(cell)] - w0))
         };
         let (xy, xw, yw) =
-            (product(&|x, y, _| x * y), product(&|x, _, w| x * w), product(&|_, y, w| y * w));
-        // A line of cells has no slope across it: a little more than its true moments gives it 0.
-        let more = 1e-12 * product(&|x, y, _| x * x + y * y) + f64::MIN_POSITIVE;
-        let (xx, yy) = (product(&|x, _, _| x * x) + more, product(&|_, y, _| y * y) + more);
+            (moment(&|x, y, _| x * y), moment(&|x, _, w| x * w), moment(&|_, y, w| y * w));
+        // A single row of cells has no slope across it, and a singular matrix: a little more on the
+        // diagonal makes that slope 0.
+        let more = 1e-12 * moment(&|x, y, _| x * x + y * y) + f64::MIN_POSITIVE;
+        let (xx, yy) = (moment(&|x, _, _| x * x) + more, moment(&|_, y, _| y * y) + more);
         let determinant = xx * yy - xy * xy;
         let (by_x, by_y) = ((yy * xw - xy * yw) / determinant, (xx * yw - xy * xw) / determinant);
         for &cell in cells {
-            let (x, y) = away(cell);
+            let (x, y) = centred(cell);
             deflection[at(cell)] -= w0 + by_x * x + by_y * y;
         }
     }
 }
 
-/// weight (Σ factor w - target)²
+/// A term weight (Σ factor w - target)² of the energy.
 struct Term {
+    /// Numbers of cells, each with its factor.
     entries: [(usize, f64); 4],
+    /// Number of entries that are used.
     count: usize,
     target: f64,
     weight: f64,
@@ -143,43 +158,49 @@ impl Term {
         &self.entries[..self.count]
     }
 
-    /// The largest difference of its numbers.
-    fn reach(&self) -> usize {
+    /// The largest difference between numbers of its cells.
+    fn bandwidth(&self) -> usize {
         let numbers = || self.entries().iter().map(|&(number, _)| number);
         numbers().max().unwrap_or(0) - numbers().min().unwrap_or(0)
     }
 }
 
-/// The lower half of a symmetric matrix with nothing far from its diagonal.
-struct Banded {
+/// The lower triangle of a symmetric banded matrix.
+struct BandedMatrix {
     band: usize,
-    /// Of each row, the numbers up to the diagonal.
+    /// The last `band` + 1 numbers of each row up to the diagonal.
     rows: Vec<f64>,
 }
 
-impl Banded {
+impl BandedMatrix {
     fn zero(size: usize, band: usize) -> Self {
         Self { band, rows: vec![0.0; size * (band + 1)] }
     }
 
-    /// The number in row `i` and column `j`, no farther left of the diagonal than the band.
+    /// The number in row `i` and column `j`; `i - j` is from 0 to the bandwidth.
     fn at(&mut self, i: usize, j: usize) -> &mut f64 {
         &mut self.rows[i * (self.band + 1) + self.band + j - i]
     }
 
-    /// Solves for a right side, in its place, by Cholesky's factors.
-    /// The matrix is lost.
-    fn solve(mut self, right: &mut [f64]) {
+    /// Solves a system by Cholesky decomposition, in place of its right side.
+    ///
+    /// Row i of the factor L needs the rows before it, and row i of L y = `right` only row i of L,
+    /// so both are computed in one loop; a second loop solves Lᵀ x = y.
+    fn solve(mut self, right: &mut [f64], control: &Control<'_>) -> Result<(), Interrupted> {
         let (band, stride) = (self.band, self.band + 1);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         for i in 0..right.len() {
+            if i % ROWS_PER_POLL == 0 {
+                control.report(i, right.len());
+                control.check()?;
+            }
             let (done, rest) = self.rows.split_at_mut(i * stride);
             let row = &mut rest[..stride];
             let first = i.saturating_sub(band);
             for j in first..i {
                 let other = &done[j * stride..(j + 1) * stride];
-                // Columns from `first` to j: at the end of the other row, and so far before this
-                // one's end.
+                // Columns `first` to j: they end at the diagonal of the other row, and i - j before
+                // the diagonal of this one.
                 let (start, len) = (band + first - i, j - first);
                 let known = dot(&row[start..start + len], &other[band - len..band]);
                 row[start + len] = (row[start + len] - known) / other[band];
@@ -198,6 +219,8 @@ impl Banded {
                 .zip(factors)
                 .for_each(|(other, factor)| *other -= factor * value);
         }
+        control.report(right.len(), right.len());
+        Ok(())
     }
 }
 
@@ -211,9 +234,13 @@ mod tests {
         Plate { width, height, spacing: 0.5, stiffness, curvature: vec![0.1; width * height] }
     }
 
+    fn deflection(plate: &Plate) -> Vec<f64> {
+        plate.deflection(&Control::default()).unwrap()
+    }
+
     fn assert_paraboloid(plate: &Plate) {
-        // What is left of a paraboloid of the curvature must be level.
-        let mut rest = plate.deflection();
+        // Minus a paraboloid with the curvature, the deflection is a plane.
+        let mut rest = deflection(plate);
         for [x, y] in plate.cells() {
             let (x_, y_) = (x as f64 * plate.spacing, y as f64 * plate.spacing);
             rest[y * plate.width + x] -= 0.05 * (x_ * x_ + y_ * y_);
@@ -230,7 +257,7 @@ mod tests {
         assert_paraboloid(&plate(15, 15, |x, y| !(5..10).contains(&x) || y < 5));
         assert_paraboloid(&plate(15, 15, |x, y| !(5..10).contains(&x) || !(5..10).contains(&y)));
         assert_paraboloid(&plate(20, 1, |_, _| true));
-        // As many stiffnesses as there are cells make no difference to what all agree on.
+        // Any stiffness gives the same shape, as all cells agree on it.
         let mut uneven = plate(20, 9, |_, _| true);
         (1..).zip(&mut uneven.stiffness).for_each(|(i, stiffness)| *stiffness = f64::from(i * i));
         assert_paraboloid(&uneven);
@@ -242,15 +269,15 @@ mod tests {
         (0..)
             .zip(&mut strip.curvature)
             .for_each(|(x, curvature)| *curvature = f64::from(x % 7) - 2.0);
-        let w = strip.deflection();
+        let w = deflection(&strip);
         for x in 1..40 {
-            let bent = (w[x - 1] - 2.0 * w[x] + w[x + 1]) / 0.25;
-            assert!((bent - strip.curvature[x]).abs() < 1e-3, "{x}: {bent}");
+            let curvature = (w[x - 1] - 2.0 * w[x] + w[x + 1]) / 0.25;
+            assert!((curvature - strip.curvature[x]).abs() < 1e-3, "{x}: {curvature}");
         }
     }
 
     #[test]
-    fn a_mirrored_plate_bends_as_the_mirror_shows() {
+    fn a_mirrored_plate_has_the_mirrored_shape() {
         let mut one = plate(12, 8, |x, y| x + y > 2);
         (0..)
             .zip(&mut one.curvature)
@@ -258,16 +285,16 @@ mod tests {
         let mut other = one.clone();
         other.stiffness.chunks_mut(12).for_each(<[f64]>::reverse);
         other.curvature.chunks_mut(12).for_each(<[f64]>::reverse);
-        let mut mirrored = other.deflection();
+        let mut mirrored = deflection(&other);
         mirrored.chunks_mut(12).for_each(<[f64]>::reverse);
-        for (a, b) in one.deflection().into_iter().zip(mirrored) {
+        for (a, b) in deflection(&one).into_iter().zip(mirrored) {
             assert!((a - b).abs() < 1e-4, "{a} {b}");
         }
     }
 
     #[test]
-    fn no_plate_and_lone_cells_lie_flat() {
-        assert_eq!(plate(3, 3, |_, _| false).deflection(), [0.0; 9]);
-        assert!(plate(3, 3, |x, y| x == y).deflection().iter().all(|w| w.abs() < 1e-12));
+    fn no_plate_and_single_cells_are_flat() {
+        assert_eq!(deflection(&plate(3, 3, |_, _| false)), [0.0; 9]);
+        assert!(deflection(&plate(3, 3, |x, y| x == y)).iter().all(|w| w.abs() < 1e-12));
     }
 }

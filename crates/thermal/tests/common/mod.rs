@@ -1,5 +1,4 @@
-//! What the tests of the solver share: random parts, materials, processes and orders, and
-//! comparisons.
+//! Shared by the tests of the solver: random parts, materials, processes and orders, and comparisons.
 
 #![allow(dead_code, reason = "no test uses all of it")]
 #![allow(unreachable_pub, reason = "every test is a crate of its own")]
@@ -7,11 +6,14 @@
 
 use std::sync::Arc;
 
+use beadwork_base::Control;
 use beadwork_grid::Cell;
 use beadwork_part::slice::Voxels;
 use beadwork_part::{Frame, Pattern};
-use beadwork_thermal::plain::{Plain, Scheme};
-use beadwork_thermal::{Material, Method, Process, Simulation, Slot, layer_slots};
+use beadwork_thermal::event::layer_events;
+use beadwork_thermal::oracle::scalar::{ScalarSolver, Scheme};
+use beadwork_thermal::simulation::Method;
+use beadwork_thermal::{DepositionEvent, ProcessParameters, Simulation, ThermalMaterial};
 use ndarray::Array3;
 use rand::{Rng as _, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -29,16 +31,17 @@ impl Random {
         (self.0.next_u64() % n as u64) as usize
     }
 
-    pub fn between(&mut self, least: usize, most: usize) -> usize {
-        least + self.below(most - least + 1)
+    /// A number from `min` to `max`, both included.
+    pub fn between(&mut self, min: usize, max: usize) -> usize {
+        min + self.below(max - min + 1)
     }
 
-    /// A number from `least` to `most`.
-    pub fn real(&mut self, least: f64, most: f64) -> f64 {
-        least + (most - least) * (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+    /// A real number from `min` to `max`.
+    pub fn real(&mut self, min: f64, max: f64) -> f64 {
+        min + (max - min) * (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// True once in `n` times.
+    /// True with a probability of 1 in `n`.
     pub fn one_in(&mut self, n: usize) -> bool {
         self.below(n) == 0
     }
@@ -50,13 +53,13 @@ impl Random {
     }
 }
 
-/// The paper's voxels.
+/// A grid with the paper's voxels.
 pub fn frame(width: usize, height: usize) -> Frame {
     let (width, height) = (width as u32, height as u32);
     Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width, height }
 }
 
-/// The part that has a voxel wherever `filled` says so, at x, y and z.
+/// The part that has a voxel wherever `filled` is true at x, y and z.
 pub fn part_of(frame: Frame, depth: usize, filled: impl Fn([usize; 3]) -> bool) -> Arc<Voxels> {
     let (width, height) = (frame.width as usize, frame.height as usize);
     let material = |(z, y, x)| if filled([x, y, z]) { 0 } else { Voxels::EMPTY };
@@ -67,9 +70,10 @@ pub fn block(width: usize, height: usize, depth: usize) -> Arc<Voxels> {
     part_of(frame(width, height), depth, |_| true)
 }
 
-/// A full block, one with holes, islands, a pyramid, or one that leans over its foot.
-pub fn random_part(random: &mut Random, most: [usize; 3]) -> Arc<Voxels> {
-    let [width, height, depth] = most.map(|n| random.between(n.div_ceil(3), n));
+/// A full block, one with holes, islands, a pyramid, one that leans over its foot, or a table, each
+/// of up to `max` voxels along x, y and z.
+pub fn random_part(random: &mut Random, max: [usize; 3]) -> Arc<Voxels> {
+    let [width, height, depth] = max.map(|n| random.between(n.div_ceil(3), n));
     let frame = frame(width, height);
     let gap = random.between(2, 5);
     match random.below(6) {
@@ -87,27 +91,27 @@ pub fn random_part(random: &mut Random, most: [usize; 3]) -> Arc<Voxels> {
             inside(x, width) && inside(y, height)
         }),
         4 => part_of(frame, depth, |[x, _, z]| x <= z + gap && x + 2 * gap >= z),
-        // A table: a top that only its legs carry.
+        // A table: a top on four legs.
         _ => part_of(frame, depth, |[x, y, z]| {
             z + 1 == depth || ((x < 2 || x + 2 >= width) && (y < 2 || y + 2 >= height))
         }),
     }
 }
 
-/// Properties of plastics, and somewhat beyond.
-pub fn random_material(random: &mut Random) -> Material {
-    Material {
+/// Properties of plastics, and a little beyond.
+pub fn random_material(random: &mut Random) -> ThermalMaterial {
+    ThermalMaterial {
         name: "random".into(),
         conductivity_w_mk: random.real(0.1, 0.5),
         specific_heat_j_kgk: random.real(1000.0, 2000.0),
         density_kg_m3: random.real(900.0, 1300.0),
         emissivity: random.real(0.0, 1.0),
-        ..Material::abs()
+        ..ThermalMaterial::abs()
     }
 }
 
-pub fn random_process(random: &mut Random) -> Process {
-    Process {
+pub fn random_process(random: &mut Random) -> ProcessParameters {
+    ProcessParameters {
         extrusion_c: random.real(180.0, 260.0),
         plate_c: (!random.one_in(3)).then(|| random.real(20.0, 120.0)),
         ambient_c: random.real(15.0, 60.0),
@@ -142,54 +146,63 @@ pub fn random_order(random: &mut Random, part: &Voxels, layer: usize) -> Vec<Cel
 }
 
 /// The whole part, layer by layer.
-pub fn random_slots(random: &mut Random, part: &Voxels, process: &Process) -> Vec<Slot> {
-    let mut slots = Vec::new();
+pub fn random_events(
+    random: &mut Random,
+    part: &Voxels,
+    process: &ProcessParameters,
+) -> Vec<DepositionEvent> {
+    let mut events = Vec::new();
     let mut last = None;
     for layer in 0..part.depth {
         let order = random_order(random, part, layer);
-        slots.extend(layer_slots(&order, layer as u32, last, &part.frame, process));
+        events.extend(layer_events(&order, layer as u32, last, &part.frame, process));
         last = order.last().copied().or(last);
     }
-    slots
+    events
 }
 
-/// The same with pauses of up to `pause_s` here and there, and slots of other lengths: up to
-/// `stretch` times.
-pub fn uneven(random: &mut Random, slots: Vec<Slot>, pause_s: f64, stretch: f64) -> Vec<Slot> {
-    let mut uneven = Vec::with_capacity(slots.len());
-    for mut slot in slots {
+/// The same events with random pauses of up to `pause_s` between them, and other durations: a third
+/// of them are multiplied by 0.1 to `max_factor`.
+pub fn uneven(
+    random: &mut Random,
+    events: Vec<DepositionEvent>,
+    pause_s: f64,
+    max_factor: f64,
+) -> Vec<DepositionEvent> {
+    let mut uneven = Vec::with_capacity(events.len());
+    for mut event in events {
         if random.one_in(40) {
-            uneven.push(Slot::pause(random.real(0.0, pause_s)));
+            uneven.push(DepositionEvent::pause(random.real(0.0, pause_s)));
         }
         if random.one_in(3) {
-            slot.seconds *= random.real(0.1, stretch);
+            event.seconds *= random.real(0.1, max_factor);
         }
-        uneven.push(slot);
+        uneven.push(event);
     }
     uneven
 }
 
-/// One part, its print and all that it depends on.
+/// A part and its print.
 pub struct Print {
     pub part: Arc<Voxels>,
-    pub material: Material,
-    pub process: Process,
-    pub slots: Vec<Slot>,
+    pub material: ThermalMaterial,
+    pub process: ProcessParameters,
+    pub events: Vec<DepositionEvent>,
 }
 
 impl Print {
-    pub fn random(random: &mut Random, most: [usize; 3]) -> Self {
-        let part = random_part(random, most);
+    pub fn random(random: &mut Random, max: [usize; 3]) -> Self {
+        let part = random_part(random, max);
         let (material, process) = (random_material(random), random_process(random));
-        let slots = random_slots(random, &part, &process);
-        Self { part, material, process, slots }
+        let events = random_events(random, &part, &process);
+        Self { part, material, process, events }
     }
 
-    /// As the paper prints.
+    /// A print with the paper's material and process.
     pub fn paper(random: &mut Random, part: Arc<Voxels>) -> Self {
-        let (material, process) = (Material::abs(), Process::default());
-        let slots = random_slots(random, &part, &process);
-        Self { part, material, process, slots }
+        let (material, process) = (ThermalMaterial::abs(), ProcessParameters::default());
+        let events = random_events(random, &part, &process);
+        Self { part, material, process, events }
     }
 
     pub fn empty(&self, method: Method) -> Simulation {
@@ -198,16 +211,25 @@ impl Print {
 
     pub fn run(&self, method: Method) -> Simulation {
         let mut simulation = self.empty(method);
-        simulation.run(&self.slots).unwrap();
+        run(&mut simulation, &self.events);
         simulation
     }
 
-    pub fn run_plain(&self, scheme: Scheme) -> Plain {
-        let mut plain =
-            Plain::new(self.part.clone(), &self.material, &self.process, scheme).unwrap();
-        plain.run(&self.slots);
-        plain
+    pub fn run_scalar(&self, scheme: Scheme) -> ScalarSolver {
+        let mut solver =
+            ScalarSolver::new(self.part.clone(), &self.material, &self.process, scheme).unwrap();
+        solver.run(&self.events);
+        solver
     }
+}
+
+/// Runs through valid events to their end.
+pub fn run(simulation: &mut Simulation, events: &[DepositionEvent]) {
+    simulation.run(events, &Control::default()).unwrap();
+}
+
+pub fn pause(simulation: &mut Simulation, seconds: f64) {
+    simulation.pause(seconds, &Control::default()).unwrap();
 }
 
 /// x, y and z of all voxels of a part.
@@ -217,22 +239,22 @@ pub fn voxels(part: &Voxels) -> impl Iterator<Item = [u32; 3]> {
         .flat_map(move |z| part.cells(z).map(move |cell| [cell % width, cell / width, z as u32]))
 }
 
-/// The temperatures of all voxels, °C; NaN for those not deposited.
+/// The temperatures of all voxels, °C; NaN for those that are not deposited.
 pub fn field(simulation: &Simulation) -> Vec<f64> {
     let part = simulation.part();
     voxels(part).map(|voxel| simulation.temperature_c(voxel).unwrap_or(f64::NAN)).collect()
 }
 
-/// Their bits.
+/// The bits of [`field`].
 pub fn bits(simulation: &Simulation) -> Vec<u64> {
     field(simulation).into_iter().map(f64::to_bits).collect()
 }
 
-pub fn plain_field(part: &Voxels, plain: &Plain) -> Vec<f64> {
-    voxels(part).map(|voxel| plain.temperature_c(voxel).unwrap_or(f64::NAN)).collect()
+pub fn scalar_field(part: &Voxels, solver: &ScalarSolver) -> Vec<f64> {
+    voxels(part).map(|voxel| solver.temperature_c(voxel).unwrap_or(f64::NAN)).collect()
 }
 
-/// How two fields differ.
+/// Difference between two fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Difference {
     pub rms: f64,
@@ -243,12 +265,12 @@ pub fn difference(a: &[f64], b: &[f64]) -> Difference {
     assert_eq!(a.len(), b.len());
     let (mut squares, mut max, mut count) = (0.0, 0.0f64, 0);
     for (a, b) in a.iter().zip(b) {
-        assert_eq!(a.is_nan(), b.is_nan(), "one is deposited in one only");
+        assert_eq!(a.is_nan(), b.is_nan(), "a voxel is deposited in one field only");
         if !a.is_nan() {
-            let gap = (a - b).abs();
-            assert!(gap.is_finite(), "{a} and {b}");
-            squares += gap * gap;
-            max = max.max(gap);
+            let distance = (a - b).abs();
+            assert!(distance.is_finite(), "{a} and {b}");
+            squares += distance * distance;
+            max = max.max(distance);
             count += 1;
         }
     }

@@ -9,9 +9,9 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use super::super::chebyshev::Polynomial;
 use super::*;
 use crate::kernel::{Quadratic, SweepBuffers, TwoStageSweep};
-use crate::material::Material;
+use crate::material::ThermalMaterial;
 use crate::patch::Shape;
-use crate::process::Process;
+use crate::process::ProcessParameters;
 use crate::state::State;
 
 fn places(size: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
@@ -43,8 +43,9 @@ fn printed(
 
 /// Nothing is lost.
 fn insulated() -> Coefficients {
-    let material = Material { emissivity: 0.0, ..Material::abs() };
-    let process = Process { plate_c: None, convection_w_m2k: 0.0, ..Process::default() };
+    let material = ThermalMaterial { emissivity: 0.0, ..ThermalMaterial::abs() };
+    let process =
+        ProcessParameters { plate_c: None, convection_w_m2k: 0.0, ..ProcessParameters::default() };
     Coefficients::new(&material, &process, 0.5e-3, 0.25e-3)
 }
 
@@ -54,12 +55,12 @@ fn heat(state: &State) -> f64 {
 
 /// A random part with everything that heat can do.
 fn random_state(random: &mut Xoshiro256PlusPlus) -> (State, Coefficients) {
-    let process = Process {
+    let process = ProcessParameters {
         plate_c: random.random_bool(0.7).then_some(80.0),
         surface_resistance: random.random_bool(0.5),
-        ..Process::default()
+        ..ProcessParameters::default()
     };
-    let coefficients = Coefficients::new(&Material::abs(), &process, 0.5e-3, 0.25e-3);
+    let coefficients = Coefficients::new(&ThermalMaterial::abs(), &process, 0.5e-3, 0.25e-3);
     let size = [0, 1, 2].map(|axis: usize| random.random_range(2..[50, 12, 14][axis]));
     let filled = random.random_range(0.5..1.0);
     let state = printed(size, &coefficients, |_| {
@@ -133,9 +134,12 @@ fn blocks_hear_what_voxels_lose() {
 fn the_air_takes_what_the_sweeps_take() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
     for resistance in [false, true] {
-        let process =
-            Process { plate_c: None, surface_resistance: resistance, ..Process::default() };
-        let coefficients = Coefficients::new(&Material::abs(), &process, 0.5e-3, 0.25e-3);
+        let process = ProcessParameters {
+            plate_c: None,
+            surface_resistance: resistance,
+            ..ProcessParameters::default()
+        };
+        let coefficients = Coefficients::new(&ThermalMaterial::abs(), &process, 0.5e-3, 0.25e-3);
         for _ in 0..100 {
             let warm = random.random_range(1.0..200.0);
             let mut state = printed([1, 1, 1], &coefficients, |_| Some(warm));

@@ -1,7 +1,8 @@
-//! Warpage against the formulas of textbooks, and of whole prints.
+//! Warpage against textbook formulas, and of whole prints.
 
 use std::sync::Arc;
 
+use beadwork_base::CancelToken;
 use beadwork_part::{Frame, Pattern};
 use ndarray::Array3;
 
@@ -17,21 +18,29 @@ fn block(width: u32, height: u32, depth: usize) -> Voxels {
     Voxels::new(frame, Array3::zeros((depth, height as usize, width as usize)))
 }
 
-/// Locks all of a block, layer by layer, while what lies below is as warm as `celsius` says for its
-/// place and the layer.
+/// Locks all of a block, layer by layer; `celsius` gives the temperatures of the voxels below while
+/// a layer locks.
 fn locked(
     part: &Voxels,
-    material: &Material,
+    material: &ThermalMaterial,
     celsius: impl Fn([u32; 3], u32) -> f64,
 ) -> WarpageEstimate {
-    let mut warpage = Warpage::new(part, material);
+    lock_all(part, material, celsius).estimate(&Control::default()).unwrap()
+}
+
+fn lock_all(
+    part: &Voxels,
+    material: &ThermalMaterial,
+    celsius: impl Fn([u32; 3], u32) -> f64,
+) -> WarpageEstimator {
+    let mut warpage = WarpageEstimator::new(part, material);
     for z in 0..part.depth as u32 {
         for cell in part.cells(z as usize) {
             let voxel = [cell % part.frame.width, cell / part.frame.width, z];
             warpage.lock_voxel(voxel, |below| celsius(below, z));
         }
     }
-    warpage.estimate()
+    warpage
 }
 
 fn assert_near(a: f64, b: f64) {
@@ -40,14 +49,14 @@ fn assert_near(a: f64, b: f64) {
 
 #[test]
 fn two_layers_are_timoshenkos_bimetal() {
-    let material = Material::abs();
+    let material = ThermalMaterial::abs();
     let (part, below_c) = (block(40, 30, 2), 65.0);
     let estimate = locked(&part, &material, |_, _| below_c);
     let mismatch = material.expansion_per_k * (material.glass_transition_c - below_c);
     let kappa = 3.0 * mismatch / (4.0 * LAYER_MM / 1e3);
     assert_near(estimate.curvature_1_m, kappa);
-    // From the middle, between four columns, to the centre of a corner's column; the lowest columns
-    // lie half a diagonal of a column off the middle.
+    // From the centre, between four columns, to the centre of the column at a corner; the lowest
+    // columns lie half a diagonal of a column off the centre.
     let square_mm = (39.0 * 39.0 + 29.0 * 29.0 - 2.0) * CELL_MM * CELL_MM;
     assert_near(estimate.corner_lift_mm, kappa / 1e3 * square_mm / 8.0);
     assert_near(estimate.flatness_mm, estimate.corner_lift_mm);
@@ -55,9 +64,8 @@ fn two_layers_are_timoshenkos_bimetal() {
 
 #[test]
 fn a_thin_layer_on_a_thick_stack_is_stoneys() {
-    let material = Material::abs();
-    // The stack locks while all of it is at the glass transition, only the last layer on a cold
-    // one.
+    let material = ThermalMaterial::abs();
+    // The stack locks at the glass transition, and only the last layer on a cold stack.
     let depth = 200;
     let estimate =
         locked(
@@ -77,7 +85,7 @@ fn a_thin_layer_on_a_thick_stack_is_stoneys() {
 
 #[test]
 fn a_stack_on_a_cold_one_follows_the_harmonic_series() {
-    let material = Material::abs();
+    let material = ThermalMaterial::abs();
     let depth = 12;
     let estimate = locked(&block(5, 4, depth), &material, |_, _| 65.0);
     // Layer k shrinks by the mismatch times 1 + 1/2 + ... + 1/k more than layer 0.
@@ -94,14 +102,16 @@ fn a_stack_on_a_cold_one_follows_the_harmonic_series() {
 
 #[test]
 fn nothing_warps_without_expansion_or_at_the_glass_transition() {
-    let rigid = Material { expansion_per_k: 0.0, ..Material::abs() };
+    let rigid = ThermalMaterial { expansion_per_k: 0.0, ..ThermalMaterial::abs() };
     let warm = |[x, y, z]: [u32; 3], _: u32| f64::from(40 + (x * 7 + y * 5 + z * 3) % 50);
     for estimate in [
         locked(&block(9, 7, 4), &rigid, warm),
-        locked(&block(9, 7, 4), &Material::abs(), |_, _| 105.0),
-        locked(&block(9, 7, 4), &Material::abs(), |_, _| 180.0),
-        locked(&block(9, 7, 1), &Material::abs(), warm),
-        Warpage::new(&block(9, 7, 4), &Material::abs()).estimate(),
+        locked(&block(9, 7, 4), &ThermalMaterial::abs(), |_, _| 105.0),
+        locked(&block(9, 7, 4), &ThermalMaterial::abs(), |_, _| 180.0),
+        locked(&block(9, 7, 1), &ThermalMaterial::abs(), warm),
+        WarpageEstimator::new(&block(9, 7, 4), &ThermalMaterial::abs())
+            .estimate(&Control::default())
+            .unwrap(),
     ] {
         assert!(estimate.curvature_1_m.abs() < 1e-9 && estimate.flatness_mm < 1e-6, "{estimate:?}");
         assert!(estimate.corner_lift_mm >= 0.0);
@@ -111,11 +121,12 @@ fn nothing_warps_without_expansion_or_at_the_glass_transition() {
 #[test]
 fn corners_go_up_with_the_square_of_the_length() {
     let cold = |_: [u32; 3], _: u32| 65.0;
-    let [short, long] = [21, 41].map(|side| locked(&block(side, side, 3), &Material::abs(), cold));
+    let [short, long] =
+        [21, 41].map(|side| locked(&block(side, side, 3), &ThermalMaterial::abs(), cold));
     assert!(short.curvature_1_m > 0.0);
     assert_near(short.curvature_1_m, long.curvature_1_m);
     assert_near(4.0 * short.corner_lift_mm, long.corner_lift_mm);
-    let height = |x: usize, y: usize| long.heights_mm[y * long.width + x].unwrap();
+    let height = |x: usize, y: usize| long.heights_mm[[y, x]];
     assert!(height(0, 0) > height(20, 0) && height(20, 0) > height(20, 20));
     assert_near(height(0, 0) - height(20, 20), long.corner_lift_mm);
 }
@@ -123,8 +134,8 @@ fn corners_go_up_with_the_square_of_the_length() {
 #[test]
 fn wide_parts_are_coarsened() {
     let cold = |_: [u32; 3], _: u32| 65.0;
-    let estimate = locked(&block(200, 20, 2), &Material::abs(), cold);
-    assert_eq!((estimate.block, estimate.width, estimate.heights_mm.len()), (3, 67, 67 * 7));
+    let estimate = locked(&block(200, 20, 2), &ThermalMaterial::abs(), cold);
+    assert_eq!((estimate.block, estimate.heights_mm.dim()), (3, (7, 67)));
     let square_mm = (66.0 * 66.0 + 6.0 * 6.0) * 9.0 * CELL_MM * CELL_MM;
     assert_near(estimate.corner_lift_mm, estimate.curvature_1_m / 1e3 * square_mm / 8.0);
 }
@@ -133,37 +144,35 @@ fn wide_parts_are_coarsened() {
 fn a_mirrored_print_warps_the_same() {
     let warm = |[x, y, z]: [u32; 3], k: u32| f64::from(40 + (x * x * 7 + y * 5 + z * 3 + k) % 50);
     let part = block(14, 9, 4);
-    let one = locked(&part, &Material::abs(), warm);
-    let mirrored = locked(&part, &Material::abs(), |[x, y, z], k| warm([13 - x, y, z], k));
+    let one = locked(&part, &ThermalMaterial::abs(), warm);
+    let mirrored = locked(&part, &ThermalMaterial::abs(), |[x, y, z], k| warm([13 - x, y, z], k));
     assert_near(one.curvature_1_m, mirrored.curvature_1_m);
     assert_near(one.corner_lift_mm, mirrored.corner_lift_mm);
-    for (row, other) in one.heights_mm.chunks(14).zip(mirrored.heights_mm.chunks(14)) {
-        row.iter()
-            .zip(other.iter().rev())
-            .for_each(|(a, b)| assert!((a.unwrap() - b.unwrap()).abs() < 1e-6));
+    for ((y, x), a) in one.heights_mm.indexed_iter() {
+        assert!((a - mirrored.heights_mm[[y, 13 - x]]).abs() < 1e-6);
     }
-    // Swapping the axes, too, which numbers the columns of the plate otherwise.
-    let swapped = locked(&block(9, 14, 4), &Material::abs(), |[x, y, z], k| warm([y, x, z], k));
+    // With swapped axes, too, where the plate's cells are numbered in another order.
+    let swapped =
+        locked(&block(9, 14, 4), &ThermalMaterial::abs(), |[x, y, z], k| warm([y, x, z], k));
     assert_near(one.corner_lift_mm, swapped.corner_lift_mm);
 }
 
-fn printed(part: &Arc<Voxels>, pattern: Pattern, every_s: Option<f64>) -> WarpageEstimate {
+fn printed(part: &Arc<Voxels>, pattern: Pattern, interval_s: Option<f64>) -> WarpageEstimate {
+    let control = Control::default();
     let mut simulation = unprinted(part.clone());
-    let mut warpage = Warpage::new(part, &Material::abs());
+    let mut warpage = WarpageEstimator::new(part, &ThermalMaterial::abs());
     for layer in 0..part.depth {
         let order = pattern.order(&part.region(layer).unwrap());
-        let slots = simulation.slots(layer as u32, &order);
-        match every_s {
-            Some(every_s) => {
-                simulation
-                    .run_watched(&slots, every_s, |simulation| warpage.look(simulation))
-                    .unwrap();
-            }
-            None => simulation.run(&slots).unwrap(),
+        let events = simulation.layer_events(layer as u32, &order);
+        match interval_s {
+            Some(interval_s) => simulation
+                .run_sampled(&events, interval_s, |print| warpage.sample(print), &control)
+                .unwrap(),
+            None => simulation.run(&events, &control).unwrap(),
         }
-        warpage.look(&simulation);
+        warpage.sample(&simulation);
     }
-    warpage.finish(&simulation)
+    warpage.finish(&simulation, &control).unwrap()
 }
 
 #[test]
@@ -174,7 +183,7 @@ fn patterns_of_real_prints_rank() {
     assert!(along.curvature_1_m > 0.0 && along.corner_lift_mm > 0.0);
     assert!((along.corner_lift_mm - across.corner_lift_mm).abs() > 1e-4, "{along:?} {across:?}");
     assert!((along.corner_lift_mm - spiral.corner_lift_mm).abs() > 1e-4);
-    // More looks change the number, but not beyond recognition.
+    // More samples change the number a little.
     let often = printed(&part, "zigzag-x-0".parse().unwrap(), Some(0.05));
     let ratio = along.corner_lift_mm / often.corner_lift_mm;
     assert!((0.9..1.1).contains(&ratio), "{ratio}");
@@ -182,13 +191,25 @@ fn patterns_of_real_prints_rank() {
 }
 
 #[test]
-fn stairs_with_a_hole_have_a_shape_where_they_are() {
+fn the_shape_of_stairs_with_a_hole_covers_the_part() {
     let part = stairs(13, 7, 5);
     let estimate = printed(&part, Pattern::CONVENTIONAL, None);
-    for (cell, height) in estimate.heights_mm.iter().enumerate() {
-        let (x, y) = (cell as u32 % 13, cell as u32 / 13);
-        assert_eq!(height.is_some(), (0..5).any(|z| part.material(x, y, z).is_some()));
+    for ((y, x), height) in estimate.heights_mm.indexed_iter() {
+        let is_inside = (0..5).any(|z| part.material(x as u32, y as u32, z).is_some());
+        assert_eq!(!height.is_nan(), is_inside);
     }
     assert!(estimate.flatness_mm >= estimate.corner_lift_mm && estimate.corner_lift_mm > 0.0);
     assert!(estimate.curvature_1_m.is_finite());
+}
+
+#[test]
+fn an_estimate_can_be_cancelled() {
+    let part = stairs(13, 7, 5);
+    let simulation = unprinted(part.clone());
+    let cancel = CancelToken::new();
+    let control = Control { cancel: Some(&cancel), ..Control::default() };
+    let warpage = lock_all(&part, &ThermalMaterial::abs(), |_, _| 65.0);
+    assert!(warpage.clone().finish(&simulation, &control).is_ok());
+    cancel.cancel();
+    assert_eq!(warpage.finish(&simulation, &control).unwrap_err(), Interrupted::Cancelled);
 }

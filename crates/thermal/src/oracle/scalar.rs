@@ -1,56 +1,56 @@
-//! The definition, in f64, one voxel at a time: what everything else is compared with.
+//! The heat equation in double precision, one face of one voxel at a time: the definition that all
+//! other methods are compared with.
 //!
-//! Slow, and written to be read: each face of each voxel is looked at by itself, and its heat flow
-//! is a line.
-//! Nothing is shared with the fast code, so that no mistake can be made in both at once.
-//! All flows are booked, so that the balance of energy shows that none was forgotten.
+//! Slow, and written to be read.
+//! It shares no code with the fast methods, so that no mistake can be in both.
+//! It keeps account of all heat flows, so that the energy balance shows whether one is missing.
 
 use std::sync::Arc;
 
 use beadwork_part::slice::Voxels;
 
-use crate::material::Material;
-use crate::process::Process;
+use crate::event::DepositionEvent;
+use crate::material::ThermalMaterial;
+use crate::process::ProcessParameters;
 use crate::property::PropertyError;
-use crate::timeline::Slot;
 
-/// Stefan and Boltzmann's constant, W/(m² K⁴).
+/// The Stefan-Boltzmann constant, W/(m² K⁴).
 const SIGMA: f64 = 5.67e-8;
 
-/// How a step is taken.
+/// The time integration of a [`ScalarSolver`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
-    /// Forward Euler: one step for each birth, and pauses in equal steps no longer than a birth at
-    /// the process's speed.
-    /// This is what [`crate::Method::Naive`] computes.
+    /// Forward Euler: one step per deposited voxel, and pauses in equal steps no longer than a
+    /// deposition at the process's speed.
+    /// [`Method::Naive`](crate::simulation::Method::Naive) computes the same.
     Euler,
-    /// Heun's method: so many steps for each birth.
-    /// Pauses and slower births are cut into equal stretches no longer than a birth at the
-    /// process's speed, of so many steps each.
-    /// This is what [`crate::Method::Reference`] computes.
+    /// Heun's method.
+    /// Pauses and slow depositions are split into equal intervals no longer than a deposition at
+    /// the process's speed.
+    /// [`Method::Reference`](crate::simulation::Method::Reference) computes the same.
     Heun {
-        /// At least 1.
+        /// Steps per deposition or interval, at least 1.
         steps: u32,
     },
 }
 
-/// Where the heat of a part came from and went to since its start, J, relative to a part as warm as
-/// the air.
+/// Heat that has entered and left a part since its start, J, relative to the ambient temperature.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
-    /// Brought in by voxels at their birth.
+    /// Heat of voxels at the moment of their deposition.
     pub births_j: f64,
-    /// Brought in by the nozzle, to hold each voxel at the temperature of its birth.
+    /// Heat from the nozzle that holds each voxel at the extrusion temperature.
     pub hold_j: f64,
-    /// Taken up from the build plate; negative if more was given to it.
+    /// Heat from the build plate; negative if the plate took more than it gave.
     pub plate_j: f64,
-    /// Lost to the air by convection and radiation; negative if more was taken up.
+    /// Heat lost to the air by convection and radiation; negative if the air gave more than it
+    /// took.
     pub air_j: f64,
-    /// All amounts that crossed the part's surface or came with a birth, whichever way they went.
+    /// Sum of the absolute values of all these flows.
     pub moved_j: f64,
 }
 
-/// What flows at one moment, W.
+/// Heat flows at one moment, W.
 struct Flow {
     /// Into each voxel.
     voxels: Vec<f64>,
@@ -62,38 +62,39 @@ struct Flow {
     hold: f64,
 }
 
-/// A part in the middle of its print, in the plainest way.
+/// A part during its print, stepped voxel by voxel.
 ///
-/// A voxel is active from the start of its slot, and held at [`Process::extrusion_c`] until its
-/// end.
-/// It conducts heat to active neighbours; the lower face of layer 0 lies on the build plate, half a
-/// voxel below its centre; every other face without an active neighbour loses heat to the air.
+/// A voxel is active from the start of its event, and held at
+/// [`ProcessParameters::extrusion_c`] until its end.
+/// It conducts heat to active neighbours.
+/// The lower face of a voxel in layer 0 lies on the build plate, half a voxel below its centre.
+/// Every other face without an active neighbour loses heat to the air.
 #[derive(Clone, Debug)]
-pub struct Plain {
+pub struct ScalarSolver {
     part: Arc<Voxels>,
-    material: Material,
-    process: Process,
+    material: ThermalMaterial,
+    process: ProcessParameters,
     scheme: Scheme,
-    /// Of every voxel, `[z, y, x]`; `None` until it is deposited.
+    /// Temperature of each voxel, `[z, y, x]`; `None` until it is deposited.
     celsius: Vec<Option<f64>>,
     energy: Energy,
     seconds: f64,
 }
 
-impl Plain {
-    /// A part before anything is deposited.
+impl ScalarSolver {
+    /// A part of which nothing is deposited yet.
     ///
     /// # Panics
-    /// If the scheme has no steps.
+    /// If the scheme has 0 steps.
     pub fn new(
         part: Arc<Voxels>,
-        material: &Material,
-        process: &Process,
+        material: &ThermalMaterial,
+        process: &ProcessParameters,
         scheme: Scheme,
     ) -> Result<Self, PropertyError> {
         material.check()?;
         process.check()?;
-        assert_ne!(scheme, Scheme::Heun { steps: 0 }, "a birth takes at least 1 step");
+        assert_ne!(scheme, Scheme::Heun { steps: 0 }, "a deposition takes at least 1 step");
         let celsius = vec![None; part.materials().len()];
         let (material, process) = (material.clone(), process.clone());
         Ok(Self {
@@ -107,55 +108,55 @@ impl Plain {
         })
     }
 
-    /// Runs through births and pauses.
-    /// Each step costs a visit to every voxel.
+    /// Runs through deposition events.
+    /// Each step costs the part's bounding box.
     ///
     /// # Panics
     /// If a voxel is not part of the print or is deposited already.
-    pub fn run(&mut self, slots: &[Slot]) {
-        for slot in slots {
-            let held = slot.voxel.map(|voxel| self.birth(voxel));
-            let (stretches, steps) = match self.scheme {
+    pub fn run(&mut self, events: &[DepositionEvent]) {
+        for event in events {
+            let held = event.voxel.map(|voxel| self.birth(voxel));
+            let (intervals, steps) = match self.scheme {
                 Scheme::Euler if held.is_some() => (1, 1),
-                Scheme::Euler => (self.stretches(slot.seconds), 1),
-                Scheme::Heun { steps } => (self.stretches(slot.seconds), steps),
+                Scheme::Euler => (self.intervals(event.seconds), 1),
+                Scheme::Heun { steps } => (self.intervals(event.seconds), steps),
             };
-            let count = stretches * steps;
+            let count = intervals * steps;
             for _ in 0..count {
-                self.step(slot.seconds / f64::from(count), held);
+                self.step(event.seconds / f64::from(count), held);
             }
-            self.seconds += slot.seconds;
+            self.seconds += event.seconds;
         }
     }
 
-    /// Temperature of a voxel, °C; `None` if it is not deposited.
+    /// Temperature of the voxel at x, y and z, °C; `None` if it is not deposited.
     pub fn temperature_c(&self, voxel: [u32; 3]) -> Option<f64> {
         let [x, y, z] = voxel;
         self.part.material(x, y, z as usize)?;
         self.celsius[self.index(voxel)]
     }
 
-    /// Time since the start, s.
+    /// Simulated time since the start of the print, s.
     pub fn seconds(&self) -> f64 {
         self.seconds
     }
 
-    /// Where the heat came from and went to.
+    /// The heat that has entered and left the part.
     pub fn energy(&self) -> Energy {
         self.energy
     }
 
-    /// Heat in all deposited voxels, J, relative to the air's temperature.
-    pub fn stored_j(&self) -> f64 {
+    /// Heat in all deposited voxels, J, relative to the ambient temperature.
+    pub fn stored_heat_j(&self) -> f64 {
         let above_air = |celsius: &f64| (celsius - self.process.ambient_c) * self.voxel_j_k();
         self.celsius.iter().flatten().map(above_air).sum()
     }
 
-    /// How far the energy stored is from what came in less what went out, as a part of
-    /// [`Energy::moved_j`].
+    /// Error of the energy balance: the difference between the stored heat and the heat that
+    /// entered minus the heat that left, as a fraction of [`Energy::moved_j`].
     pub fn imbalance(&self) -> f64 {
         let Energy { births_j, hold_j, plate_j, air_j, moved_j } = self.energy;
-        let missing = self.stored_j() - (births_j + hold_j + plate_j - air_j);
+        let missing = self.stored_heat_j() - (births_j + hold_j + plate_j - air_j);
         if moved_j == 0.0 { missing.abs() } else { missing.abs() / moved_j }
     }
 
@@ -170,18 +171,20 @@ impl Plain {
         [width, width, height]
     }
 
-    /// Heat that warms a voxel by one kelvin, J/K.
+    /// Heat that raises the temperature of a voxel by one kelvin, J/K.
     fn voxel_j_k(&self) -> f64 {
         let [x, y, z] = self.size_m();
         self.material.heat_capacity_j_m3k() * x * y * z
     }
 
-    fn stretches(&self, seconds: f64) -> u32 {
+    /// The number of equal intervals, no longer than a deposition, that a time is split into.
+    fn intervals(&self, seconds: f64) -> u32 {
         let birth_s = self.part.frame.cell_mm / self.process.print_mm_s;
-        // A whole number of births must not become one more by rounding.
+        // Rounding must not turn a whole number of intervals into one more.
         (seconds / birth_s - 1e-6).ceil().max(1.0) as u32
     }
 
+    /// Deposits a voxel and returns its index.
     fn birth(&mut self, voxel: [u32; 3]) -> usize {
         let [x, y, z] = voxel;
         assert!(
@@ -209,7 +212,7 @@ impl Plain {
         match self.scheme {
             Scheme::Euler => {
                 self.celsius = moved(&self.celsius, &first);
-                self.book(&first, seconds);
+                self.record(&first, seconds);
             }
             Scheme::Heun { .. } => {
                 let second = self.flow(&moved(&self.celsius, &first), held);
@@ -225,19 +228,20 @@ impl Plain {
                     hold: f64::midpoint(first.hold, second.hold),
                 };
                 self.celsius = moved(&self.celsius, &mean);
-                self.book(&mean, seconds);
+                self.record(&mean, seconds);
             }
         }
     }
 
-    fn book(&mut self, flow: &Flow, seconds: f64) {
+    /// Adds flows over some time to the energy account.
+    fn record(&mut self, flow: &Flow, seconds: f64) {
         self.energy.plate_j += flow.plate * seconds;
         self.energy.air_j += flow.air * seconds;
         self.energy.hold_j += flow.hold * seconds;
         self.energy.moved_j += (flow.plate.abs() + flow.air.abs() + flow.hold.abs()) * seconds;
     }
 
-    /// The heat equation.
+    /// All heat flows at the given temperatures, by the heat equation.
     fn flow(&self, celsius: &[Option<f64>], held: Option<usize>) -> Flow {
         let mut flow = Flow { voxels: vec![0.0; celsius.len()], plate: 0.0, air: 0.0, hold: 0.0 };
         let (width, height) = (self.part.frame.width, self.part.frame.height);
@@ -305,8 +309,8 @@ impl Plain {
         flow
     }
 
-    /// What a surface loses to the air, W/m², given the temperature at the centre of a voxel of a
-    /// size in metres.
+    /// Heat flux from a surface to the air, W/m², given the temperature at the centre of its voxel
+    /// and the voxel's size across the surface, m.
     fn lost_w_m2(&self, celsius: f64, size_m: f64) -> f64 {
         let grey = self.material.emissivity * SIGMA;
         let h = self.process.convection_w_m2k;
@@ -326,29 +330,28 @@ mod tests {
     use beadwork_part::Frame;
     use ndarray::Array3;
 
-    /// One voxel in the air, by hand.
     #[test]
-    fn a_single_voxel_is_what_one_computes_by_hand() {
+    fn a_single_voxel_cools_as_computed_by_hand() {
         let frame =
             Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width: 1, height: 1 };
         let part = Arc::new(Voxels::new(frame, Array3::zeros((1, 1, 1))));
-        let mut plain =
-            Plain::new(part, &Material::abs(), &Process::default(), Scheme::Euler).unwrap();
-        let birth = Slot { voxel: Some([0, 0, 0]), seconds: 0.01 };
-        plain.run(&[birth, Slot::pause(0.01)]);
+        let (material, process) = (ThermalMaterial::abs(), ProcessParameters::default());
+        let mut solver = ScalarSolver::new(part, &material, &process, Scheme::Euler).unwrap();
+        let birth = DepositionEvent { voxel: Some([0, 0, 0]), seconds: 0.01 };
+        solver.run(&[birth, DepositionEvent::pause(0.01)]);
         // Four sides of 0.5 x 0.25 mm and a top of 0.5 x 0.5 mm in the air, the bottom on the
         // plate.
         let open = 4.0 * 0.5e-3 * 0.25e-3 + 0.5e-3 * 0.5e-3;
         let lost = (10.0 * 205.0 + 0.92 * 5.67e-8 * (503.15f64.powi(4) - 298.15f64.powi(4))) * open;
         let plate = 0.33 * 0.25e-6 / 0.125e-3 * 150.0;
-        let warmth = 945.0 * 1470.0 * 0.0625e-9;
-        let expected = 230.0 - 0.01 * (lost + plate) / warmth;
-        assert!((plain.temperature_c([0, 0, 0]).unwrap() - expected).abs() < 1e-9);
-        let Energy { births_j, hold_j, plate_j, air_j, .. } = plain.energy();
-        assert!((births_j / (warmth * 205.0) - 1.0).abs() < 1e-12);
+        let capacity = 945.0 * 1470.0 * 0.0625e-9;
+        let expected = 230.0 - 0.01 * (lost + plate) / capacity;
+        assert!((solver.temperature_c([0, 0, 0]).unwrap() - expected).abs() < 1e-9);
+        let Energy { births_j, hold_j, plate_j, air_j, .. } = solver.energy();
+        assert!((births_j / (capacity * 205.0) - 1.0).abs() < 1e-12);
         assert!((hold_j / (0.01 * (lost + plate)) - 1.0).abs() < 1e-12);
         assert!((plate_j / (-0.02 * plate) - 1.0).abs() < 1e-12);
         assert!((air_j / (0.02 * lost) - 1.0).abs() < 1e-12);
-        assert!((plain.seconds() - 0.02).abs() < 1e-15);
+        assert!((solver.seconds() - 0.02).abs() < 1e-15);
     }
 }
