@@ -1,6 +1,6 @@
 //! Accuracy of the thermal solver as a flag.
 
-use beadwork_thermal::Accuracy;
+use beadwork_thermal::simulation::Accuracy;
 use clap::ValueEnum;
 
 /// Value of `--accuracy`.

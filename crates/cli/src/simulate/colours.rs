@@ -88,7 +88,8 @@ pub(super) fn ticks(low: f64, high: f64, about: f64) -> (Vec<f64>, usize) {
 #[cfg(test)]
 mod tests {
     use beadwork_part::Frame;
-    use beadwork_thermal::{Plane, Section};
+    use beadwork_thermal::section::{Plane, Section};
+    use ndarray::Array2;
 
     use super::*;
 
@@ -127,9 +128,9 @@ mod tests {
             height: 1,
         };
         let map = |hot: f64| {
-            let value = |x: u32| Some(if x == 0 { hot } else { 80.0 + f64::from(x) / 100.0 });
-            let celsius = (0..1000).map(value).collect();
-            let section = Section { plane: Plane::Layer(0), rows: 1, columns: 1000, celsius };
+            let value = |(_, x)| if x == 0 { hot } else { 80.0 + x as f64 / 100.0 };
+            let temperatures_c = Array2::from_shape_fn((1, 1000), value);
+            let section = Section { plane: Plane::Layer(0), temperatures_c };
             Map::of(&section, &frame, String::new())
         };
         let hot = Scale::of([map(230.0)].iter());

@@ -1,7 +1,8 @@
 //! Temperatures by layer as charts, and some layers as maps.
 
 use beadwork_console::chart::{Axis, BLUE, Chart, GREEN, GREY, LineStyle, ORANGE, Series, charts};
-use beadwork_thermal::{Plane, Simulation};
+use beadwork_thermal::Simulation;
+use beadwork_thermal::section::Plane;
 
 use super::layers::Measure;
 use super::map::{self, Map, Scale};
@@ -117,12 +118,8 @@ mod tests {
             ground_mean_c: Some(85.0),
             ground_min_c: Some(80.0),
         };
-        let section = Section {
-            plane: Plane::Layer(0),
-            rows: 1,
-            columns: 2,
-            celsius: vec![Some(80.0), Some(90.0)],
-        };
+        let section =
+            Section { plane: Plane::Layer(0), temperatures_c: ndarray::array![[80.0, 90.0]] };
         let frame =
             Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width: 2, height: 1 };
         let map = Map::of(&section, &frame, "layer 1".to_owned());

@@ -1,6 +1,6 @@
 //! How warm all that is printed is when a layer is complete.
 
-use beadwork_thermal::{Bond, LayerReport, Spread};
+use beadwork_thermal::{InterlayerTemperatures, LayerReport, TemperatureStatistics};
 use serde::Serialize;
 
 /// Temperatures of all voxels deposited so far, at the end of a layer, and what the layer is like
@@ -29,8 +29,8 @@ pub(super) struct Measure {
 
 impl Measure {
     /// Of a layer at its end, and the bonds of all layers, from the bottom up.
-    pub(super) fn new(report: &LayerReport, bonds: &[Bond]) -> Self {
-        let Spread { count, mean_c, std_c, min_c, max_c } = report.all;
+    pub(super) fn new(report: &LayerReport, bonds: &[InterlayerTemperatures]) -> Self {
+        let TemperatureStatistics { count, mean_c, std_c, min_c, max_c } = report.part_temperatures;
         let bond = bonds.iter().find(|bond| bond.layer == report.layer);
         Self {
             layer: report.layer as usize + 1,
@@ -40,9 +40,9 @@ impl Measure {
             min_c,
             max_c,
             print_seconds: report.print_seconds,
-            hot_spots: report.hot.count,
-            ground_mean_c: bond.map(|bond| bond.landing.mean_c),
-            ground_min_c: bond.map(|bond| bond.landing.min_c),
+            hot_spots: report.hot_spots.count,
+            ground_mean_c: bond.map(|bond| bond.substrate.mean_c),
+            ground_min_c: bond.map(|bond| bond.substrate.min_c),
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use beadwork_part::Frame;
-use beadwork_thermal::{Plane, Section};
+use beadwork_thermal::section::{Plane, Section};
 use png::{BitDepth, ColorType, Encoder};
 
 pub(super) use super::colours::Scale;
@@ -30,20 +30,16 @@ impl Map {
             Plane::Y(_) => (["x", "z"], frame.layer_mm),
             Plane::Layer(_) => (["x", "y"], frame.cell_mm),
         };
-        let celsius = section
-            .celsius
-            .iter()
-            .map(|celsius| celsius.map_or(f32::NAN, |celsius| celsius as f32));
+        let (rows, columns) = section.temperatures_c.dim();
+        let celsius =
+            section.temperatures_c.iter().map(|&celsius| celsius as f32).collect::<Vec<f32>>();
         // Rows run from the back or from the bottom, columns from the left or from the back.
         let values = match section.plane {
-            Plane::Layer(_) => celsius.collect(),
-            Plane::X(_) => celsius.rev().collect(),
-            Plane::Y(_) => {
-                let values: Vec<f32> = celsius.collect();
-                values.rchunks(section.columns.max(1)).flatten().copied().collect()
-            }
+            Plane::Layer(_) => celsius,
+            Plane::X(_) => celsius.into_iter().rev().collect(),
+            Plane::Y(_) => celsius.rchunks(columns.max(1)).flatten().copied().collect(),
         };
-        let size = [section.columns as u32, section.rows as u32];
+        let size = [columns as u32, rows as u32];
         Self { title, axes, voxel_mm: [frame.cell_mm, high_mm], size, values }
     }
 
@@ -292,6 +288,8 @@ fn base64(bytes: &[u8]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use ndarray::{Array2, array};
+
     use super::*;
 
     const FRAME: Frame =
@@ -299,21 +297,17 @@ mod tests {
 
     fn map() -> Map {
         // Seen from the front, row 11 is the topmost.
-        let celsius = |x: u32, y: u32| (x != y).then(|| 80.0 + f64::from(x + 3 * y));
-        let celsius = (0..12).rev().flat_map(|y| (0..30).map(move |x| celsius(x, y))).collect();
-        let section = Section { plane: Plane::Y(0), rows: 12, columns: 30, celsius };
+        let celsius =
+            |x: usize, y: usize| if x == y { f64::NAN } else { 80.0 + (x + 3 * y) as f64 };
+        let temperatures_c = Array2::from_shape_fn((12, 30), |(row, x)| celsius(x, 11 - row));
+        let section = Section { plane: Plane::Y(0), temperatures_c };
         Map::of(&section, &FRAME, "a < b".to_owned())
     }
 
     #[test]
     fn planes_are_seen_from_the_right_from_the_front_and_from_above() {
         let seen = |plane| {
-            let section = Section {
-                plane,
-                rows: 2,
-                columns: 2,
-                celsius: [1.0, 2.0, 3.0, 4.0].map(Some).to_vec(),
-            };
+            let section = Section { plane, temperatures_c: array![[1.0, 2.0], [3.0, 4.0]] };
             Map::of(&section, &FRAME, String::new()).values
         };
         assert_eq!(seen(Plane::X(0)), [4.0, 3.0, 2.0, 1.0]);

@@ -14,17 +14,20 @@ mod watch;
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use anyhow::bail;
+use beadwork_base::{Control, Threads};
 use beadwork_console::accuracy::AccuracyName;
 use beadwork_console::part::PartArgs;
 use beadwork_console::printer::PrinterArgs;
 use beadwork_console::{cancel, control, output, progress};
 use beadwork_part::Pattern;
-use beadwork_thermal::{Accuracy, LayerReport, Material, Method, Process, Simulation, Slot};
+use beadwork_thermal::simulation::{Accuracy, Method};
+use beadwork_thermal::{
+    DepositionEvent, LayerReport, ProcessParameters, Simulation, ThermalMaterial,
+};
 use clap::ValueEnum;
 
 use layers::Measure;
@@ -193,7 +196,7 @@ enum Threshold {
 impl Threshold {
     const TRANSITION: &str = "glass-transition";
 
-    fn celsius(self, material: &Material) -> f64 {
+    fn celsius(self, material: &ThermalMaterial) -> f64 {
         match self {
             Self::GlassTransition => material.glass_transition_c,
             Self::Celsius(celsius) => celsius,
@@ -255,14 +258,15 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let probes =
         args.probe.iter().map(|probe| probe.voxel(part)).collect::<anyhow::Result<Vec<_>>>()?;
     let material = match args.material {
-        MaterialName::Abs => Material::abs(),
-        MaterialName::Pla => Material::pla(),
-        MaterialName::Petg => Material::petg(),
+        MaterialName::Abs => ThermalMaterial::abs(),
+        MaterialName::Pla => ThermalMaterial::pla(),
+        MaterialName::Petg => ThermalMaterial::petg(),
     };
     let process = args.process(&source, &material);
     let pool = control::pool(args.threads)?;
-    let simulation = Simulation::new(part.clone(), &material, &process, args.method())?;
-    let mut simulation = simulation.with_pool(Some(Arc::new(pool)));
+    let mut simulation = Simulation::new(part.clone(), &material, &process, args.method())?;
+    let cancel = Some(cancel::token()?);
+    let control = Control { cancel, ..Control::on(Threads::Pool(&pool)) };
 
     let begin = Instant::now();
     let drawn = if args.svg.is_some() { drawing::chosen(part.depth) } else { Vec::new() };
@@ -277,7 +281,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     );
     let (mut reports, mut maps) = (Vec::new(), Vec::new());
     let bar = progress::bar(part.count() as u64, "simulate");
-    source.print(&mut simulation, &mut watch, &bar, |layer, seconds, simulation| {
+    source.print(&mut simulation, &mut watch, &bar, &control, |layer, seconds, simulation| {
         let report = LayerReport::of(simulation, layer as u32, seconds, &material);
         reports.push(report.expect("a layer that is complete has voxels"));
         if drawn.contains(&layer) {
@@ -287,11 +291,11 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let print_seconds = simulation.seconds();
     let mut end = None;
     if let Some(seconds) = args.end_seconds {
-        watch.run(&mut simulation, &[Slot::pause(seconds)])?;
-        end = simulation.spread().map(|spread| (seconds, spread));
+        watch.run(&mut simulation, &[DepositionEvent::pause(seconds)], &control)?;
+        end = simulation.statistics().map(|all| (seconds, all));
     }
-    let seen = watch.finish(&simulation);
-    let bonds = simulation.bonds(material.glass_transition_c);
+    let seen = watch.finish(&simulation, &control)?;
+    let bonds = simulation.interlayer_temperatures(material.glass_transition_c);
     let layers: Vec<Measure> = reports.iter().map(|report| Measure::new(report, &bonds)).collect();
     bar.finish_and_clear();
     if cancel::token()?.as_flag().load(Ordering::Relaxed) {
@@ -373,10 +377,10 @@ impl Args {
     }
 
     /// As typed; what was not, as the program has it, or else as usual.
-    fn process(&self, source: &Source, material: &Material) -> Process {
-        let usual = Process::suited_to(material);
+    fn process(&self, source: &Source, material: &ThermalMaterial) -> ProcessParameters {
+        let usual = ProcessParameters::suited_to(material);
         let plate_c = OrNone(source.plate_c.or(usual.plate_c));
-        Process {
+        ProcessParameters {
             extrusion_c: self.nozzle_c.or(source.nozzle_c).unwrap_or(usual.extrusion_c),
             plate_c: self.plate_c.unwrap_or(plate_c).0,
             ambient_c: self.ambient_c,

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use anyhow::bail;
 use beadwork_part::slice::Voxels;
-use beadwork_thermal::Probes;
+use beadwork_thermal::sampling::Probes;
 
 use super::place::{size_mm, voxel_at};
 

@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use beadwork_console::text::{count, duration};
-use beadwork_thermal::{Material, Process, Spread, WarpageEstimate};
+use beadwork_thermal::warpage::WarpageEstimate;
+use beadwork_thermal::{ProcessParameters, TemperatureStatistics, ThermalMaterial};
 use serde_json::{Value, json};
 
 use super::layers::Measure;
@@ -15,14 +16,14 @@ const ROWS: usize = 16;
 
 pub(super) struct Report<'a> {
     pub(super) source: &'a Source,
-    pub(super) material: &'a Material,
-    pub(super) process: &'a Process,
+    pub(super) material: &'a ThermalMaterial,
+    pub(super) process: &'a ProcessParameters,
     pub(super) method: &'a str,
     /// Of each layer when it is complete.
     pub(super) layers: &'a [Measure],
     /// Seconds for which it went on after the print, if that was asked for, and the temperatures
     /// then.
-    pub(super) end: Option<(f64, Spread)>,
+    pub(super) end: Option<(f64, TemperatureStatistics)>,
     /// What was looked at on the way.
     pub(super) seen: &'a Seen,
     /// From the beginning of the print to its end, without that time, s.
@@ -179,7 +180,8 @@ impl Report<'_> {
             "reward {:.2}: minus the sum of all layers' standard deviations",
             self.reward()
         )?;
-        if let Some((seconds, Spread { mean_c, std_c, min_c, max_c, .. })) = self.end {
+        if let Some((seconds, TemperatureStatistics { mean_c, std_c, min_c, max_c, .. })) = self.end
+        {
             writeln!(
                 text,
                 "{seconds} s after the print: {mean_c:.2} °C, standard deviation {std_c:.2}, from {min_c:.2} to {max_c:.2}"

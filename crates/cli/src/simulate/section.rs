@@ -6,7 +6,8 @@ use std::str::FromStr;
 
 use anyhow::bail;
 use beadwork_console::output;
-use beadwork_thermal::{Plane, Simulation};
+use beadwork_thermal::Simulation;
+use beadwork_thermal::section::Plane;
 
 use super::map::{Map, Scale, png, svg};
 use super::place::voxel_at;

@@ -5,15 +5,16 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow, bail};
-use beadwork_base::Threads;
+use beadwork_base::{Control, Threads};
+use beadwork_console::control;
 use beadwork_console::progress::ProgressBar;
 use beadwork_console::text::count;
-use beadwork_console::{cancel, control};
 use beadwork_gcode::{Event, Heater, Program};
 use beadwork_part::print;
 use beadwork_part::slice::{Layers, Voxels};
 use beadwork_part::{Frame, Pattern};
-use beadwork_thermal::{ProgramSettings, ProgramSlots, Simulation, program_slots, program_voxels};
+use beadwork_thermal::Simulation;
+use beadwork_thermal::program::{self, ProgramEvents, program_events, program_voxels};
 
 use super::Args;
 use super::watch::Watch;
@@ -31,7 +32,7 @@ pub(super) struct Source {
 /// The order of all voxels.
 pub(super) enum Course {
     Pattern(Pattern),
-    Program(ProgramSlots),
+    Program(ProgramEvents),
 }
 
 impl Source {
@@ -52,12 +53,13 @@ impl Source {
         } else {
             (stem(path), part_of(&program).with_context(in_file)?)
         };
-        let how = ProgramSettings {
+        let how = program::Settings {
             limits: settings.printer.limits(),
             tolerated_share: args.left_out.unwrap_or(0.0),
         };
-        let slots = program_slots(&program, &part, &how)
-            .map_err(|error| explain(error.into(), &program, &part));
+        let slots =
+            control::quiet(Threads::One, |control| program_events(&program, &part, &how, control))?
+                .map_err(|error| explain(error.into(), &program, &part));
         let slots = slots.with_context(in_file)?;
         let mut part = part;
         if !slots.missed.is_empty() {
@@ -78,25 +80,21 @@ impl Source {
         simulation: &mut Simulation,
         watch: &mut Watch,
         bar: &ProgressBar,
+        control: &Control<'_>,
         mut complete: impl FnMut(usize, f64, &Simulation),
     ) -> anyhow::Result<()> {
-        let token = cancel::token()?.as_flag();
         let mut done = |layer: usize, seconds: f64, simulation: &Simulation| {
             bar.inc(self.part.cells(layer).count() as u64);
             complete(layer, seconds, simulation);
-            if token.load(std::sync::atomic::Ordering::Relaxed) {
-                bail!("stopped; nothing was written");
-            }
-            Ok(())
         };
         match &self.course {
             Course::Pattern(pattern) => {
                 for layer in 0..self.part.depth {
                     let order = pattern.order(&self.part.region(layer)?);
                     let before = simulation.seconds();
-                    let slots = simulation.slots(layer as u32, &order);
-                    watch.run(simulation, &slots)?;
-                    done(layer, simulation.seconds() - before, simulation)?;
+                    let slots = simulation.layer_events(layer as u32, &order);
+                    watch.run(simulation, &slots, control)?;
+                    done(layer, simulation.seconds() - before, simulation);
                 }
             }
             Course::Program(program) => {
@@ -112,11 +110,11 @@ impl Source {
                 let mut begin = 0;
                 for (end, layer) in ends.into_iter().filter(|&(end, _)| end > 0) {
                     let before = simulation.seconds();
-                    watch.run(simulation, &program.slots[begin..end])?;
+                    watch.run(simulation, &program.events[begin..end], control)?;
                     begin = end;
-                    done(layer, simulation.seconds() - before, simulation)?;
+                    done(layer, simulation.seconds() - before, simulation);
                 }
-                watch.run(simulation, &program.slots[begin..])?;
+                watch.run(simulation, &program.events[begin..], control)?;
             }
         }
         Ok(())
@@ -165,7 +163,9 @@ fn part_of(program: &Program) -> anyhow::Result<Voxels> {
     let [Some(cell_mm), Some(layer_mm)] = stated_mm(program) else {
         bail!("it does not say how wide its beads and how high its layers are: give the part, too");
     };
-    let part = program_voxels(program, cell_mm, layer_mm)?;
+    let part = control::quiet(Threads::One, |control| {
+        program_voxels(program, cell_mm, layer_mm, control)
+    })??;
     match (0..part.depth).find(|&layer| part.cells(layer).next().is_none()) {
         Some(layer) => Err(anyhow!("it prints nothing in layer {}: give the part, too", layer + 1)),
         None => Ok(part),

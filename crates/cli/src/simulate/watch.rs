@@ -1,9 +1,12 @@
 //! What is looked at every so often while a part is printed, beside the ends of its layers.
 
+use anyhow::anyhow;
+use beadwork_base::Control;
 use beadwork_part::slice::Voxels;
-use beadwork_thermal::{
-    DepositError, Material, Probes, Simulation, Slot, TimeAbove, Warpage, WarpageEstimate,
-};
+use beadwork_thermal::sampling::{Probes, TimeAbove};
+use beadwork_thermal::simulation::DepositError;
+use beadwork_thermal::warpage::{WarpageEstimate, WarpageEstimator};
+use beadwork_thermal::{DepositionEvent, Simulation, ThermalMaterial};
 use serde::Serialize;
 
 /// Seconds between the looks of the warpage estimate and of the time above a temperature.
@@ -20,7 +23,7 @@ pub(super) struct Watch {
     probes: Option<(Rhythm, Probes)>,
     rhythm: Rhythm,
     above: Option<TimeAbove>,
-    warpage: Option<Warpage>,
+    warpage: Option<WarpageEstimator>,
 }
 
 /// What to look at.
@@ -32,7 +35,7 @@ pub(super) struct Wanted<'a> {
     /// The temperature whose excess is timed, °C.
     pub(super) above_c: Option<f64>,
     /// The material, if its warpage is estimated.
-    pub(super) warpage: Option<&'a Material>,
+    pub(super) warpage: Option<&'a ThermalMaterial>,
 }
 
 /// What was seen.
@@ -63,7 +66,7 @@ impl Watch {
             probes: probe_s.map(|every_s| (Rhythm::new(every_s), Probes::new(probes))),
             rhythm: Rhythm::new(LOOK_S),
             above: above_c.map(|above_c| TimeAbove::new(simulation, above_c)),
-            warpage: warpage.map(|material| Warpage::new(simulation.part(), material)),
+            warpage: warpage.map(|material| WarpageEstimator::new(simulation.part(), material)),
         }
     }
 
@@ -72,14 +75,20 @@ impl Watch {
     pub(super) fn run(
         &mut self,
         simulation: &mut Simulation,
-        slots: &[Slot],
-    ) -> Result<(), DepositError> {
-        match self.every_s {
+        slots: &[DepositionEvent],
+        control: &Control<'_>,
+    ) -> anyhow::Result<()> {
+        let result = match self.every_s {
             Some(every_s) => {
-                simulation.run_watched(slots, every_s, |simulation| self.look(simulation))
+                let sample = |simulation: &Simulation| self.look(simulation);
+                simulation.run_sampled(slots, every_s, sample, control)
             }
-            None => simulation.run(slots),
-        }
+            None => simulation.run(slots, control),
+        };
+        result.map_err(|error| match error {
+            DepositError::Interrupted(_) => stopped(),
+            error => error.into(),
+        })
     }
 
     fn look(&mut self, simulation: &Simulation) {
@@ -87,28 +96,38 @@ impl Watch {
         if let Some((rhythm, probes)) = &mut self.probes
             && rhythm.is_due(now_s)
         {
-            probes.look(simulation);
+            probes.sample(simulation);
         }
         if self.rhythm.is_due(now_s) {
-            self.above.iter_mut().for_each(|above| above.look(simulation));
-            self.warpage.iter_mut().for_each(|warpage| warpage.look(simulation));
+            self.above.iter_mut().for_each(|above| above.sample(simulation));
+            self.warpage.iter_mut().for_each(|warpage| warpage.sample(simulation));
         }
     }
 
     /// Looks a last time.
-    pub(super) fn finish(self, simulation: &Simulation) -> Seen {
+    pub(super) fn finish(
+        self,
+        simulation: &Simulation,
+        control: &Control<'_>,
+    ) -> anyhow::Result<Seen> {
         let probes = self.probes.map(|(_, mut probes)| {
             if probes.seconds().last() != Some(&simulation.seconds()) {
-                probes.look(simulation);
+                probes.sample(simulation);
             }
             probes
         });
         let above = self.above.map(|mut above| {
-            above.look(simulation);
+            above.sample(simulation);
             Excess::of(&above, simulation.part())
         });
-        Seen { probes, above, warpage: self.warpage.map(|warpage| warpage.finish(simulation)) }
+        let warpage = self.warpage.map(|warpage| warpage.finish(simulation, control)).transpose();
+        let warpage = warpage.map_err(|_| stopped())?;
+        Ok(Seen { probes, above, warpage })
     }
+}
+
+fn stopped() -> anyhow::Error {
+    anyhow!("stopped; nothing was written")
 }
 
 impl Excess {

@@ -1,7 +1,7 @@
 //! How far a simulation is from a more exact one.
 
 use beadwork_grid::Cell;
-use beadwork_thermal::{Simulation, Spread};
+use beadwork_thermal::{Simulation, TemperatureStatistics};
 use serde::Serialize;
 
 /// Births before a layer's end in which a difference of temperatures is told apart: those near the
@@ -65,5 +65,6 @@ impl Errors {
 }
 
 fn deviation(field: &[f32]) -> f64 {
-    Spread::of(field.iter().map(|&celsius| f64::from(celsius))).map_or(0.0, |spread| spread.std_c)
+    let celsius = field.iter().map(|&celsius| f64::from(celsius));
+    TemperatureStatistics::of(celsius).map_or(0.0, |all| all.std_c)
 }

@@ -5,8 +5,10 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
+use beadwork_base::Control;
 use beadwork_part::Pattern;
-use beadwork_thermal::{Material, Method, Simulation};
+use beadwork_thermal::simulation::Method;
+use beadwork_thermal::{Simulation, ThermalMaterial};
 use pulp::{Simd, WithSimd};
 use serde::Serialize;
 
@@ -36,9 +38,11 @@ pub(super) struct Kernel {
 pub(super) fn measure(repeats: u64) -> anyhow::Result<Kernel> {
     let part = Arc::new(HeatPart::Rectangular.voxels());
     let process = process();
-    let mut simulation = Simulation::new(part.clone(), &Material::abs(), &process, Method::Naive)?;
+    let mut simulation =
+        Simulation::new(part.clone(), &ThermalMaterial::abs(), &process, Method::Naive)?;
+    let control = Control::default();
     for (layer, order) in orders(&part, Pattern::CONVENTIONAL)?.iter().enumerate() {
-        simulation.deposit(layer as u32, order)?;
+        simulation.deposit(layer as u32, order, &control)?;
     }
     let step_s = part.frame.cell_mm / process.print_mm_s;
     let steps = 4_000;
@@ -52,7 +56,10 @@ pub(super) fn measure(repeats: u64) -> anyhow::Result<Kernel> {
                 black_box(&mut *a);
             }
         });
-        let update = rate(part.count() * steps, || simulation.pause(step_s * steps as f64));
+        let pause_s = step_s * steps as f64;
+        let update = rate(part.count() * steps, || {
+            simulation.pause(pause_s, &control).expect("the default control never interrupts");
+        });
         triads.push(triad);
         updates.push(update);
         shares.push(update / triad);

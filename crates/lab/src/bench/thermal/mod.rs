@@ -12,11 +12,13 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::ensure;
+use beadwork_base::Control;
 use beadwork_console::{machine, output};
 use beadwork_grid::Cell;
 use beadwork_part::Pattern;
 use beadwork_part::slice::Voxels;
-use beadwork_thermal::{Accuracy, Material, Method, Process, Simulation};
+use beadwork_thermal::simulation::{Accuracy, Method};
+use beadwork_thermal::{ProcessParameters, Simulation, ThermalMaterial};
 use clap::ValueEnum;
 use serde_json::json;
 
@@ -122,8 +124,8 @@ pub(super) fn run(args: &ThermalArgs) -> anyhow::Result<()> {
 const FAST: Method = Method::Fast(Accuracy::Standard);
 
 /// The paper's process but without travel: births follow each other without a pause.
-fn process() -> Process {
-    Process { travel_mm_s: None, ..Process::default() }
+fn process() -> ProcessParameters {
+    ProcessParameters { travel_mm_s: None, ..ProcessParameters::default() }
 }
 
 /// Prints a whole part, tells the seconds that took, and lets the state at each layer's end be
@@ -134,11 +136,12 @@ fn print(
     method: Method,
     mut look: impl FnMut(usize, &Simulation),
 ) -> anyhow::Result<f64> {
-    let mut simulation = Simulation::new(part.clone(), &Material::abs(), &process(), method)?;
+    let mut simulation =
+        Simulation::new(part.clone(), &ThermalMaterial::abs(), &process(), method)?;
     let mut seconds = 0.0;
     for (layer, order) in orders.iter().enumerate() {
         let begin = Instant::now();
-        simulation.deposit(layer as u32, order)?;
+        simulation.deposit(layer as u32, order, &Control::default())?;
         seconds += begin.elapsed().as_secs_f64();
         look(layer, &simulation);
     }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use beadwork_part::Pattern;
-use beadwork_thermal::{Accuracy, Method};
+use beadwork_thermal::simulation::{Accuracy, Method};
 use serde::Serialize;
 
 use super::errors::{Errors, Fields};

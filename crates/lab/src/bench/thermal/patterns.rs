@@ -4,9 +4,10 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Instant;
 
+use beadwork_base::{Control, Threads};
 use beadwork_console::control;
 use beadwork_part::Pattern;
-use beadwork_thermal::{Material, Simulation};
+use beadwork_thermal::{Simulation, ThermalMaterial};
 use serde::Serialize;
 
 use super::{FAST, process};
@@ -27,20 +28,22 @@ pub(super) struct Patterns {
 pub(super) fn measure() -> anyhow::Result<Patterns> {
     let part = Arc::new(HeatPart::Rectangular.voxels());
     let pool = control::pool(2)?;
-    let mut simulation = Simulation::new(part.clone(), &Material::abs(), &process(), FAST)?;
+    let mut simulation = Simulation::new(part.clone(), &ThermalMaterial::abs(), &process(), FAST)?;
     let (mut all, mut ratios) = (Vec::new(), Vec::new());
     for (layer, orders) in all_orders(&part)?.iter().enumerate() {
-        let time = |orders: &[Vec<u32>], pool| -> anyhow::Result<f64> {
+        let time = |orders: &[Vec<u32>], threads| -> anyhow::Result<f64> {
             let begin = Instant::now();
-            simulation.try_orders(layer as u32, orders, pool, Simulation::spread)?;
+            let (layer, control) = (layer as u32, Control::on(threads));
+            simulation.try_orders(layer, orders, Simulation::statistics, &control)?;
             Ok(begin.elapsed().as_secs_f64())
         };
-        all.push(time(orders, Some(&pool))?);
+        all.push(time(orders, Threads::Pool(&pool))?);
         for _ in 0..5 {
             let twice = [orders[0].clone(), orders[0].clone()];
-            ratios.push(time(&twice, None)? / time(&twice, Some(&pool))?);
+            ratios.push(time(&twice, Threads::One)? / time(&twice, Threads::Pool(&pool))?);
         }
-        simulation.deposit(layer as u32, &orders[Pattern::CONVENTIONAL.number()])?;
+        let conventional = &orders[Pattern::CONVENTIONAL.number()];
+        simulation.deposit(layer as u32, conventional, &Control::default())?;
     }
     let mean_s = all.iter().sum::<f64>() / all.len() as f64;
     Ok(Patterns {

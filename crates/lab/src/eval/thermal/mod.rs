@@ -3,15 +3,17 @@
 mod table;
 
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
-use anyhow::ensure;
+use beadwork_base::{Control, Threads};
 use beadwork_console::accuracy::AccuracyName;
 use beadwork_console::{cancel, control, machine, output, progress};
 use beadwork_grid::Cell;
 use beadwork_part::Pattern;
 use beadwork_part::slice::Voxels;
-use beadwork_thermal::{Material, Method, Plane, Process, Simulation, Warpage};
+use beadwork_thermal::section::Plane;
+use beadwork_thermal::simulation::Method;
+use beadwork_thermal::warpage::WarpageEstimator;
+use beadwork_thermal::{ProcessParameters, Simulation, ThermalMaterial};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -99,8 +101,8 @@ pub(super) fn run(args: &ThermalArgs) -> anyhow::Result<()> {
     let pool = control::pool(args.threads)?;
     let bench = Bench {
         method: Method::Fast(args.accuracy.into()),
-        material: Material::abs(),
-        process: Process::default(),
+        material: ThermalMaterial::abs(),
+        process: ProcessParameters::default(),
     };
     let rows =
         parts.iter().map(|&part| bench.part(part, &pool)).collect::<anyhow::Result<Vec<_>>>()?;
@@ -116,8 +118,8 @@ pub(super) fn run(args: &ThermalArgs) -> anyhow::Result<()> {
 /// What all parts are printed with.
 struct Bench {
     method: Method,
-    material: Material,
-    process: Process,
+    material: ThermalMaterial,
+    process: ProcessParameters,
 }
 
 /// Seconds from the end of a print to its thermal deviation.
@@ -133,13 +135,12 @@ impl Bench {
         let begin = std::time::Instant::now();
         let part = Arc::new(which.voxels());
         let orders = all_orders(&part)?;
-        let stop = cancel::token()?.as_flag();
+        let cancel = Some(cancel::token()?);
         let bar = progress::bar((Pattern::COUNT + part.depth) as u64, which.name());
         let plan_of = |number: usize| {
             orders.iter().map(|orders| &orders[number][..]).collect::<Vec<&[Cell]>>()
         };
         let one = |&pattern: &Pattern| -> anyhow::Result<Printed> {
-            ensure!(!stop.load(Ordering::Relaxed), "stopped");
             let printed = self.print(&part, pattern.name(), &plan_of(pattern.number()))?;
             bar.inc(1);
             Ok(printed)
@@ -150,13 +151,13 @@ impl Bench {
             Simulation::new(part.clone(), &self.material, &self.process, self.method)?;
         let mut greedy_patterns = Vec::new();
         for (layer, orders) in orders.iter().enumerate() {
-            ensure!(!stop.load(Ordering::Relaxed), "stopped");
-            let even = |end: &Simulation| end.spread().map_or(f64::INFINITY, |spread| spread.std_c);
-            let deviations = simulation.try_orders(layer as u32, orders, Some(pool), even)?;
+            let even = |end: &Simulation| end.statistics().map_or(f64::INFINITY, |all| all.std_c);
+            let control = Control { cancel, ..Control::on(Threads::Pool(pool)) };
+            let deviations = simulation.try_orders(layer as u32, orders, even, &control)?;
             let best = (0..Pattern::COUNT)
                 .min_by(|&a, &b| deviations[a].total_cmp(&deviations[b]))
                 .expect("there are 38 patterns");
-            simulation.deposit(layer as u32, &orders[best])?;
+            simulation.deposit(layer as u32, &orders[best], &control)?;
             greedy_patterns.push(Pattern::ALL[best]);
             bar.inc(1);
         }
@@ -194,30 +195,33 @@ impl Bench {
     ) -> anyhow::Result<Printed> {
         let mut simulation =
             Simulation::new(part.clone(), &self.material, &self.process, self.method)?;
+        let control = Control { cancel: Some(cancel::token()?), ..Control::default() };
         let mut reward = 0.0;
         for (layer, order) in plan.iter().enumerate() {
-            simulation.deposit(layer as u32, order)?;
-            reward -= simulation.spread().map_or(0.0, |spread| spread.std_c);
+            simulation.deposit(layer as u32, order, &control)?;
+            reward -= simulation.statistics().map_or(0.0, |all| all.std_c);
         }
         let print_seconds = simulation.seconds();
-        simulation.pause(REST_S);
+        simulation.pause(REST_S, &control)?;
         let section = simulation.section(Plane::Y(part.frame.height / 2));
         Ok(Printed {
             pattern: pattern.to_owned(),
             reward,
             print_seconds,
-            deviation_k: section.largest_deviation_k().unwrap_or(0.0),
+            deviation_k: section.max_deviation_k().unwrap_or(0.0),
         })
     }
 
     fn lift_mm(&self, part: &Arc<Voxels>, plan: &[&[Cell]]) -> anyhow::Result<f64> {
         let mut simulation =
             Simulation::new(part.clone(), &self.material, &self.process, self.method)?;
-        let mut warpage = Warpage::new(part, &self.material);
+        let control = Control { cancel: Some(cancel::token()?), ..Control::default() };
+        let mut warpage = WarpageEstimator::new(part, &self.material);
         for (layer, order) in plan.iter().enumerate() {
-            let slots = simulation.slots(layer as u32, order);
-            simulation.run_watched(&slots, LOOK_S, |simulation| warpage.look(simulation))?;
+            let events = simulation.layer_events(layer as u32, order);
+            let sample = |simulation: &Simulation| warpage.sample(simulation);
+            simulation.run_sampled(&events, LOOK_S, sample, &control)?;
         }
-        Ok(warpage.finish(&simulation).corner_lift_mm)
+        Ok(warpage.finish(&simulation, &control)?.corner_lift_mm)
     }
 }
