@@ -5,8 +5,7 @@ use std::path::{Component, Path, PathBuf};
 use super::numbered;
 
 /// Folders of the root that a path in documentation may start with.
-const FOLDERS: [&str; 7] =
-    [".ci/", "configs/", "crates/", "docs/", "models/", "tests/", "xtask/"];
+const FOLDERS: [&str; 7] = [".ci/", "configs/", "crates/", "docs/", "models/", "tests/", "xtask/"];
 
 /// Paths in the text of a Markdown file that do not exist, according to `exists`.
 ///
@@ -85,9 +84,7 @@ mod tests {
 
     #[test]
     fn patterns_commands_and_code_blocks_are_ignored() {
-        assert!(
-            missing("`crates/*/x`, `docs/NAME --json`, `--out tests`, [top](#top)").is_empty()
-        );
+        assert!(missing("`crates/*/x`, `docs/NAME --json`, `--out tests`, [top](#top)").is_empty());
         assert!(missing("```\n`crates/x/b.rs` [b](b.md)\n```\n").is_empty());
     }
 }
