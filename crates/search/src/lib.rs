@@ -33,6 +33,7 @@ pub mod bound;
 pub mod chains;
 mod cost;
 mod costs;
+mod disjoint_sets;
 pub mod exact;
 pub mod genetic;
 mod matching;
@@ -41,7 +42,6 @@ mod parallel;
 pub mod plan;
 mod random;
 mod stop;
-mod union;
 
 pub use anneal::{
     Free, Method, Outcome, Pooled, Preset, Progress, Settings, UnknownPreset, anneal,

@@ -1,11 +1,13 @@
-//! The exact search against an integer program, on layers too large to try everything.
+//! The exact search against an integer program, on layers too large for brute force.
 //!
-//! By hand:
-//! `cargo test --release -p beadwork-search --features integer-program --test integer_program -- --nocapture`.
-//! It needs cmake and a C++ compiler to build HiGHS, and takes minutes.
+//! Run it by hand, as it needs cmake and a C++ compiler to build HiGHS, and takes minutes:
+//! ```text
+//! cargo test --release -p beadwork-search --features integer-program --test integer_program \
+//!     -- --nocapture
+//! ```
 
-#![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
-#![allow(clippy::print_stdout, reason = "it is run by hand, to be read")]
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+#![allow(clippy::print_stdout, reason = "the test is run by hand, to read its output")]
 
 use std::collections::BTreeMap;
 
@@ -16,12 +18,13 @@ use good_lp::{
     Expression, Solution, SolverModel, Variable, constraint, highs, variable, variables,
 };
 
-/// A layer with a variable for each link.
+/// The integer program of a layer: a binary variable for each link, at most two links at each cell.
 struct Program<'a> {
     region: &'a Region,
     zones: &'a Zones,
     links: Vec<[Cell; 2]>,
-    /// Sets of cells in which not all links that a cycle needs may lie.
+    /// Sets of cells that solutions found so far close by cycles: each may hold fewer links than
+    /// cells.
     closed: Vec<Vec<Cell>>,
 }
 
@@ -35,14 +38,14 @@ impl<'a> Program<'a> {
         Self { region, zones, links, closed: Vec::new() }
     }
 
-    /// The fewest crossings of so many links, at most two at each cell, without the cycles found so
-    /// far; and the links.
+    /// The minimum number of crossings of `count` links without the cycles found so far, and the
+    /// links; `None` if there is no such set of links.
     fn solve(&self, count: u32) -> Option<(u32, Vec<[Cell; 2]>)> {
         let mut variables = variables!();
         let taken: Vec<Variable> =
             self.links.iter().map(|_| variables.add(variable().binary())).collect();
         let is_crossing = |&[a, b]: &[Cell; 2]| self.zones.id(a) != self.zones.id(b);
-        let of = |choose: &dyn Fn(&[Cell; 2]) -> bool| -> Expression {
+        let count_of = |choose: &dyn Fn(&[Cell; 2]) -> bool| -> Expression {
             self.links
                 .iter()
                 .zip(&taken)
@@ -50,14 +53,14 @@ impl<'a> Program<'a> {
                 .map(|(_, &taken)| taken)
                 .sum()
         };
-        let mut problem = variables.minimise(of(&is_crossing)).using(highs);
+        let mut problem = variables.minimise(count_of(&is_crossing)).using(highs);
         problem.set_verbose(false);
-        problem = problem.with(constraint!(of(&|_| true) == f64::from(count)));
+        problem = problem.with(constraint!(count_of(&|_| true) == f64::from(count)));
         for cell in self.region.cells() {
-            problem = problem.with(constraint!(of(&|link| link.contains(&cell)) <= 2));
+            problem = problem.with(constraint!(count_of(&|link| link.contains(&cell)) <= 2));
         }
         for set in &self.closed {
-            let inside = of(&|[a, b]| set.contains(a) && set.contains(b));
+            let inside = count_of(&|[a, b]| set.contains(a) && set.contains(b));
             problem = problem.with(constraint!(inside <= set.len() as f64 - 1.0));
         }
         let solution = problem.solve().ok()?;
@@ -71,7 +74,8 @@ impl<'a> Program<'a> {
         Some((chosen.iter().filter(|link| is_crossing(link)).count() as u32, chosen))
     }
 
-    /// Forbids the cycles of a solution; false if it has none.
+    /// Forbids the cycles of a solution.
+    /// Returns whether it has any.
     fn forbid_cycles(&mut self, links: &[[Cell; 2]]) -> bool {
         let mut linked: BTreeMap<Cell, Vec<Cell>> = BTreeMap::new();
         for &[a, b] in links {
@@ -100,8 +104,9 @@ impl<'a> Program<'a> {
         self.closed.len() > before
     }
 
-    /// The fewest crossings of a cover in so many pieces, or that there are not fewer than asked.
-    fn fewest(&mut self, pieces: u32, enough: u32) -> (u32, usize) {
+    /// The minimum number of crossings of a cover with `pieces` pieces, or a lower bound on it that
+    /// is at least `enough`; and the number of rounds it took.
+    fn min_crossings(&mut self, pieces: u32, enough: u32) -> (u32, usize) {
         for round in 1.. {
             let (crossings, links) =
                 self.solve(self.region.cell_count() - pieces).expect("there is a cover");
@@ -109,7 +114,7 @@ impl<'a> Program<'a> {
                 return (crossings, round);
             }
         }
-        unreachable!("there are only so many cycles")
+        unreachable!("the number of cycles is finite")
     }
 }
 
@@ -128,19 +133,21 @@ fn the_integer_program_finds_no_better_cover() {
         let zones = LayoutSpec { layout, zones: 3 + (number % 4) as u8, side: 3 }
             .zones(&region, number)
             .unwrap();
-        let plan = solve(&region, &zones, &Settings::default(), &Control::default()).unwrap();
-        assert_eq!(verify(&region, plan.path.order()), Ok(plan.pieces));
-        let (best, rounds) = Program::new(&region, &zones).fewest(plan.pieces, plan.crossings);
+        let outcome = solve(&region, &zones, &Settings::default(), &Control::default()).unwrap();
+        assert_eq!(verify(&region, outcome.path.order()), Ok(outcome.pieces));
+        let (best, rounds) =
+            Program::new(&region, &zones).min_crossings(outcome.pieces, outcome.crossings);
         println!(
-            "{number}: {layout} {side}x{side}, {} cells in {} pieces: bound {}, found {}, integer program {best} after {rounds} rounds",
+            "{number}: {layout} {side}x{side}, {} cells in {} pieces: bound {}, found {}, \
+             integer program {best} after {rounds} rounds",
             region.cell_count(),
-            plan.pieces,
-            plan.bound,
-            plan.crossings,
+            outcome.pieces,
+            outcome.bound,
+            outcome.crossings,
         );
-        assert_eq!(best, plan.crossings, "the search missed a better cover");
-        assert!(plan.bound <= u64::from(best));
-        proven += u32::from(plan.is_optimal());
+        assert_eq!(best, outcome.crossings, "the search missed a better cover");
+        assert!(outcome.bound <= u64::from(best));
+        proven += u32::from(outcome.is_optimal());
         count += 1;
     }
     println!("{proven} of {count} were proven without it");

@@ -1,126 +1,150 @@
-//! What it costs that no set of cells may stay closed.
+//! The bound by what no cheapest 2-matching connects.
+//!
+//! Take all links that occur in some cheapest 2-matching of the required size.
+//! If these links together do not connect all cells, every cheapest 2-matching leaves the same
+//! components unconnected, so none of them is a path, and a path costs more.
+//! How much more is at least the cost of inserting a link that leaves such a component.
 
-use crate::matching::{Board, Classes, Dir, Matching, Node, Paths, ZoneGraph};
+use crate::matching::{Board, ComponentGraph, Dir, Node, ShortestPaths, TightClasses, TwoMatching};
 
-/// Searches for the cheapest link out of a component, at most; beyond it the extra cost counts as
-/// the least possible.
-const MOST_SEARCHES: u32 = 200;
+/// Maximum number of shortest-path searches for links that leave a component.
+const MAX_SEARCHES: u32 = 200;
 
-/// What a cover costs more at least where anything is apart, for costs are whole numbers.
-pub(crate) const LEAST: u32 = 1;
+/// The minimum by which one cost exceeds another: costs are whole numbers.
+pub(crate) const MIN_EXTRA_COST: u32 = 1;
 
-/// What the cheapest 2-matchings of one size never link, though a cover must.
-pub(crate) struct Apart {
-    /// The components that all links of all cheapest 2-matchings make.
-    components: ZoneGraph,
-    /// The zone components, finer: without the links that no cheapest 2-matching has.
-    pub(crate) graph: ZoneGraph,
+/// What all cheapest 2-matchings of one size leave unconnected.
+pub(crate) struct Separation {
+    /// The components that all links of all cheapest 2-matchings form.
+    components: ComponentGraph,
+    /// The zone components, divided further: without the links that occur in no cheapest
+    /// 2-matching.
+    /// Its links are those that a cover needs and that 2-matchings tend to lack.
+    pub(crate) graph: ComponentGraph,
 }
 
-impl Apart {
-    /// Takes all links that some cheapest 2-matching has: those in this one, and those whose
-    /// residual step is free of reduced cost and lies on a closed walk of such steps, by
-    /// complementary slackness.
-    /// `None` if a cover need not cost more.
-    pub(crate) fn new(matching: &Matching<'_>, pieces: u32) -> Option<Self> {
+impl Separation {
+    /// Finds what is unconnected; `None` if there is no closed component ([`closed_components`]).
+    /// Linear in the cells.
+    pub(crate) fn find(matching: &TwoMatching<'_>, pieces: u32) -> Option<Self> {
         let board = matching.board;
-        let classes = Classes::new(matching);
-        let allowed = Allowed { matching, classes: &classes };
-        let components = ZoneGraph::of(board, |node, dir| allowed.link(node, dir));
-        if closed_sets(&components, &allowed, pieces).is_empty() {
+        let classes = TightClasses::new(matching);
+        let optimal = OptimalLinks { matching, classes: &classes };
+        let components = ComponentGraph::new(board, |node, dir| optimal.contains(node, dir));
+        if closed_components(&components, &optimal, pieces).is_empty() {
             return None;
         }
         let inside = |node: Node, dir: Dir| board.across[node as usize] & (1 << dir) == 0;
-        let graph = ZoneGraph::of(board, |node, dir| allowed.link(node, dir) && inside(node, dir));
+        let graph = ComponentGraph::new(board, |node, dir| {
+            optimal.contains(node, dir) && inside(node, dir)
+        });
         Some(Self { components, graph })
     }
-}
 
-/// By how much a path, or a cover in `pieces` pieces, costs more than the cheapest 2-matching, at
-/// least.
-///
-/// A path leaves each of the components, by a link that no cheapest 2-matching has.
-/// The cheapest way to have such a link is a shortest residual walk through it, and the component
-/// where that is dearest counts.
-/// Of several pieces one may stay inside a component, so there only components count in which no
-/// cheapest 2-matching has room for an end; that costs at least 1, for costs are whole numbers.
-pub(crate) fn connectivity(
-    apart: &Apart,
-    matching: &Matching<'_>,
-    pieces: u32,
-    paths: &mut Paths,
-) -> u32 {
-    if pieces == 1 { dearest(&apart.components, matching, paths) } else { LEAST }
-}
-
-/// What some cheapest 2-matching of the same size has.
-pub(super) struct Allowed<'m, 'a> {
-    pub(super) matching: &'m Matching<'a>,
-    pub(super) classes: &'m Classes,
-}
-
-impl Allowed<'_, '_> {
-    /// Whether one has this link.
-    pub(super) fn link(&self, node: Node, dir: Dir) -> bool {
-        let Self { matching, classes } = self;
-        let other = matching.board.step(node, dir);
-        matching.is_linked(node, dir)
-            || (matching.reduced(node, dir) == 0 && classes.of(node) == classes.of(other))
+    /// By how much a cover with `pieces` pieces costs more than the cheapest 2-matching, at least.
+    ///
+    /// With one piece, the path connects all cells, so it leaves each component by a link that
+    /// occurs in no cheapest 2-matching.
+    /// It costs at least as much as the cheapest 2-matching with such a link.
+    /// This holds for each component, and so for the one where it costs most.
+    ///
+    /// With several pieces, one of them may stay inside a component, but only if it can have its
+    /// ends there.
+    /// A closed component can't hold the ends of a piece at minimum cost, so a cover costs at least
+    /// [`MIN_EXTRA_COST`] more.
+    pub(crate) fn extra_cost(
+        &self,
+        matching: &TwoMatching<'_>,
+        pieces: u32,
+        paths: &mut ShortestPaths,
+    ) -> u32 {
+        if pieces == 1 { max_exit_cost(&self.components, matching, paths) } else { MIN_EXTRA_COST }
     }
 }
 
-/// The components that a cover in so many pieces has to leave but this 2-matching does not: with
-/// one piece those that hold no end, with several those that can hold none.
-pub(super) fn closed_sets(
-    graph: &ZoneGraph,
-    allowed: &Allowed<'_, '_>,
+/// The links that occur in some cheapest 2-matching of one size.
+pub(super) struct OptimalLinks<'m, 'a> {
+    /// One of these 2-matchings.
+    pub(super) matching: &'m TwoMatching<'a>,
+    pub(super) classes: &'m TightClasses,
+}
+
+impl OptimalLinks<'_, '_> {
+    /// Whether the link from a cell in a direction is one of them.
+    pub(super) fn contains(&self, node: Node, dir: Dir) -> bool {
+        let Self { matching, classes } = self;
+        let other = matching.board.neighbour(node, dir);
+        matching.is_linked(node, dir)
+            || (matching.reduced_cost(node, dir) == 0
+                && classes.class(node) == classes.class(other))
+    }
+}
+
+/// The cells of each component that is *closed*: a cover with this number of pieces has to leave
+/// it, but the cheapest 2-matchings do not.
+///
+/// With one piece these are the components without room for an end in the present 2-matching, with
+/// several pieces those without room in any cheapest one.
+/// None if there is only one component.
+pub(super) fn closed_components(
+    components: &ComponentGraph,
+    optimal: &OptimalLinks<'_, '_>,
     pieces: u32,
 ) -> Vec<Vec<Node>> {
-    if graph.count() == 1 {
+    if components.count() == 1 {
         return Vec::new();
     }
-    let board: &Board = allowed.matching.board;
-    let mut sets = vec![Vec::new(); graph.count() as usize];
-    let mut is_closed = vec![true; graph.count() as usize];
+    let OptimalLinks { matching, classes } = optimal;
+    let board: &Board = matching.board;
+    let mut cells = vec![Vec::new(); components.count() as usize];
+    let mut is_closed = vec![true; components.count() as usize];
     for &node in &board.cells {
-        let component = graph.component(node) as usize;
-        sets[component].push(node);
-        let has_room = allowed.matching.room[node as usize] > 0;
-        if has_room || (pieces > 1 && allowed.classes.may_have_room(allowed.matching, node)) {
+        let component = components.component(node) as usize;
+        cells[component].push(node);
+        if matching.has_room(node) || (pieces > 1 && classes.may_have_room(matching, node)) {
             is_closed[component] = false;
         }
     }
-    sets.into_iter()
+    cells
+        .into_iter()
         .zip(is_closed)
         .filter(|(_, is_closed)| *is_closed)
-        .map(|(set, _)| set)
+        .map(|(cells, _)| cells)
         .collect()
 }
 
-/// The cost of the cheapest link out of a component, for the component where it is dearest.
-fn dearest(graph: &ZoneGraph, matching: &Matching<'_>, paths: &mut Paths) -> u32 {
-    const NONE: i32 = i32::MAX / 4;
+/// The cost of the cheapest link out of a component, maximized over the components.
+///
+/// Searches end at [`MAX_SEARCHES`]; then the result is [`MIN_EXTRA_COST`].
+fn max_exit_cost(
+    components: &ComponentGraph,
+    matching: &TwoMatching<'_>,
+    paths: &mut ShortestPaths,
+) -> u32 {
+    const UNKNOWN: i32 = i32::MAX / 4;
 
-    let mut cheapest = vec![NONE; graph.count() as usize];
-    let mut searches_left = MOST_SEARCHES;
-    for &(node, dir) in &graph.links {
-        let other = matching.board.step(node, dir);
-        let (a, b) = (graph.component(node) as usize, graph.component(other) as usize);
+    let mut cheapest = vec![UNKNOWN; components.count() as usize];
+    let mut searches_left = MAX_SEARCHES;
+    for &(node, dir) in &components.links {
+        let other = matching.board.neighbour(node, dir);
+        let (a, b) = (components.component(node) as usize, components.component(other) as usize);
+        // A link that is not cheaper than both known exits changes nothing, and no exit costs less
+        // than the minimum.
         let limit = cheapest[a].max(cheapest[b]);
-        if a == b || limit <= LEAST as i32 {
+        if a == b || limit <= MIN_EXTRA_COST as i32 {
             continue;
         }
         if searches_left == 0 {
-            return LEAST;
+            return MIN_EXTRA_COST;
         }
         searches_left -= 1;
-        if let Some(cost) = paths.cost_of_link(matching, node, dir, limit) {
+        if let Some(cost) = paths.insertion_cost(matching, node, dir, limit) {
             cheapest[a] = cheapest[a].min(cost);
             cheapest[b] = cheapest[b].min(cost);
         }
     }
-    // A component without a way out at any cost is no matter of costs: then there is no cover in so
-    // few pieces.
-    let known = cheapest.into_iter().filter(|&cost| cost < NONE);
-    known.max().map_or(LEAST, |dearest| dearest as u32).max(LEAST)
+    // A component without an exit at any cost shows that there is no cover with so few pieces.
+    // That is left to the bounds on pieces.
+    let known = cheapest.into_iter().filter(|&cost| cost < UNKNOWN);
+    known.max().map_or(MIN_EXTRA_COST, |cost| cost as u32).max(MIN_EXTRA_COST)
 }

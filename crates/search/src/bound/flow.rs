@@ -1,42 +1,48 @@
-//! The bound of the cheapest 2-matching.
+//! The bound by the cheapest 2-matching, a minimum-cost flow.
+//!
+//! A cover of n cells with p pieces has n - p links, at most two at each cell.
+//! So its crossings cost at least as much as the cheapest 2-matching with n - p links.
+//! And if the maximum 2-matching has fewer than n - p links, there is no cover with p pieces.
+//!
+//! The flow accounts for the chessboard colours: a path alternates between black and white cells,
+//! so a zone with many more black cells than white ones has to be entered and left at black cells,
+//! again and again.
 
-use crate::matching::{Board, Grain, Matching, ZoneGraph};
+use crate::matching::{Board, ComponentGraph, LadderLayout, TwoMatching};
 
-/// The cheapest 2-matching of a connected board with as many links as the fewest pieces leave, and
-/// these pieces.
+/// The cheapest 2-matching for the minimum number of pieces, and that number.
 ///
-/// A cover of n cells in p pieces has n - p links, at most two at each cell.
-/// A maximum 2-matching has n - d / 2 links if its cells lack d, so p is at least d / 2, and at
-/// least 1; and the crossings of the cover are at least those of the cheapest 2-matching of n - p
-/// links.
-/// It is a minimum cost flow from the black cells of a chessboard colouring to the white ones, so
-/// it counts what colours cost: a zone with more black cells than white ones must be entered and
-/// left at black ones.
-pub(crate) fn flow(board: &Board) -> (Matching<'_>, u32) {
-    let mut matching = Matching::inside_zones(board, Grain::default());
-    matching.drop_links_inside(2, |_| 0);
-    matching.grow(2);
-    let pieces = matching.spare / 2;
+/// A 2-matching whose cells lack d links has n - d / 2 links, and d / 2 paths; a cover has at least
+/// one.
+pub(crate) fn cheapest(board: &Board) -> (TwoMatching<'_>, u32) {
+    let matching = cheapest_with_pieces(board, 1);
+    let pieces = matching.total_room / 2;
     (matching, pieces)
 }
 
-/// The same for more pieces than needed, wherever they begin and end: what their crossings cost at
-/// least.
-pub(crate) fn cost_in(board: &Board, pieces: u32) -> u64 {
-    let mut matching = Matching::inside_zones(board, Grain::default());
-    matching.drop_links_inside(2 * pieces, |_| 0);
-    matching.grow(2 * pieces);
-    matching.cost() as u64
+/// Lower bound on the cost of a cover with a given number of pieces, at least as many as necessary,
+/// wherever they begin and end.
+pub(crate) fn min_cost(board: &Board, pieces: u32) -> u64 {
+    cheapest_with_pieces(board, pieces).cost() as u64
 }
 
-/// Segments that each zone component needs at least: half of what a maximum 2-matching inside it
-/// lacks, but at least 1.
-pub(crate) fn need(board: &Board, graph: &ZoneGraph) -> Vec<u32> {
-    let mut inside = Matching::inside_zones(board, Grain::default());
+/// The cheapest 2-matching with as many links as a cover with `pieces` pieces has, or the maximum
+/// number if that is lower.
+fn cheapest_with_pieces(board: &Board, pieces: u32) -> TwoMatching<'_> {
+    let mut matching = TwoMatching::inside_zones(board, LadderLayout::default());
+    matching.remove_links_inside(2 * pieces, |_| 0);
+    matching.grow(2 * pieces);
+    matching
+}
+
+/// For each zone component a lower bound on its segments, the stretches of a path inside it: half
+/// the number of links that the cells of a maximum 2-matching inside it lack, and at least 1.
+pub(crate) fn min_segments(board: &Board, zones: &ComponentGraph) -> Vec<u32> {
+    let mut inside = TwoMatching::inside_zones(board, LadderLayout::default());
     inside.grow_inside_zones();
-    let mut lacking = vec![0; graph.count() as usize];
+    let mut lacking = vec![0; zones.count() as usize];
     for &node in &board.cells {
-        lacking[graph.component(node) as usize] += u32::from(inside.room[node as usize]);
+        lacking[zones.component(node) as usize] += u32::from(inside.room[node as usize]);
     }
     lacking.into_iter().map(|lacking: u32| lacking.div_ceil(2).max(1)).collect()
 }

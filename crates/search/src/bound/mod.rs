@@ -1,7 +1,16 @@
-//! Proven lower bounds.
+//! Proven lower bounds on the pieces of a path and on its crossings.
 //!
-//! Each bound is a function of its own, with its proof, in a module of its own; [`Bounds`] has them
-//! all for one layer.
+//! Each file holds one kind of bound, with its proof; [`Bounds`] computes all of them for a layer.
+//!
+//! | bound | idea |
+//! |---|---|
+//! | [`components`] | each zone component is visited at least once |
+//! | flow | a path is a 2-matching, and the cheapest one is a minimum-cost flow |
+//! | segments | a component that one stretch of path can't fill is visited more often |
+//! | scattering | between components that touch only a few hubs, a path crosses to a hub and back |
+//! | walk | a path visits the components one after the other, from neighbour to neighbour |
+//! | connectivity | a path needs a link that no cheapest 2-matching has |
+//! | cuts | 2-matchings pay for cycles in sets of cells that a path may not close |
 
 pub(crate) mod connectivity;
 pub(crate) mod cuts;
@@ -13,14 +22,15 @@ use beadwork_base::{Control, Interrupted};
 use beadwork_grid::{Region, Zones, zone_components};
 
 use crate::ZoneCosts;
-use crate::matching::{Board, Paths, ZoneGraph};
-use connectivity::Apart;
+use crate::matching::{Board, ComponentGraph, ShortestPaths};
+use connectivity::Separation;
 use cuts::Cuts;
 
-/// Crossings that a cover in so many pieces can't do without: zone components minus pieces.
+/// Lower bound on the crossings of any path with this number of pieces: zone components minus
+/// pieces.
 ///
-/// Along a piece the zone component changes only at crossings, so a piece with c crossings sees at
-/// most c + 1 of them, and all pieces together at most crossings + pieces.
+/// Along a piece the zone component changes only at crossings, so a piece with c crossings visits
+/// at most c + 1 components, and all pieces together visit at most crossings + pieces.
 /// Linear in the cells.
 pub fn components(region: &Region, zones: &Zones, pieces: u32) -> u32 {
     zone_components(region, zones).count().saturating_sub(pieces)
@@ -35,18 +45,22 @@ pub struct Bounds {
     /// Bound on the pieces: for each component half the number of links that the cells of a maximum
     /// 2-matching lack, and at least 1.
     pub pieces: u32,
-    /// Crossings of the cheapest 2-matching with as many links as a cover has.
+    /// Crossings of the cheapest 2-matching with as many links as a path has.
     pub flow: u32,
-    /// Minimum number of segments of the zone components, minus the pieces.
-    pub cover: u32,
-    /// Count of segments around hubs: components whose removal separates many others.
+    /// Minimum number of segments, the stretches of a path inside one zone component, minus the
+    /// pieces.
+    pub segments: u32,
+    /// As [`Bounds::segments`], where removing some components (hubs) separates others, between
+    /// which the path has to cross to a hub and back.
     pub scattering: u32,
     /// Minimum number of steps of walks that visit all zone components; `None` if a component of
-    /// the region has more than 13 of them.
+    /// the region has too many of them (more than 13).
     pub walk: Option<u32>,
-    /// [`Bounds::flow`], plus the price of connecting what no cheapest 2-matching connects.
+    /// [`Bounds::flow`], plus the cost of a link that no cheapest 2-matching has, where a path
+    /// needs one to be connected.
     pub connectivity: u32,
-    /// [`Bounds::flow`], raised by Lagrange multipliers on closed sets of cells.
+    /// [`Bounds::flow`], raised by Lagrange multipliers on sets of cells that 2-matchings leave as
+    /// cycles.
     pub cuts: u32,
 }
 
@@ -69,7 +83,7 @@ impl Bounds {
         let mut sum = Self {
             pieces: 0,
             flow: 0,
-            cover: 0,
+            segments: 0,
             scattering: 0,
             walk: Some(0),
             connectivity: 0,
@@ -79,24 +93,22 @@ impl Bounds {
         let mut cells_done = 0;
         for board in &boards {
             control.check()?;
-            let (matching, pieces) = flow::flow(board);
-            let graph = ZoneGraph::new(board);
-            let need = flow::need(board, &graph);
-            let mut paths = Paths::new(board);
+            let (matching, pieces) = flow::cheapest(board);
+            let graph = ComponentGraph::of_zones(board);
+            let min_segments = flow::min_segments(board, &graph);
+            let mut paths = ShortestPaths::new(board);
             let flow = matching.cost() as u32;
-            let apart = Apart::new(&matching, pieces);
-            let extra = apart.map_or(0, |apart| {
-                connectivity::connectivity(&apart, &matching, pieces, &mut paths)
-            });
+            let extra = Separation::find(&matching, pieces)
+                .map_or(0, |separation| separation.extra_cost(&matching, pieces, &mut paths));
             control.check()?;
-            let cuts = Cuts::Stepwise.bound(&matching, pieces, &mut paths, u64::MAX, control);
-            // An interrupted search for cuts gives a lower bound than a completed one.
+            let cuts = Cuts::Subgradient.bound(&matching, pieces, &mut paths, u64::MAX, control);
+            // An interrupted search returns a bound that holds but is too low.
             control.check()?;
             sum.pieces += pieces;
             sum.flow += flow;
-            sum.cover += segments::cover(&need, pieces);
-            sum.scattering += segments::scattering(&graph, &need, pieces);
-            sum.walk = sum.walk.zip(walk::walk(&graph, pieces)).map(|(sum, walk)| sum + walk);
+            sum.segments += segments::count(&min_segments, pieces);
+            sum.scattering += segments::scattering(&graph, &min_segments, pieces);
+            sum.walk = sum.walk.zip(walk::min_steps(&graph, pieces)).map(|(sum, walk)| sum + walk);
             sum.connectivity += flow + extra;
             sum.cuts += cuts as u32;
             cells_done += board.cells.len();
@@ -108,7 +120,7 @@ impl Bounds {
     /// The highest of the lower bounds on the crossings.
     pub fn crossings(&self) -> u32 {
         let others =
-            [self.cover, self.scattering, self.walk.unwrap_or(0), self.connectivity, self.cuts];
+            [self.segments, self.scattering, self.walk.unwrap_or(0), self.connectivity, self.cuts];
         others.into_iter().fold(self.flow, u32::max)
     }
 }

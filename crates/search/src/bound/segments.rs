@@ -1,64 +1,83 @@
-//! Bounds from counting segments: the stretches of a path inside one zone component.
+//! Bounds by counting segments.
+//!
+//! A *segment* is a maximal stretch of a path inside one zone component. p pieces with s segments
+//! in all have s - p crossings.
+//!
+//! Both bounds take for each zone component a lower bound on its segments: 1, or a higher one from
+//! the maximum 2-matching inside it ([`min_segments`](super::flow::min_segments)), because a
+//! component of n cells with s segments has n - s links inside.
 
-use crate::matching::ZoneGraph;
+use crate::matching::ComponentGraph;
 
-/// Segments of all components minus pieces: p pieces with s segments have s - p crossings.
-///
-/// `need` is a lower bound of the segments in each component: 1, or what a maximum 2-matching
-/// inside it says, for a component of n cells with s segments has n - s links inside.
-pub(crate) fn cover(need: &[u32], pieces: u32) -> u32 {
-    need.iter().sum::<u32>().saturating_sub(pieces)
+/// Crossings that the number of segments requires: segments minus pieces.
+pub(crate) fn count(min_segments: &[u32], pieces: u32) -> u32 {
+    min_segments.iter().sum::<u32>().saturating_sub(pieces)
 }
 
-/// Takes some components, hubs, away and counts the groups into which the others fall.
+/// Crossings that are required because the graph of zone components falls apart when some
+/// components, the *hubs*, are removed.
 ///
-/// Let the pieces visit a group in s stretches, at least 1. Its segments, at least the sum P of
-/// their need, are joined by P - s crossings inside the group or more.
-/// Every stretch has two ends; of all these, all but two for each piece go to a hub by a crossing.
-/// So the crossings are at least the sum over the groups of P + s, hence of P + 1, minus twice the
-/// pieces.
-/// This is how toughness bounds path covers (Chvatal 1973).
+/// ```text
+///   +-------------+
+///   | A    B    C |    Islands A, B and C touch only the sea H.
+///   |      H      |    Without the hub H they are three groups, so a path has to cross to H and
+///   +-------------+    back between them.
+/// ```
 ///
-/// Tried as hubs: each component alone, and all components that touch at least so many others, for
-/// every such number; any choice gives a bound.
-/// O(components x touching pairs).
-pub(crate) fn scattering(graph: &ZoneGraph, need: &[u32], pieces: u32) -> u32 {
-    let count = graph.count() as usize;
-    let degree = |component: usize| graph.neighbours[component].len();
-    let mut is_hub = vec![false; count];
-    let mut best = groups(graph, need, &is_hub);
-    for hub in (0..count).filter(|&hub| degree(hub) > 1) {
+/// Proof: let the pieces visit a group in v >= 1 maximal stretches outside of the hubs.
+/// The group has at least S segments, the sum over its components, and within the v stretches these
+/// are joined by at least S - v crossings.
+/// Each stretch has two ends.
+/// At an end the path either crosses to a hub, or the piece ends; at most two ends for each piece
+/// are of the latter kind.
+/// So there are at least S - v + 2 v = S + v >= S + 1 crossings for each group, less 2 for each
+/// piece in all.
+/// In graph theory, the same argument bounds path covers by the scattering number or the toughness
+/// of a graph (Chvatal 1973).
+///
+/// Any choice of hubs gives a bound.
+/// Tried are each component alone, and all components with at least k neighbours, for each k.
+/// O(components * pairs of neighbours).
+pub(crate) fn scattering(zones: &ComponentGraph, min_segments: &[u32], pieces: u32) -> u32 {
+    let components = zones.count() as usize;
+    let degree = |component: usize| zones.neighbours[component].len();
+    let mut is_hub = vec![false; components];
+    let mut best = sum_over_groups(zones, min_segments, &is_hub);
+    for hub in (0..components).filter(|&hub| degree(hub) > 1) {
         is_hub[hub] = true;
-        best = best.max(groups(graph, need, &is_hub));
+        best = best.max(sum_over_groups(zones, min_segments, &is_hub));
         is_hub[hub] = false;
     }
-    let mut degrees: Vec<usize> = (0..count).map(degree).filter(|&degree| degree > 1).collect();
+    let mut degrees: Vec<usize> =
+        (0..components).map(degree).filter(|&degree| degree > 1).collect();
     degrees.sort_unstable();
     degrees.dedup();
-    for least in degrees {
-        let is_hub: Vec<bool> = (0..count).map(|component| degree(component) >= least).collect();
-        best = best.max(groups(graph, need, &is_hub));
+    for min_degree in degrees {
+        let is_hub: Vec<bool> =
+            (0..components).map(|component| degree(component) >= min_degree).collect();
+        best = best.max(sum_over_groups(zones, min_segments, &is_hub));
     }
     best.saturating_sub(2 * pieces)
 }
 
-/// Sum of the need and 1 over the groups that are left without the hubs.
-fn groups(graph: &ZoneGraph, need: &[u32], is_hub: &[bool]) -> u32 {
-    let mut seen = is_hub.to_vec();
-    let mut open = Vec::new();
+/// Sum of S + 1 over the groups that remain without the hubs, where S is the sum of the minimum
+/// numbers of segments in the group.
+fn sum_over_groups(zones: &ComponentGraph, min_segments: &[u32], is_hub: &[bool]) -> u32 {
+    let mut is_seen = is_hub.to_vec();
+    let mut stack = Vec::new();
     let mut sum = 0;
-    for first in 0..need.len() {
-        if seen[first] {
+    for first in 0..min_segments.len() {
+        if is_seen[first] {
             continue;
         }
-        seen[first] = true;
-        open.push(first);
+        is_seen[first] = true;
+        stack.push(first);
         sum += 1;
-        while let Some(component) = open.pop() {
-            sum += need[component];
-            for &other in &graph.neighbours[component] {
-                if !std::mem::replace(&mut seen[other as usize], true) {
-                    open.push(other as usize);
+        while let Some(component) = stack.pop() {
+            sum += min_segments[component];
+            for &other in &zones.neighbours[component] {
+                if !std::mem::replace(&mut is_seen[other as usize], true) {
+                    stack.push(other as usize);
                 }
             }
         }

@@ -14,6 +14,7 @@
 //! It also rises when attempts fail to find a cover with as few pieces: after the second one if a
 //! lower bound proves that there is none, otherwise after [`ATTEMPTS_PER_TARGET`] attempts, without
 //! a proof.
+//! In the latter case `target` exceeds `piece_bound`, and the outcome is not optimal.
 //!
 //! # Lower bounds
 //! Bounds on the cost are computed one after the other ([`BoundLevel`]), the fast ones first, and
@@ -28,10 +29,10 @@ use super::complete::{Completion, show_stage};
 use super::cover::{Cover, CoverEnds};
 use super::settings::{AttemptReport, Settings, Stage, StageObserver};
 use super::terminal::EndCells;
-use crate::bound::connectivity::{self, Apart};
+use crate::bound::connectivity::{MIN_EXTRA_COST, Separation};
 use crate::bound::cuts::Cuts;
 use crate::bound::{segments, walk};
-use crate::matching::{Board, Dir, Grain, Matching, Node, Paths, ZoneGraph};
+use crate::matching::{Board, ComponentGraph, Dir, LadderLayout, Node, ShortestPaths, TwoMatching};
 use crate::random::below;
 use crate::{Stop, ZoneCosts};
 
@@ -97,8 +98,8 @@ pub(super) fn solve(
         columns_first: settings.columns_first,
         below: settings.below,
         rng,
-        graph: ZoneGraph::new(board),
-        paths: Paths::new(board),
+        graph: ComponentGraph::of_zones(board),
+        paths: ShortestPaths::new(board),
         reserved: [None; 2],
         target,
         piece_bound: target,
@@ -143,8 +144,8 @@ enum BoundLevel {
     Flow,
     /// Counts in the graph of zone components: segments, scattering, shortest walks.
     Zones,
-    /// The price of connecting what no cheapest 2-matching connects, with cuts where no cheapest
-    /// 2-matching leaves a set of cells.
+    /// The cost of connecting what no cheapest 2-matching connects, and cuts on the sets of cells
+    /// that all of them close.
     Connectivity,
     /// Cuts on further sets, weighted by subgradient steps.
     Subgradient,
@@ -164,8 +165,8 @@ struct ComponentSearch<'a> {
     rng: Xoshiro256PlusPlus,
     /// The groups of cells that attempts have to connect: the zone components, or smaller groups
     /// once the connectivity bound shows where the cheapest 2-matchings are unconnected.
-    graph: ZoneGraph,
-    paths: Paths,
+    graph: ComponentGraph,
+    paths: ShortestPaths,
     /// The cells at which the present attempt reserves room for the start and the end.
     reserved: [Option<Node>; 2],
     /// The number of pieces that attempts try for.
@@ -185,7 +186,7 @@ impl ComponentSearch<'_> {
         // Successive attempts alternate between rows and columns, and every second pair shifts the
         // ladders by one row or column.
         let turns = number + u32::from(self.columns_first);
-        let grain = Grain { along: (turns % 2) as Dir, odd: (number / 2) % 2 == 1 };
+        let layout = LadderLayout { along: (turns % 2) as Dir, odd: (number / 2) % 2 == 1 };
         // The board charges the cheaper direction of each pair of zones, which gives a bound.
         // Where directions differ much it guides attempts badly, so later ones draw costs at random
         // between those of the two directions.
@@ -193,7 +194,7 @@ impl ComponentSearch<'_> {
             (number > 1 && self.bound_level != BoundLevel::None && !self.costs.is_symmetric())
                 .then(|| self.board.with_costs(self.costs.drawn(&mut self.rng)));
         let (relaxed, mut matching) =
-            self.cheapest_matching(guide.as_ref().unwrap_or(self.board), grain);
+            self.cheapest_matching(guide.as_ref().unwrap_or(self.board), layout);
         if number + 1 >= ATTEMPTS_FROM_BELOW {
             self.below = None;
         }
@@ -223,7 +224,7 @@ impl ComponentSearch<'_> {
             && guide.is_none()
             && !self.is_bound_met()
         {
-            self.raise_bound(Cuts::Stepwise, &relaxed);
+            self.raise_bound(Cuts::Subgradient, &relaxed);
             self.bound_level = BoundLevel::Subgradient;
         }
         self.best.as_ref().expect("the first attempt gives a cover")
@@ -248,8 +249,8 @@ impl ComponentSearch<'_> {
     fn cheapest_matching<'b>(
         &mut self,
         board: &'b Board,
-        grain: Grain,
-    ) -> (Option<Matching<'b>>, Matching<'b>) {
+        layout: LadderLayout,
+    ) -> (Option<TwoMatching<'b>>, TwoMatching<'b>) {
         let mut sides: Vec<(usize, &[Node])> = vec![(0, &self.ends.first), (1, &self.ends.last)];
         sides.retain(|(_, cells)| !cells.is_empty());
         // An end with a single cell leaves no choice.
@@ -259,10 +260,10 @@ impl ComponentSearch<'_> {
         // Pieces added only because of a choice of cells, which proves nothing.
         let mut unproven_pieces = 0;
         'pieces: loop {
-            let mut matching = self.grow_matching(board, grain);
+            let mut matching = self.grow_matching(board, layout);
             let mut reserved = [None; 2];
             for &(end, cells) in &sides[..single] {
-                let Some((_, cell)) = self.paths.reserve(&mut matching, cells) else {
+                let Some((_, cell)) = self.paths.reserve_end(&mut matching, cells) else {
                     self.allow_one_more_piece();
                     continue 'pieces;
                 };
@@ -272,13 +273,13 @@ impl ComponentSearch<'_> {
             let mut flow = matching.cost();
             for (index, &(end, cells)) in sides[single..].iter().enumerate() {
                 let mut alone = relaxed.clone().expect("there are ends to choose");
-                let chosen_alone = self.paths.reserve(&mut alone, cells);
+                let chosen_alone = self.paths.reserve_end(&mut alone, cells);
                 flow = flow.max(alone.cost());
                 let chosen = if index == 0 {
                     matching = alone;
                     chosen_alone
                 } else {
-                    chosen_alone.and_then(|_| self.paths.reserve(&mut matching, cells))
+                    chosen_alone.and_then(|_| self.paths.reserve_end(&mut matching, cells))
                 };
                 let Some((_, cell)) = chosen else {
                     unproven_pieces += u32::from(chosen_alone.is_some());
@@ -309,18 +310,18 @@ impl ComponentSearch<'_> {
 
     /// The cheapest 2-matching for `target` pieces, wherever they begin and end.
     ///
-    /// Each piece has two ends that lack a link, so the cells lack 2 `target` links in all.
-    /// Raises `target` if a maximum 2-matching lacks more.
-    fn grow_matching<'b>(&mut self, board: &'b Board, grain: Grain) -> Matching<'b> {
+    /// Each piece has two ends with room for a link, so the total room is 2 `target`.
+    /// Raises `target` if a maximum 2-matching leaves more room.
+    fn grow_matching<'b>(&mut self, board: &'b Board, layout: LadderLayout) -> TwoMatching<'b> {
         let mut matching = match self.below {
-            Some(below) => Matching::as_below(board, below),
-            None => Matching::inside_zones(board, grain),
+            Some(below) => TwoMatching::as_below(board, below),
+            None => TwoMatching::inside_zones(board, layout),
         };
-        let spare = 2 * self.target;
-        matching.drop_links_inside(spare, |count| below(&mut self.rng, count));
+        let total_room = 2 * self.target;
+        matching.remove_links_inside(total_room, |count| below(&mut self.rng, count));
         show_stage(self.stages, Stage::Ladders, &matching);
-        matching.grow(spare);
-        self.target = self.target.max(matching.spare.div_ceil(2));
+        matching.grow(total_room);
+        self.target = self.target.max(matching.total_room.div_ceil(2));
         matching
     }
 
@@ -329,16 +330,17 @@ impl ComponentSearch<'_> {
     /// Where costs depend on the direction, also by the flow with costs that are levelled: changed
     /// so that the two directions differ less ([`ZoneCosts::levelled`]).
     fn bound_by_zones(&mut self) {
-        let need = vec![1; self.graph.count() as usize];
-        let crossings = segments::cover(&need, self.target)
-            .max(segments::scattering(&self.graph, &need, self.target))
-            .max(walk::walk(&self.graph, self.target).unwrap_or(0));
-        self.bound = self.bound.max(u64::from(crossings) * u64::from(self.board.least_cost()));
+        let min_segments = vec![1; self.graph.count() as usize];
+        let crossings = segments::count(&min_segments, self.target)
+            .max(segments::scattering(&self.graph, &min_segments, self.target))
+            .max(walk::min_steps(&self.graph, self.target).unwrap_or(0));
+        self.bound =
+            self.bound.max(u64::from(crossings) * u64::from(self.board.min_crossing_cost()));
         self.bound_level = BoundLevel::Zones;
         if !self.costs.is_symmetric() {
             let (levelled, spread) = self.costs.levelled();
             let board = self.board.with_costs(levelled);
-            let cost = self.grow_matching(&board, Grain::default()).cost()
+            let cost = self.grow_matching(&board, LadderLayout::default()).cost()
                 - i64::from(spread) * i64::from(self.target);
             self.bound = self.bound.max(cost.max(0) as u64);
         }
@@ -346,27 +348,27 @@ impl ComponentSearch<'_> {
 
     /// Raises the bound if the links of all cheapest 2-matchings together leave cells unconnected.
     /// Later attempts connect these groups of cells first.
-    fn bound_by_connectivity(&mut self, relaxed: &Matching<'_>) {
+    fn bound_by_connectivity(&mut self, relaxed: &TwoMatching<'_>) {
         self.bound_level = BoundLevel::Connectivity;
-        let Some(apart) = Apart::new(relaxed, self.target) else { return };
-        let enough = self.raise_bound(Cuts::NeverLeft, relaxed);
+        let Some(separation) = Separation::find(relaxed, self.target) else { return };
+        let enough = self.raise_bound(Cuts::ClosedInAll, relaxed);
         if self.bound < enough {
-            // The exact price of leaving a group takes a search for each link along its border.
-            // It is seldom more than 2, so it is only computed where that would meet the bound.
+            // The exact cost of leaving a group takes a search for each link along its border.
+            // It is seldom more than 2, so it is only computed where 2 would be enough.
             let flow = relaxed.cost() as u64;
             let extra = if enough <= flow + 2 {
-                connectivity::connectivity(&apart, relaxed, self.target, &mut self.paths)
+                separation.extra_cost(relaxed, self.target, &mut self.paths)
             } else {
-                connectivity::LEAST
+                MIN_EXTRA_COST
             };
             self.bound = self.bound.max(flow + u64::from(extra));
         }
-        self.graph = apart.graph;
+        self.graph = separation.graph;
     }
 
     /// Raises the bound by cuts, at most to the cost of the best cover with `target` pieces, which
     /// it returns; `u64::MAX` if there is none.
-    fn raise_bound(&mut self, cuts: Cuts, relaxed: &Matching<'_>) -> u64 {
+    fn raise_bound(&mut self, cuts: Cuts, relaxed: &TwoMatching<'_>) -> u64 {
         let best = self.best.as_ref().filter(|best| best.pieces == self.target);
         let enough = best.map_or(u64::MAX, |best| best.cost);
         let bound = cuts.bound(relaxed, self.target, &mut self.paths, enough, self.control);
@@ -375,7 +377,7 @@ impl ComponentSearch<'_> {
     }
 
     /// Changes a 2-matching into a cover; `None` if it would not be better than the best one.
-    fn complete(&mut self, matching: &mut Matching<'_>) -> Option<Cover> {
+    fn complete(&mut self, matching: &mut TwoMatching<'_>) -> Option<Cover> {
         // Costs on a guide board are not those of the cover, so they can't rule it out.
         let comparable = self
             .best
@@ -421,25 +423,24 @@ impl ComponentSearch<'_> {
     fn forget_bounds(&mut self) {
         self.bound_level = BoundLevel::None;
         self.bound = 0;
-        self.graph = ZoneGraph::new(self.board);
+        self.graph = ComponentGraph::of_zones(self.board);
     }
 
     /// Whether it is proven that no cover has `target` pieces.
     ///
-    /// Assume that all links are free.
-    /// Then every cover costs 0; but the cut bound charges sets of cells that every 2-matching of
-    /// this size closes off, and a bound above 0 shows that no cover of this size exists.
+    /// If all links are free, every cover costs 0. But cuts charge 2-matchings for the sets of
+    /// cells that they close, and a bound above 0 shows that no cover with so few pieces exists.
     fn is_target_refuted(&mut self) -> bool {
         let free = self.board.without_zones();
-        let mut matching = Matching::inside_zones(&free, Grain::default());
-        matching.drop_links_inside(2 * self.target, |_| 0);
+        let mut matching = TwoMatching::inside_zones(&free, LadderLayout::default());
+        matching.remove_links_inside(2 * self.target, |_| 0);
         matching.grow(2 * self.target);
         for cells in [&self.ends.first, &self.ends.last] {
             if let [_] = cells[..] {
-                self.paths.reserve(&mut matching, cells);
+                self.paths.reserve_end(&mut matching, cells);
             }
         }
-        Cuts::Stepwise.bound(&matching, self.target, &mut self.paths, 1, self.control) > 0
+        Cuts::Subgradient.bound(&matching, self.target, &mut self.paths, 1, self.control) > 0
     }
 
     /// The best cover, with bounds for its own number of pieces.
@@ -448,7 +449,7 @@ impl ComponentSearch<'_> {
         if pieces != self.target {
             self.target = pieces;
             self.forget_bounds();
-            self.cheapest_matching(self.board, Grain::default());
+            self.cheapest_matching(self.board, LadderLayout::default());
             self.bound_by_zones();
         }
         let Cover { order, last_piece, pieces, cost } = self.best.expect("an attempt was made");

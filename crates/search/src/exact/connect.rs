@@ -1,15 +1,14 @@
 //! Connecting groups of zones that the cheapest 2-matching leaves closed.
 //!
-//! The zone components that links join form *groups*.
-//! A group is *closed* if no cell in it has room for another link: then all of its strands are
-//! cycles, and no link leads out of it, so it can't be joined to the rest of a path by rearranging
-//! links inside it.
+//! The zone components that links join form *groups*; no link leads from one group to another.
+//! A group is *closed* if no cell in it has room for another link: then its strands are cycles, or
+//! paths between reserved ends, and no rearrangement of links inside the group connects it to the
+//! rest of the path.
 //!
 //! ```text
-//!   zone A      zone B
-//!  +-------+   o-o   o-o      Zone A holds a cycle and no link leaves it: A is a closed group.
-//!  | cycle |   | |   | |      Inserting a link from A to B, along a cheapest alternating cycle,
-//!  +-------+   o o---o o      opens it.
+//!   A: o---o   B: o---o---o        A holds a cycle and no link leaves it: A is a closed group.
+//!      |   |              |        Inserting a link from A to B, by a cheapest exchange along an
+//!      o---o      o---o---o        alternating cycle, opens it.
 //! ```
 //!
 //! Inserting one link moves others along an alternating cycle, which may close another group.
@@ -19,7 +18,7 @@ use beadwork_base::Control;
 use rand::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use crate::matching::{Dir, Groups, Matching, Node, Paths, ZoneGraph};
+use crate::matching::{ComponentGraph, Dir, Groups, Node, ShortestPaths, TwoMatching};
 use crate::random::below;
 
 /// Inserts links until no group of components is closed.
@@ -31,9 +30,9 @@ use crate::random::below;
 ///
 /// Groups may stay closed if the call is interrupted or no link can be inserted.
 pub(super) fn connect(
-    matching: &mut Matching<'_>,
-    graph: &ZoneGraph,
-    paths: &mut Paths,
+    matching: &mut TwoMatching<'_>,
+    graph: &ComponentGraph,
+    paths: &mut ShortestPaths,
     rng: &mut Xoshiro256PlusPlus,
     control: &Control<'_>,
 ) {
@@ -45,17 +44,17 @@ pub(super) fn connect(
     while groups.count > 0 && failures < max_failures && control.interrupted().is_none() {
         groups.links_out(graph, matching, &mut candidates);
         // A positive reduced cost is a lower bound on what an insertion costs.
-        candidates.retain(|&(node, dir)| matching.reduced(node, dir) == 0);
+        candidates.retain(|&(node, dir)| matching.reduced_cost(node, dir) == 0);
         if candidates.is_empty() {
             break;
         }
         let (node, dir) = candidates[below(rng, candidates.len())];
         failures += 1;
-        if paths.cost_of_link(matching, node, dir, 1).is_some() {
-            paths.put_in(matching, node, dir);
+        if paths.insertion_cost(matching, node, dir, 1).is_some() {
+            paths.insert(matching, node, dir);
             let after = ClosedGroups::new(graph, matching);
             if after.count > groups.count {
-                paths.undo(matching, node, dir);
+                paths.undo_insertion(matching, node, dir);
             } else {
                 if after.count < groups.count {
                     failures = 0;
@@ -80,9 +79,9 @@ pub(super) fn connect(
 /// are named by their black cells.
 /// Returns whether one of them could be inserted.
 pub(super) fn insert_cheapest(
-    matching: &mut Matching<'_>,
+    matching: &mut TwoMatching<'_>,
     candidates: &[(Node, Dir)],
-    paths: &mut Paths,
+    paths: &mut ShortestPaths,
     rng: &mut Xoshiro256PlusPlus,
 ) -> bool {
     if candidates.is_empty() {
@@ -90,14 +89,14 @@ pub(super) fn insert_cheapest(
     }
     // Links that cost nothing have been tried before, so a link at the minimum cost of a crossing
     // can hardly be beaten, and ends the search.
-    let good_enough = matching.board.least_cost() as i32;
+    let good_enough = matching.board.min_crossing_cost() as i32;
     let mut best: Option<(i32, (Node, Dir))> = None;
     let mut is_last = false;
     for _ in 0..=rng.next_u64() % 8 {
         let (node, dir) = candidates[below(rng, candidates.len())];
-        let limit = best.map_or(i32::MAX / 2, |(cost, _)| cost);
+        let limit = best.map_or(ShortestPaths::UNLIMITED, |(cost, _)| cost);
         is_last = false;
-        if let Some(cost) = paths.cost_of_link(matching, node, dir, limit) {
+        if let Some(cost) = paths.insertion_cost(matching, node, dir, limit) {
             best = Some((cost, (node, dir)));
             is_last = true;
             if cost <= good_enough {
@@ -108,9 +107,9 @@ pub(super) fn insert_cheapest(
     let Some((_, (node, dir))) = best else { return false };
     // The path search remembers only the last path it found.
     if !is_last {
-        paths.cost_of_link(matching, node, dir, i32::MAX / 2);
+        paths.insertion_cost(matching, node, dir, ShortestPaths::UNLIMITED);
     }
-    paths.put_in(matching, node, dir);
+    paths.insert(matching, node, dir);
     matching.lock(node, dir);
     true
 }
@@ -126,14 +125,14 @@ struct ClosedGroups {
 
 impl ClosedGroups {
     /// Linear in the cells.
-    fn new(graph: &ZoneGraph, matching: &Matching<'_>) -> Self {
+    fn new(graph: &ComponentGraph, matching: &TwoMatching<'_>) -> Self {
         let mut groups =
             Groups::new(graph, matching.board, |node, dir| matching.is_linked(node, dir));
         let mut is_closed = vec![true; graph.count() as usize];
         let mut count = groups.count();
         for &node in &matching.board.cells {
-            if matching.room[node as usize] > 0 {
-                let group = groups.root(graph.component(node)) as usize;
+            if matching.has_room(node) {
+                let group = groups.group(graph.component(node)) as usize;
                 count -= u32::from(is_closed[group]);
                 is_closed[group] = false;
             }
@@ -144,8 +143,8 @@ impl ClosedGroups {
     /// Collects the links that lead out of closed groups, by their black cells.
     fn links_out(
         &mut self,
-        graph: &ZoneGraph,
-        matching: &Matching<'_>,
+        graph: &ComponentGraph,
+        matching: &TwoMatching<'_>,
         links: &mut Vec<(Node, Dir)>,
     ) {
         links.clear();

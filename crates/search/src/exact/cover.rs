@@ -2,7 +2,7 @@
 
 use super::strands::Strands;
 use crate::ZoneCosts;
-use crate::matching::{Board, Matching, Node};
+use crate::matching::{Board, Node, TwoMatching};
 
 /// Paths that together hold every cell of a component once.
 pub(super) struct Cover {
@@ -34,7 +34,7 @@ impl Cover {
     /// given.
     /// Linear in the cells.
     pub(super) fn new(
-        matching: &Matching<'_>,
+        matching: &TwoMatching<'_>,
         strands: &Strands,
         board: &Board,
         costs: &ZoneCosts,

@@ -1,115 +1,147 @@
-//! Joining the cycles that switches cannot join.
+//! Joining the cycles that switches can't join, by exchanges of several links.
+//!
+//! An *exchange* inserts and removes links alternately along a cycle of cells, or along a path
+//! whose first cell has room, which moves to its last cell.
+//! It keeps the number of links.
+//! A switch of a unit cell is the shortest kind, with two links inserted and two removed.
+//! The next one, around two unit cells, inserts three and removes three:
+//!
+//! ```text
+//!    a---b   c          a   b---c
+//!            |   <->    |
+//!    d---e   f          d   e---f
+//! ```
+//!
+//! Longer ones reach where cycles do not lie side by side, mostly in steps along slanted borders.
+//! Exchanges of up to 12 links are tried.
+//! As the potentials prove that no exchange along a cycle has a negative cost, those that cost
+//! nothing consist of links of reduced cost 0, which cuts the search short.
+//! (Where locked links are exchanged, a sum may also be 0 or less.)
+//!
+//! Whether an exchange joins strands is judged without walking along them, see `strands.rs`.
+//! If none around a cycle reduces the number of strands, one that keeps it is made at random.
+//! It changes the shape and position of the cycle: a random walk, which goes on until an exchange
+//! joins the cycle to another strand.
 
 use beadwork_base::Control;
 use rand::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::strands::Strands;
-use crate::matching::{Dir, Matching, Node, dirs};
+use crate::matching::{Dir, Node, TwoMatching, dirs, opposite};
 
-/// Steps of the longest exchange tried: half of them links put in, half taken out.
-const LONGEST: usize = 12;
+/// Maximum number of links in an exchange, inserted and removed ones together.
+const MAX_LENGTH: usize = 12;
 
-/// Joins cycles to other strands by exchanges along short alternating cycles, and by ends that move
-/// along alternating paths, none of which raises the cost.
+/// Maximum number of exchanges judged in one search around a cycle.
+const MAX_JUDGED: u32 = 4000;
+
+/// Joins cycles to other strands by exchanges that do not raise the cost.
 ///
-/// While no exchange around a cycle takes a strand away, one that takes none away is made at
-/// random: the cycle changes its shape and place, until it can be joined.
-/// A path that has both of the ends that should be apart is treated like a cycle.
-/// Ends when nothing is left to settle, or after so many exchanges.
+/// A path that has both of the ends that must be separate is treated like a cycle, until they lie
+/// on different paths.
+/// Ends when nothing is left to settle, after `max_exchanges` searches, or when interrupted.
 pub(super) fn join_by_exchanges(
-    matching: &mut Matching<'_>,
+    matching: &mut TwoMatching<'_>,
     strands: &mut Strands,
     rng: &mut Xoshiro256PlusPlus,
-    exchanges: u64,
+    max_exchanges: u64,
     control: &Control<'_>,
 ) {
-    let mut made = 0;
-    let mut in_vain = 0;
-    while !strands.is_settled() && made < exchanges && control.interrupted().is_none() {
+    let mut searches = 0;
+    let mut failures = 0;
+    while !strands.is_settled() && searches < max_exchanges && control.interrupted().is_none() {
         let number = pick_cycle(strands, rng)
             .or(strands.joined_ends())
-            .expect("something is left to settle");
+            .expect("there is a cycle or a path with both ends");
         let cells = strands.cells(matching, number);
-        // Short exchanges are found at once and mostly suffice; there are far more of the long
-        // ones.
-        let steps = match in_vain {
+        // Short exchanges are few and mostly enough; the number of long ones grows exponentially.
+        let max_length = match failures {
             0 => 6,
             1..6 => 8,
-            _ => 10 + 2 * (in_vain % 2),
+            _ => 10 + 2 * (failures % 2),
         };
         let mut search = Search {
             matching,
             strands,
-            steps: Vec::with_capacity(LONGEST),
+            steps: Vec::with_capacity(MAX_LENGTH),
             first: 0,
             first_has_room: false,
-            longest: steps,
-            left: 4000,
-            spent: 0,
-            better: None,
-            equal: Vec::new(),
-            equals: 0,
+            max_length,
+            judgements_left: MAX_JUDGED,
+            reduced_cost: 0,
+            joining: None,
+            neutral: Vec::new(),
+            neutral_count: 0,
             rng,
         };
-        search.around(&cells);
-        let (better, equal) = (search.better.take(), std::mem::take(&mut search.equal));
-        made += 1;
-        if let Some(steps) = better {
+        search.search_around(&cells);
+        let (joining, neutral) = (search.joining.take(), std::mem::take(&mut search.neutral));
+        searches += 1;
+        if let Some(steps) = joining {
             strands.apply(matching, &steps);
-            in_vain = 0;
-        } else if equal.is_empty() {
-            in_vain += 1;
+            failures = 0;
         } else {
-            strands.apply(matching, &equal);
-            in_vain += 1;
+            if !neutral.is_empty() {
+                strands.apply(matching, &neutral);
+            }
+            failures += 1;
         }
     }
 }
 
-/// One of the smallest cycles, mostly.
+/// Picks one of the shortest cycles: a random number of up to 7 is added to each length.
+/// `None` if there are no cycles.
 fn pick_cycle(strands: &Strands, rng: &mut Xoshiro256PlusPlus) -> Option<u32> {
     let cycles =
         strands.list.iter().enumerate().filter(|(_, strand)| strand.is_cycle && strand.length > 0);
     let key = |length: u32, random: u64| u64::from(length) + (random >> 61);
-    let smallest =
+    let shortest =
         cycles.map(|(number, strand)| (key(strand.length, rng.next_u64()), number)).min();
-    smallest.map(|(_, number)| number as u32)
+    shortest.map(|(_, number)| number as u32)
 }
 
-/// Exchanges that begin with a link put in at a cell of a cycle.
+/// A depth-first search for exchanges that begin with a link from a given strand to another one.
 struct Search<'s, 'a> {
-    matching: &'s Matching<'a>,
+    matching: &'s TwoMatching<'a>,
     strands: &'s mut Strands,
-    /// The exchange so far: links put in and taken out in turn.
+    /// The exchange so far: links inserted and removed in turn, each named by the cell where the
+    /// exchange comes from.
     steps: Vec<(Node, Dir)>,
+    /// The cell at which the exchange begins.
     first: Node,
     first_has_room: bool,
-    longest: usize,
-    /// Exchanges that may still be judged.
-    left: u32,
-    /// Reduced cost of the exchange so far.
-    spent: i32,
-    better: Option<Vec<(Node, Dir)>>,
-    /// A random one of the exchanges that keep the number of strands, and how many there were.
-    equal: Vec<(Node, Dir)>,
-    equals: u64,
+    /// Maximum number of steps.
+    max_length: usize,
+    /// Number of exchanges that may still be judged.
+    judgements_left: u32,
+    /// Sum of the reduced costs of the steps.
+    reduced_cost: i32,
+    /// An exchange that reduces the number of strands; ends the search.
+    joining: Option<Vec<(Node, Dir)>>,
+    /// One of the exchanges that keep the number of strands, drawn at random.
+    neutral: Vec<(Node, Dir)>,
+    /// Number of these exchanges so far.
+    neutral_count: u64,
     rng: &'s mut Xoshiro256PlusPlus,
 }
 
 impl Search<'_, '_> {
-    fn around(&mut self, cells: &[Node]) {
+    /// Searches from all links that lead from the cells of a strand to other strands, starting at a
+    /// random cell.
+    fn search_around(&mut self, cells: &[Node]) {
+        let board = self.matching.board;
         let offset = (self.rng.next_u64() >> 32) as usize % cells.len();
         for index in 0..cells.len() {
             let cell = cells[(index + offset) % cells.len()];
-            for dir in dirs(self.matching.board.neighbours[cell as usize]) {
-                let other = self.matching.board.step(cell, dir);
+            for dir in dirs(board.neighbours[cell as usize]) {
+                let other = board.neighbour(cell, dir);
                 if self.strands.strand[other as usize] == self.strands.strand[cell as usize] {
                     continue;
                 }
-                for (first, dir) in [(cell, dir), (other, dir ^ 2)] {
-                    self.begin(first, dir);
-                    if self.better.is_some() || self.left == 0 {
+                for (first, dir) in [(cell, dir), (other, opposite(dir))] {
+                    self.search_from(first, dir);
+                    if self.is_over() {
                         return;
                     }
                 }
@@ -117,92 +149,107 @@ impl Search<'_, '_> {
         }
     }
 
-    fn begin(&mut self, first: Node, dir: Dir) {
+    /// Searches for exchanges whose first step inserts the link from a cell in a direction.
+    fn search_from(&mut self, first: Node, dir: Dir) {
         self.first = first;
-        self.first_has_room = self.matching.room[first as usize] > 0;
+        self.first_has_room = self.matching.has_room(first);
         self.steps.clear();
-        self.spent = 0;
-        self.put_in(first, dir);
+        self.reduced_cost = 0;
+        self.insert(first, dir);
     }
 
-    fn put_in(&mut self, node: Node, dir: Dir) {
-        let reduced = self.matching.reduced(node, dir);
-        if self.spent + reduced > 0 || self.is_used(node, dir) {
+    fn is_over(&self) -> bool {
+        self.joining.is_some() || self.judgements_left == 0
+    }
+
+    /// Inserts a link and goes on by removing one at its other cell.
+    fn insert(&mut self, node: Node, dir: Dir) {
+        let reduced = self.matching.reduced_cost(node, dir);
+        if self.reduced_cost + reduced > 0 || self.is_used(node, dir) {
             return;
         }
-        self.spent += reduced;
+        self.reduced_cost += reduced;
         self.steps.push((node, dir));
-        let over = self.matching.board.step(node, dir);
-        for dir in dirs(self.matching.links[over as usize]) {
-            self.take_out(over, dir);
-            if self.better.is_some() || self.left == 0 {
+        let other = self.matching.board.neighbour(node, dir);
+        for dir in dirs(self.matching.links[other as usize]) {
+            self.remove(other, dir);
+            if self.is_over() {
                 break;
             }
         }
         self.steps.pop();
-        self.spent -= reduced;
+        self.reduced_cost -= reduced;
     }
 
-    fn take_out(&mut self, node: Node, dir: Dir) {
-        let reduced = -self.matching.reduced(node, dir);
-        if self.spent + reduced > 0 || self.is_used(node, dir) {
+    /// Removes a link, judges the exchange if it is complete, and goes on by inserting one at its
+    /// other cell.
+    fn remove(&mut self, node: Node, dir: Dir) {
+        let reduced = -self.matching.reduced_cost(node, dir);
+        if self.reduced_cost + reduced > 0 || self.is_used(node, dir) {
             return;
         }
-        let lacking = self.matching.board.step(node, dir);
-        self.spent += reduced;
+        let board = self.matching.board;
+        let lacking = board.neighbour(node, dir);
+        self.reduced_cost += reduced;
         self.steps.push((node, dir));
         if lacking == self.first {
+            // A cycle: its reduced cost is its cost.
             self.judge();
         } else {
+            // A path that moves room from its first cell to its last.
+            // Its reduced cost differs from its cost by the potentials of these two.
             if self.first_has_room && self.cost() <= 0 {
                 self.judge();
             }
-            if self.steps.len() < self.longest && self.can_return(lacking) {
-                let missing = self.matching.board.neighbours[lacking as usize]
-                    & !self.matching.links[lacking as usize];
-                for dir in dirs(missing) {
-                    if self.better.is_some() || self.left == 0 {
+            if self.steps.len() < self.max_length && self.can_return(lacking) {
+                let unlinked =
+                    board.neighbours[lacking as usize] & !self.matching.links[lacking as usize];
+                for dir in dirs(unlinked) {
+                    if self.is_over() {
                         break;
                     }
-                    self.put_in(lacking, dir);
+                    self.insert(lacking, dir);
                 }
             }
         }
         self.steps.pop();
-        self.spent -= reduced;
+        self.reduced_cost -= reduced;
     }
 
+    /// Whether the exchange already contains a link.
     fn is_used(&self, node: Node, dir: Dir) -> bool {
-        let other = self.matching.board.step(node, dir);
-        self.steps.iter().any(|&step| step == (node, dir) || step == (other, dir ^ 2))
+        let other = self.matching.board.neighbour(node, dir);
+        self.steps.iter().any(|&step| step == (node, dir) || step == (other, opposite(dir)))
     }
 
-    /// Whether enough steps are left to come back to the first cell.
+    /// Whether enough steps are left to return to the first cell, if that is necessary.
     fn can_return(&self, node: Node) -> bool {
-        let ((ax, ay), (bx, by)) =
-            (self.matching.board.xy(node), self.matching.board.xy(self.first));
+        let board = self.matching.board;
+        let ((ax, ay), (bx, by)) = (board.xy(node), board.xy(self.first));
         self.first_has_room
-            || (ax.abs_diff(bx) + ay.abs_diff(by)) as usize <= self.longest - self.steps.len()
+            || (ax.abs_diff(bx) + ay.abs_diff(by)) as usize <= self.max_length - self.steps.len()
     }
 
-    /// What the exchange adds to the cost.
+    /// By how much the exchange changes the cost.
     fn cost(&self) -> i32 {
         let signed = |(index, &(node, dir)): (usize, &(Node, Dir))| {
-            let cost = self.matching.board.cost(node, dir);
+            let cost = self.matching.board.link_cost(node, dir);
             if index % 2 == 0 { cost } else { -cost }
         };
         self.steps.iter().enumerate().map(signed).sum()
     }
 
+    /// Judges a complete exchange: keeps it if it joins strands, or with a probability such that
+    /// all neutral ones are drawn with equal probability (reservoir sampling).
     fn judge(&mut self) {
-        self.left -= 1;
+        self.judgements_left -= 1;
         let change = self.strands.change(self.matching, &self.steps);
         if change < 0 {
-            self.better = Some(self.steps.clone());
+            self.joining = Some(self.steps.clone());
         } else if change == 0 {
-            self.equals += 1;
-            if self.rng.next_u64().is_multiple_of(self.equals) {
-                self.equal.clone_from(&self.steps);
+            self.neutral_count += 1;
+            if self.rng.next_u64().is_multiple_of(self.neutral_count) {
+                self.neutral.clone_from(&self.steps);
             }
         }
     }

@@ -1,127 +1,158 @@
-//! Joining cycles by switches, nearly for nothing.
+//! Joining cycles to other strands by switches of unit cells.
+//!
+//! A *unit cell* is a square of four neighbouring cells.
+//! If two of its sides are links and these are parallel, a *switch* replaces them by the other two
+//! sides:
+//!
+//! ```text
+//!    a---b          a   b
+//!            <->    |   |
+//!    c---d          c   d
+//! ```
+//!
+//! If a-b and c-d belong to different strands, and at least one of these is a cycle, the switch
+//! makes them one strand: the cycle is cut open and inserted where the other strand is cut.
+//! (Two paths would only exchange their tails, and a single strand would fall apart or be reversed
+//! in part.)
+//! The number of links at each cell stays the same.
+//!
+//! Strands only grow in this process, so disjoint sets keep track of them.
 
-use crate::matching::{Matching, Node};
-use crate::union::Union;
+use crate::disjoint_sets::DisjointSets;
+use crate::matching::{Node, TwoMatching};
 
-/// Which strand, path or cycle, each cell belongs to, while strands only ever unite.
-struct Joined {
-    union: Union,
-    /// For each root, whether its strand is a cycle.
-    is_cycle: Vec<bool>,
-}
-
-impl Joined {
-    fn new(matching: &Matching<'_>) -> Self {
-        let board = matching.board;
-        let mut union = Union::new(board.nodes());
-        let mut is_cycle = vec![true; board.nodes()];
-        for &node in &board.cells {
-            for dir in [0, 1] {
-                if matching.is_linked(node, dir) {
-                    union.unite(board.step(node, dir), node);
-                }
-            }
-        }
-        for &node in
-            board.cells.iter().filter(|&&node| matching.links[node as usize].count_ones() < 2)
-        {
-            is_cycle[union.root(node) as usize] = false;
-        }
-        Self { union, is_cycle }
-    }
-
-    /// Whether these two belong to different strands, one of them a cycle: then a switch makes them
-    /// one.
-    fn can_unite(&mut self, a: Node, b: Node) -> bool {
-        let (a, b) = (self.union.root(a), self.union.root(b));
-        a != b && (self.is_cycle[a as usize] || self.is_cycle[b as usize])
-    }
-
-    fn unite(&mut self, a: Node, b: Node) {
-        let (a, b) = (self.union.root(a), self.union.root(b));
-        self.union.unite(b, a);
-        self.is_cycle[a as usize] &= self.is_cycle[b as usize];
-    }
-}
-
-/// Switches unit cells at which a cycle meets another strand, as long as that raises no cost.
+/// Switches unit cells at which a cycle meets another strand, as long as one can be found that does
+/// not raise the cost.
 ///
-/// Each pass is linear in the cells; there are few.
-pub(crate) fn merge(matching: &mut Matching<'_>) {
-    let mut joined = Joined::new(matching);
-    while merge_once(matching, &mut joined) {}
+/// Each pass over the cells is linear; a few passes are enough.
+pub(super) fn merge(matching: &mut TwoMatching<'_>) {
+    let mut strands = StrandSets::new(matching);
+    while merge_once(matching, &mut strands) {}
 }
 
 /// Switches unit cells at which a cycle meets another strand, each time the cheapest, until no
-/// cycle is left or none can be joined so.
-pub(crate) fn merge_at_any_cost(matching: &mut Matching<'_>) {
-    let mut joined = Joined::new(matching);
+/// cycle is left or none can be joined by a switch.
+///
+/// Each switch that costs something takes a pass over the cells.
+pub(super) fn merge_at_any_cost(matching: &mut TwoMatching<'_>) {
+    let mut strands = StrandSets::new(matching);
     loop {
-        while merge_once(matching, &mut joined) {}
+        while merge_once(matching, &mut strands) {}
         let board = matching.board;
         let mut cheapest: Option<(i32, Node)> = None;
         for &corner in &board.cells {
-            let Some(change) = switch_change(matching, corner) else { continue };
-            let cheaper = cheapest.is_none_or(|(least, _)| change < least);
-            if cheaper && joined.can_unite(corner, corner + board.stride() as Node + 1) {
+            let Some(change) = cost_change(matching, corner) else { continue };
+            let is_cheaper = cheapest.is_none_or(|(min, _)| change < min);
+            if is_cheaper && strands.can_join(corner, opposite_corner(matching, corner)) {
                 cheapest = Some((change, corner));
             }
         }
         let Some((_, corner)) = cheapest else { return };
-        joined.unite(corner, corner + board.stride() as Node + 1);
+        strands.join(corner, opposite_corner(matching, corner));
         switch(matching, corner);
     }
 }
 
-fn merge_once(matching: &mut Matching<'_>, joined: &mut Joined) -> bool {
+/// One pass over all unit cells.
+/// Returns whether any was switched.
+fn merge_once(matching: &mut TwoMatching<'_>, strands: &mut StrandSets) -> bool {
     let board = matching.board;
-    let mut merged = false;
-    for index in 0..board.cells.len() {
-        let corner = board.cells[index];
-        let Some(change) = switch_change(matching, corner) else { continue };
-        let opposite = corner + board.stride() as Node + 1;
-        if change <= 0 && joined.can_unite(corner, opposite) {
-            joined.unite(corner, opposite);
+    let mut is_changed = false;
+    for &corner in &board.cells {
+        let Some(change) = cost_change(matching, corner) else { continue };
+        let opposite = opposite_corner(matching, corner);
+        if change <= 0 && strands.can_join(corner, opposite) {
+            strands.join(corner, opposite);
             switch(matching, corner);
-            merged = true;
+            is_changed = true;
         }
     }
-    merged
+    is_changed
 }
 
-/// What switching the unit cell whose top-left cell this is would add to the cost; `None` if it has
-/// not two parallel links.
+/// The bottom-right cell of the unit cell whose top-left cell is `corner`.
+///
+/// In a unit cell with two parallel links these two corners are at different links, whichever way
+/// the links run.
+fn opposite_corner(matching: &TwoMatching<'_>, corner: Node) -> Node {
+    corner + matching.board.stride() as Node + 1
+}
+
+/// By how much switching a unit cell, named by its top-left cell, changes the cost.
+/// `None` if the unit cell can't be switched: two of its sides have to be links, and parallel, and
+/// all four cells have to exist.
 #[inline]
-fn switch_change(matching: &Matching<'_>, corner: Node) -> Option<i32> {
-    const RIGHT_BELOW: u8 = 0b11;
-    const LEFT_ABOVE: u8 = 0b1100;
+fn cost_change(matching: &TwoMatching<'_>, corner: Node) -> Option<i32> {
+    const RIGHT_AND_DOWN: u8 = 0b11;
+    const LEFT_AND_UP: u8 = 0b1100;
+
     let board = matching.board;
-    let opposite = corner + board.stride() as Node + 1;
-    let sides = matching.links[corner as usize] & RIGHT_BELOW
-        | matching.links[opposite as usize] & LEFT_ABOVE;
-    let horizontal = match sides {
+    let opposite = opposite_corner(matching, corner);
+    // The top and left sides are seen from the top-left cell, the bottom and right sides from the
+    // bottom-right cell.
+    let sides = |sets: &[u8]| {
+        sets[corner as usize] & RIGHT_AND_DOWN | sets[opposite as usize] & LEFT_AND_UP
+    };
+    let is_horizontal = match sides(&matching.links) {
         0b0101 => true,
         0b1010 => false,
         _ => return None,
     };
-    let exists = board.neighbours[corner as usize] & RIGHT_BELOW == RIGHT_BELOW
-        && board.neighbours[opposite as usize] & LEFT_ABOVE == LEFT_ABOVE;
-    if !exists {
+    if sides(&board.neighbours) != RIGHT_AND_DOWN | LEFT_AND_UP {
         return None;
     }
-    let across =
-        board.across[corner as usize] & RIGHT_BELOW | board.across[opposite as usize] & LEFT_ABOVE;
-    if across == 0 {
+    if sides(&board.across) == 0 {
         return Some(0);
     }
-    let along_rows = board.cost(corner, 0) + board.cost(opposite, 2);
-    let along_columns = board.cost(corner, 1) + board.cost(opposite, 3);
-    Some(if horizontal { along_columns - along_rows } else { along_rows - along_columns })
+    let horizontal = board.link_cost(corner, 0) + board.link_cost(opposite, 2);
+    let vertical = board.link_cost(corner, 1) + board.link_cost(opposite, 3);
+    Some(if is_horizontal { vertical - horizontal } else { horizontal - vertical })
 }
 
-fn switch(matching: &mut Matching<'_>, corner: Node) {
-    let opposite = corner + matching.board.stride() as Node + 1;
+/// Switches a unit cell, named by its top-left cell.
+fn switch(matching: &mut TwoMatching<'_>, corner: Node) {
+    let opposite = opposite_corner(matching, corner);
     for (node, dir) in [(corner, 0), (corner, 1), (opposite, 2), (opposite, 3)] {
         matching.toggle(node, dir);
+    }
+}
+
+/// The strand of each cell, while strands are only joined.
+struct StrandSets {
+    sets: DisjointSets,
+    /// For each representative whether its strand is a cycle.
+    is_cycle: Vec<bool>,
+}
+
+impl StrandSets {
+    fn new(matching: &TwoMatching<'_>) -> Self {
+        let board = matching.board;
+        let mut sets = DisjointSets::new(board.node_count());
+        let mut is_cycle = vec![true; board.node_count()];
+        for &node in &board.cells {
+            for dir in [0, 1] {
+                if matching.is_linked(node, dir) {
+                    sets.union(board.neighbour(node, dir), node);
+                }
+            }
+        }
+        let is_end = |&&node: &&Node| matching.links[node as usize].count_ones() < 2;
+        for &node in board.cells.iter().filter(is_end) {
+            is_cycle[sets.find(node) as usize] = false;
+        }
+        Self { sets, is_cycle }
+    }
+
+    /// Whether two cells belong to different strands, at least one of which is a cycle.
+    fn can_join(&mut self, a: Node, b: Node) -> bool {
+        let (a, b) = (self.sets.find(a), self.sets.find(b));
+        a != b && (self.is_cycle[a as usize] || self.is_cycle[b as usize])
+    }
+
+    /// Notes that the strands of two cells are one from now on.
+    fn join(&mut self, a: Node, b: Node) {
+        let (a, b) = (self.sets.find(a), self.sets.find(b));
+        self.sets.union(b, a);
+        self.is_cycle[a as usize] &= self.is_cycle[b as usize];
     }
 }

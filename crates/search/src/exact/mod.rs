@@ -9,15 +9,15 @@
 //! # Method
 //! A cover of n cells with p pieces has n - p links, at most two at each cell: it is a 2-matching.
 //! So no cover costs less than the cheapest 2-matching with n - p links.
-//! That one is a minimum-cost flow, because the grid is bipartite like a chessboard, and takes
-//! nearly linear time.
+//! As the grid is bipartite, like a chessboard, the cheapest 2-matching is a minimum-cost flow, and
+//! is found in nearly linear time.
 //! It differs from a cover only in its cycles.
-//! Where it can be changed into a cover without raising the cost, that cover is proven optimal.
+//! If it can be changed into a cover without raising the cost, that cover is proven optimal.
 //!
 //! An *attempt* has three steps:
 //!
 //! 1. Lay *ladders* inside the zones, which give nearly every cell two links, and complete them to
-//!    the cheapest 2-matching by shortest alternating paths ([`matching`](crate::matching)).
+//!    the cheapest 2-matching by shortest alternating paths (module `matching`).
 //! 2. Insert links, the cheapest first, between groups of zones that no link connects.
 //! 3. Join cycles by switches of unit cells, and the remaining ones by exchanges along short
 //!    alternating cycles.

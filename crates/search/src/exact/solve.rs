@@ -169,7 +169,7 @@ impl Solver<'_> {
                     |number: usize| self.solved[&key(number, start, end)].piece_bound + surplus;
                 choice.bound = numbers
                     .clone()
-                    .map(|number| flow::cost_in(&self.boards[number], max_pieces(number)))
+                    .map(|number| flow::min_cost(&self.boards[number], max_pieces(number)))
                     .sum();
             }
             // Cutting a cover into more pieces costs nothing, so a bound for more pieces also holds

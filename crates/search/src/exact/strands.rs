@@ -1,60 +1,106 @@
 //! The paths and cycles of a 2-matching, numbered so that an exchange of links can be judged
-//! without walking them.
+//! without walking along them.
+//!
+//! Each cell knows its strand and its position on it.
+//! To judge an exchange, cut the strands at the links to be removed: k cuts leave segments of which
+//! only the ends matter.
+//! Then join segments at the links to be inserted, each of which leads from one segment end to
+//! another.
+//! What hangs together afterwards are the strands after the exchange:
+//!
+//! ```text
+//!   before:     A=====B-C=====F       a path from A to F
+//!               G=====H-(G)           a cycle, closed by the link from H to G
+//!   removed:    B-C and H-G           leaves the segments AB, CF and GH
+//!   inserted:   B-G and H-C           joins all three: A=====B-G=====H-C=====F
+//! ```
+//!
+//! The segments are found by sorting the cuts by position, and disjoint sets count what hangs
+//! together.
+//! So judging k links takes O(k^2) time, whatever the lengths of the strands; only an exchange that
+//! is made renumbers the strands that it touches.
 
-use crate::matching::{Board, Dir, Matching, Node, dirs};
-use crate::union::Union;
+use crate::disjoint_sets::DisjointSets;
+use crate::matching::{Board, Dir, Node, TwoMatching, dirs, opposite};
 
 /// A path or cycle.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Strand {
-    /// Its cells at place 0 and at the last place.
-    pub(crate) ends: [Node; 2],
+pub(super) struct Strand {
+    /// Its cells at the first and the last position.
+    pub(super) ends: [Node; 2],
     /// Number of cells; 0 for a number that is not in use.
-    pub(crate) length: u32,
-    pub(crate) is_cycle: bool,
+    pub(super) length: u32,
+    pub(super) is_cycle: bool,
 }
 
 /// All strands of a 2-matching.
-pub(crate) struct Strands {
-    /// For each node its strand.
-    pub(crate) strand: Vec<u32>,
-    /// For each node its place on the strand, from 0.
-    place: Vec<u32>,
-    pub(crate) list: Vec<Strand>,
+pub(super) struct Strands {
+    /// For each node the number of its strand.
+    pub(super) strand: Vec<u32>,
+    /// For each node its position on the strand, from 0.
+    position: Vec<u32>,
+    /// The strands by their numbers.
+    pub(super) list: Vec<Strand>,
     /// Number of cycles.
-    pub(crate) cycles: u32,
-    /// Two cells that should not be the ends of one path, if there are any.
-    apart: Option<[Node; 2]>,
-    scratch: Scratch,
+    pub(super) cycles: u32,
+    /// Two cells that must not be the ends of one path, if there are any.
+    separate_ends: Option<[Node; 2]>,
+    judgement: Judgement,
 }
 
-/// What one judgement needs; kept to spare allocations.
+/// Memory for judging exchanges, kept to avoid allocations.
 #[derive(Default)]
-struct Scratch {
-    /// Strand and place after which it is cut, with the cells before and after the cut.
-    cuts: Vec<(u32, u32, [Node; 2])>,
+struct Judgement {
+    cuts: Vec<Cut>,
+    /// The strands that the exchange touches.
     strands: Vec<u32>,
-    /// The first and the last cell of each segment between cuts, and whether a new link is tied
-    /// there.
-    segments: Vec<([Node; 2], [bool; 2])>,
-    union: Union,
+    segments: Vec<Segment>,
+    sets: DisjointSets,
+}
+
+/// A link to be removed, in the order of positions.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Cut {
+    strand: u32,
+    /// The position of the cell before the cut.
+    position: u32,
+    /// The cells before and after the cut.
+    cells: [Node; 2],
+}
+
+/// A stretch of a strand between two cuts, or between a cut and the strand's end.
+#[derive(Clone, Copy)]
+struct Segment {
+    /// Its first and last cell, which may be the same.
+    ends: [Node; 2],
+    /// For each end whether a link leads on from it: an inserted one, or the one that closes a
+    /// cycle.
+    is_tied: [bool; 2],
+}
+
+impl Segment {
+    fn loose(ends: [Node; 2]) -> Self {
+        Self { ends, is_tied: [false; 2] }
+    }
 }
 
 impl Strands {
+    /// The number of a cell's strand while it is not known.
     const NONE: u32 = u32::MAX;
 
     /// Numbers all cells.
     /// Linear.
-    pub(crate) fn new(matching: &Matching<'_>, apart: Option<[Node; 2]>) -> Self {
-        let nodes = matching.board.nodes();
+    pub(super) fn new(matching: &TwoMatching<'_>, separate_ends: Option<[Node; 2]>) -> Self {
+        let nodes = matching.board.node_count();
         let mut strands = Self {
             strand: vec![Self::NONE; nodes],
-            place: vec![0; nodes],
+            position: vec![0; nodes],
             list: Vec::new(),
             cycles: 0,
-            apart,
-            scratch: Scratch::default(),
+            separate_ends,
+            judgement: Judgement::default(),
         };
+        // Paths have to be walked from an end, so ends come first; what is left then are cycles.
         let is_end = |&&node: &&Node| matching.links[node as usize].count_ones() < 2;
         for &first in matching.board.cells.iter().filter(is_end).chain(&matching.board.cells) {
             if strands.strand[first as usize] == Self::NONE {
@@ -67,128 +113,141 @@ impl Strands {
         strands
     }
 
-    /// Numbers the cells of the strand that begins with this cell: an end, or any cell of a cycle.
-    fn walk(&mut self, matching: &Matching<'_>, first: Node, number: u32) -> Strand {
+    /// Numbers the cells of the strand that begins at this cell: an end of a path, or any cell of a
+    /// cycle.
+    fn walk(&mut self, matching: &TwoMatching<'_>, first: Node, number: u32) -> Strand {
         let mut node = first;
         let mut from: Option<Dir> = None;
-        let mut place = 0;
+        let mut position = 0;
         loop {
             self.strand[node as usize] = number;
-            self.place[node as usize] = place;
-            place += 1;
-            let mut bits = matching.links[node as usize];
+            self.position[node as usize] = position;
+            position += 1;
+            let mut ahead = matching.links[node as usize];
             if let Some(dir) = from {
-                bits &= !(1 << (dir ^ 2));
+                ahead &= !(1 << opposite(dir));
             }
-            if bits == 0 {
-                return Strand { ends: [first, node], length: place, is_cycle: false };
+            if ahead == 0 {
+                return Strand { ends: [first, node], length: position, is_cycle: false };
             }
-            let dir = bits.trailing_zeros() as Dir;
-            let next = matching.board.step(node, dir);
+            let dir = ahead.trailing_zeros() as Dir;
+            let next = matching.board.neighbour(node, dir);
             if next == first {
-                return Strand { ends: [first, node], length: place, is_cycle: true };
+                return Strand { ends: [first, node], length: position, is_cycle: true };
             }
             (node, from) = (next, Some(dir));
         }
     }
 
-    /// Whether no cycle is left, and no two ends on one path that should not be.
-    pub(crate) fn is_settled(&self) -> bool {
+    /// Whether no cycle is left, and the ends that must be separate are on different paths.
+    pub(super) fn is_settled(&self) -> bool {
         self.cycles == 0 && self.joined_ends().is_none()
     }
 
-    /// The path that has both of the cells that should be apart.
-    pub(crate) fn joined_ends(&self) -> Option<u32> {
-        let [a, b] = self.apart?.map(|node| self.strand[node as usize]);
+    /// The path that has both of the ends that must be separate, if there is one.
+    pub(super) fn joined_ends(&self) -> Option<u32> {
+        let [a, b] = self.separate_ends?.map(|node| self.strand[node as usize]);
         (a == b).then_some(a)
     }
 
-    /// By how much the number of strands, and of paths with two ends that should be apart, changes
-    /// if the links along an alternating path or cycle are toggled.
+    /// By how much an exchange changes the number of strands, plus 1 if a path has both of the ends
+    /// that must be separate.
     ///
-    /// Each step names a link, in or out, by one of its cells.
-    /// O(k^2) for k steps, whatever the lengths of the strands: cutting k links leaves at most k +
-    /// 1 segments, and the new links tie their ends together.
-    pub(crate) fn change(&mut self, matching: &Matching<'_>, steps: &[(Node, Dir)]) -> i32 {
-        let Self { strand, place, list, scratch, apart, .. } = self;
-        let Scratch { cuts, strands, segments, union } = scratch;
+    /// The steps name the links to toggle, each by one of its cells: an alternating cycle, or an
+    /// alternating path from a cell with room.
+    /// O(k^2) for k steps.
+    pub(super) fn change(&mut self, matching: &TwoMatching<'_>, steps: &[(Node, Dir)]) -> i32 {
+        self.cut(matching, steps);
+        let Self { strand, judgement, separate_ends, .. } = self;
+        let Judgement { strands, segments, sets, .. } = judgement;
+        sets.reset(segments.len());
+        let mut after = segments.len() as i32;
+        for &(node, dir) in steps.iter().filter(|&&(node, dir)| !matching.is_linked(node, dir)) {
+            let [a, b] = [node, matching.board.neighbour(node, dir)].map(|cell| {
+                let (segment, end) = loose_end(segments, cell);
+                segments[segment].is_tied[end] = true;
+                segment as u32
+            });
+            after -= i32::from(sets.union(a, b));
+        }
+        let mut before = strands.len() as i32;
+        if let Some(ends) = *separate_ends
+            && ends.iter().any(|&end| strands.contains(&strand[end as usize]))
+        {
+            before += i32::from(strand[ends[0] as usize] == strand[ends[1] as usize]);
+            // A reserved cell has one link at most, so it is the end of a segment, if its strand is
+            // touched at all.
+            let segment_of =
+                |end: Node| segments.iter().position(|segment| segment.ends.contains(&end));
+            let is_joined = match ends.map(segment_of) {
+                [Some(a), Some(b)] => sets.find(a as u32) == sets.find(b as u32),
+                _ => false,
+            };
+            after += i32::from(is_joined);
+        }
+        after - before
+    }
+
+    /// Cuts the strands that an exchange touches at the links that it removes, into segments.
+    fn cut(&mut self, matching: &TwoMatching<'_>, steps: &[(Node, Dir)]) {
+        let Self { strand, position, list, judgement, .. } = self;
+        let Judgement { cuts, strands, segments, .. } = judgement;
         cuts.clear();
         strands.clear();
         segments.clear();
-        let is_link = |&(node, dir): &(Node, Dir)| matching.links[node as usize] & (1 << dir) != 0;
         for &(node, dir) in steps {
-            let other = matching.board.step(node, dir);
+            let other = matching.board.neighbour(node, dir);
             for cell in [node, other] {
                 let number = strand[cell as usize];
                 if !strands.contains(&number) {
                     strands.push(number);
                 }
             }
-            if is_link(&(node, dir)) {
+            if matching.is_linked(node, dir) {
                 let (mut before, mut after) = (node, other);
-                if place[before as usize] > place[after as usize] {
+                if position[before as usize] > position[after as usize] {
                     std::mem::swap(&mut before, &mut after);
                 }
-                // The link that closes a cycle lies after its last place.
-                if place[after as usize] - place[before as usize] > 1 {
+                // The link that closes a cycle leads from the last position to the first.
+                if position[after as usize] - position[before as usize] > 1 {
                     std::mem::swap(&mut before, &mut after);
                 }
-                cuts.push((strand[node as usize], place[before as usize], [before, after]));
+                let (strand, position) = (strand[node as usize], position[before as usize]);
+                cuts.push(Cut { strand, position, cells: [before, after] });
             }
         }
         cuts.sort_unstable();
         for &number in &*strands {
-            let begin = cuts.partition_point(|cut| cut.0 < number);
-            let end = cuts.partition_point(|cut| cut.0 <= number);
-            let here = &cuts[begin..end];
+            let begin = cuts.partition_point(|cut| cut.strand < number);
+            let end = cuts.partition_point(|cut| cut.strand <= number);
             let Strand { ends: [first, last], is_cycle, .. } = list[number as usize];
-            match here {
-                [] => segments.push(([first, last], [is_cycle; 2])),
-                [one, .., other] | [one @ other] => {
-                    let inner = here.windows(2).map(|pair| [pair[0].2[1], pair[1].2[0]]);
-                    segments.extend(inner.map(|cells| (cells, [false; 2])));
+            match &cuts[begin..end] {
+                // A whole strand.
+                [] => segments.push(Segment { ends: [first, last], is_tied: [is_cycle; 2] }),
+                cuts @ ([first_cut, .., last_cut] | [first_cut @ last_cut]) => {
+                    let inner = cuts.windows(2).map(|pair| [pair[0].cells[1], pair[1].cells[0]]);
+                    segments.extend(inner.map(Segment::loose));
                     if is_cycle {
-                        segments.push(([other.2[1], one.2[0]], [false; 2]));
+                        // The stretch through the position where the numbering begins.
+                        segments.push(Segment::loose([last_cut.cells[1], first_cut.cells[0]]));
                     } else {
-                        segments.push(([first, one.2[0]], [false; 2]));
-                        segments.push(([other.2[1], last], [false; 2]));
+                        segments.push(Segment::loose([first, first_cut.cells[0]]));
+                        segments.push(Segment::loose([last_cut.cells[1], last]));
                     }
                 }
             }
         }
-        union.reset(segments.len());
-        let mut after = segments.len() as i32;
-        for &(node, dir) in steps.iter().filter(|step| !is_link(step)) {
-            let [a, b] = [node, matching.board.step(node, dir)].map(|cell| {
-                let (segment, end) = free_end(segments, cell);
-                segments[segment].1[end] = true;
-                segment as u32
-            });
-            after -= i32::from(union.unite(a, b));
-        }
-        let mut before = strands.len() as i32;
-        if let Some(ends) = *apart
-            && strands.iter().any(|&number| ends.iter().any(|&end| strand[end as usize] == number))
-        {
-            before += i32::from(strand[ends[0] as usize] == strand[ends[1] as usize]);
-            let place = |end: Node| segments.iter().position(|(cells, _)| cells.contains(&end));
-            let joined = match ends.map(place) {
-                // Each is the end of some segment, for it is the end of a path; the last link of
-                // its path keeps it so.
-                [Some(a), Some(b)] => union.root(a as u32) == union.root(b as u32),
-                _ => false,
-            };
-            after += i32::from(joined);
-        }
-        after - before
     }
 
-    /// Toggles the links, and numbers anew what they touch: linear in the lengths of those strands.
-    pub(crate) fn apply(&mut self, matching: &mut Matching<'_>, steps: &[(Node, Dir)]) {
-        let mut numbers: Vec<u32> = Vec::new();
+    /// Toggles the links of an exchange, and renumbers the strands that it touches.
+    /// Linear in the lengths of these strands.
+    pub(super) fn apply(&mut self, matching: &mut TwoMatching<'_>, steps: &[(Node, Dir)]) {
+        // Cells at which a strand may begin after the exchange.
         let mut firsts = Vec::new();
+        // Numbers of the strands touched, which are free to be used again.
+        let mut numbers: Vec<u32> = Vec::new();
         for &(node, dir) in steps {
-            for cell in [node, matching.board.step(node, dir)] {
+            for cell in [node, matching.board.neighbour(node, dir)] {
                 let number = self.strand[cell as usize];
                 if !numbers.contains(&number) {
                     numbers.push(number);
@@ -203,14 +262,16 @@ impl Strands {
             strand.length = 0;
         }
         for &(node, dir) in steps {
-            let taken_out = matching.links[node as usize] & (1 << dir) != 0;
+            let is_removed = matching.is_linked(node, dir);
             matching.toggle(node, dir);
-            for cell in [node, matching.board.step(node, dir)] {
+            for cell in [node, matching.board.neighbour(node, dir)] {
+                // Wrapping: along an alternating path a cell may get a link before it loses one.
                 let room = &mut matching.room[cell as usize];
-                *room = if taken_out { room.wrapping_add(1) } else { room.wrapping_sub(1) };
+                *room = if is_removed { room.wrapping_add(1) } else { room.wrapping_sub(1) };
             }
         }
-        // Every strand that was touched contains one of these cells, and ends of paths come first.
+        // Every strand after the exchange contains one of these cells.
+        // Ends of paths come first, as in `new`.
         for &cell in &firsts {
             self.strand[cell as usize] = Self::NONE;
         }
@@ -229,9 +290,9 @@ impl Strands {
         }
     }
 
-    /// The links that could lead to another strand from a cycle, or from a path whose ends should
-    /// be apart; from their black cells.
-    pub(crate) fn links_to_settle(&self, matching: &Matching<'_>) -> Vec<(Node, Dir)> {
+    /// The links that would lead to another strand from a cycle, or from a path whose ends must be
+    /// separate; named by their black cells.
+    pub(super) fn links_to_settle(&self, matching: &TwoMatching<'_>) -> Vec<(Node, Dir)> {
         let board = matching.board;
         let strand = |node: Node| self.strand[node as usize];
         let joined = self.joined_ends();
@@ -240,7 +301,7 @@ impl Strands {
         let mut links = Vec::new();
         for &node in board.cells.iter().filter(|&&node| Board::is_black(node)) {
             for dir in dirs(board.neighbours[node as usize]) {
-                let other = board.step(node, dir);
+                let other = board.neighbour(node, dir);
                 if strand(node) != strand(other) && (is_unsettled(node) || is_unsettled(other)) {
                     links.push((node, dir));
                 }
@@ -249,54 +310,62 @@ impl Strands {
         links
     }
 
-    /// The cells of each strand in order; a cycle is opened where its link costs most.
-    pub(crate) fn pieces(&self, matching: &Matching<'_>) -> Vec<Vec<Node>> {
+    /// The cells of each strand in order; a cycle is cut open at its most expensive link.
+    pub(super) fn pieces(&self, matching: &TwoMatching<'_>) -> Vec<Vec<Node>> {
         let board = matching.board;
         let cost = |a: Node, b: Node| {
-            (0..4).find(|&dir| board.step(a, dir) == b).map(|dir| board.cost(a, dir))
+            (0..4).find(|&dir| board.neighbour(a, dir) == b).map(|dir| board.link_cost(a, dir))
         };
         let numbers =
             (0..self.list.len() as u32).filter(|&number| self.list[number as usize].length > 0);
-        let open = |number: u32| {
+        let piece = |number: u32| {
             let mut cells = self.cells(matching, number);
             if self.list[number as usize].is_cycle {
                 let length = cells.len();
-                let dearest =
+                let most_expensive =
                     (0..length).max_by_key(|&at| cost(cells[at], cells[(at + 1) % length]));
-                cells.rotate_left(dearest.map_or(0, |at| (at + 1) % length));
+                cells.rotate_left(most_expensive.map_or(0, |at| (at + 1) % length));
             }
             cells
         };
-        numbers.map(open).collect()
+        numbers.map(piece).collect()
     }
 
     /// The cells of a strand in order.
-    pub(crate) fn cells(&self, matching: &Matching<'_>, number: u32) -> Vec<Node> {
+    pub(super) fn cells(&self, matching: &TwoMatching<'_>, number: u32) -> Vec<Node> {
         let Strand { ends: [first, _], length, .. } = self.list[number as usize];
         let mut cells = Vec::with_capacity(length as usize);
-        let mut before = first;
+        let mut previous = first;
         let mut node = first;
         while cells.len() < length as usize {
             cells.push(node);
-            // The numbering tells the way, also at the first cell of a cycle.
-            let follows =
-                |&other: &Node| self.place[other as usize] == cells.len() as u32 && other != before;
+            // At the first cell of a cycle both neighbours are linked: positions decide which one
+            // is next.
+            let is_next = |&other: &Node| {
+                self.position[other as usize] == cells.len() as u32 && other != previous
+            };
             let next = dirs(matching.links[node as usize])
-                .map(|dir| matching.board.step(node, dir))
-                .find(follows);
+                .map(|dir| matching.board.neighbour(node, dir))
+                .find(is_next);
             let Some(next) = next else { break };
-            (before, node) = (node, next);
+            (previous, node) = (node, next);
         }
         cells
     }
 }
 
-/// A segment and its end at this cell to which nothing is tied yet.
-fn free_end(segments: &[([Node; 2], [bool; 2])], cell: Node) -> (usize, usize) {
-    let find = |(index, (cells, tied)): (usize, &([Node; 2], [bool; 2]))| {
-        (0..2).find(|&end| cells[end] == cell && !tied[end]).map(|end| (index, end))
+/// The segment that ends at this cell, and which of its ends that is, if no link leads on from it
+/// yet.
+fn loose_end(segments: &[Segment], cell: Node) -> (usize, usize) {
+    let find = |(index, segment): (usize, &Segment)| {
+        let is_loose = |&end: &usize| segment.ends[end] == cell && !segment.is_tied[end];
+        (0..2).find(is_loose).map(|end| (index, end))
     };
-    segments.iter().enumerate().find_map(find).expect("a new link begins where another one ended")
+    segments
+        .iter()
+        .enumerate()
+        .find_map(find)
+        .expect("a link is inserted where another is removed or where there is room")
 }
 
 #[cfg(test)]
@@ -307,31 +376,34 @@ mod tests {
 
     use super::*;
     use crate::ZoneCosts;
-    use crate::matching::Grain;
+    use crate::matching::LadderLayout;
 
-    /// Strands counted by walking them all.
-    fn count(matching: &Matching<'_>) -> i32 {
+    /// The number of strands, counted by walking along all of them.
+    fn count(matching: &TwoMatching<'_>) -> i32 {
         Strands::new(matching, None).list.len() as i32
     }
 
-    /// A random alternating walk of links put in and taken out, that ends where it began or begins
-    /// at a cell with room.
-    fn exchange(matching: &Matching<'_>, rng: &mut impl Rng) -> Option<Vec<(Node, Dir)>> {
+    /// A random exchange: an alternating cycle, or an alternating path from a cell with room.
+    fn exchange(matching: &TwoMatching<'_>, rng: &mut impl Rng) -> Option<Vec<(Node, Dir)>> {
         let board = matching.board;
-        let mut pick = |bits: u8| {
-            let all: Vec<Dir> = dirs(bits).collect();
+        let mut pick = |set: u8| {
+            let all: Vec<Dir> = dirs(set).collect();
             (!all.is_empty()).then(|| all[(rng.next_u64() % all.len() as u64) as usize])
         };
         let first = board.cells[pick(0b1111)? * board.cells.len() / 4];
-        let has_room = matching.room[first as usize] > 0;
+        let has_room = matching.has_room(first);
         let mut steps: Vec<(Node, Dir)> = Vec::new();
         let mut node = first;
         while steps.len() < 12 {
-            for out in [false, true] {
+            for is_removed in [false, true] {
                 let links = matching.links[node as usize];
-                let dir = pick(if out { links } else { board.neighbours[node as usize] & !links })?;
-                let other = board.step(node, dir);
-                if steps.contains(&(node, dir)) || steps.contains(&(other, dir ^ 2)) {
+                let dir = pick(if is_removed {
+                    links
+                } else {
+                    board.neighbours[node as usize] & !links
+                })?;
+                let other = board.neighbour(node, dir);
+                if steps.contains(&(node, dir)) || steps.contains(&(other, opposite(dir))) {
                     return None;
                 }
                 steps.push((node, dir));
@@ -345,15 +417,15 @@ mod tests {
     }
 
     #[test]
-    fn exchanges_are_judged_as_by_walking() {
+    fn judgements_agree_with_counting() {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
         let mut judged = 0;
         for seed in 0..60 {
             let region = Region::rectangle(4 + (seed % 5) as u32, 5 + (seed % 4) as u32).unwrap();
             let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, seed).unwrap();
             let board = Board::of_components(&region, &zones, &ZoneCosts::uniform(3)).remove(0);
-            let mut matching = Matching::inside_zones(&board, Grain::default());
-            matching.drop_links_inside(4, |count| count / 2);
+            let mut matching = TwoMatching::inside_zones(&board, LadderLayout::default());
+            matching.remove_links_inside(4, |count| count / 2);
             matching.grow(4);
             let mut strands = Strands::new(&matching, None);
             for _ in 0..4000 {

@@ -203,7 +203,7 @@ fn no_bound_exceeds_the_optimum() {
         problems += 1;
         let all = [
             bounds.flow,
-            bounds.cover,
+            bounds.segments,
             bounds.scattering,
             bounds.walk.unwrap_or(0),
             bounds.connectivity,
@@ -317,6 +317,8 @@ fn interrupted_searches_return_a_valid_path() {
 
 #[test]
 fn observers_see_attempts_and_stages() {
+    use Stage::{Cheapest, Ladders, Linked, Merged, Settled};
+
     let region = Region::rectangle(60, 60).unwrap();
     let zones =
         LayoutSpec { layout: Layout::Islands, zones: 30, side: 4 }.zones(&region, 1).unwrap();
@@ -327,7 +329,6 @@ fn observers_see_attempts_and_stages() {
     let observers = Observers { attempt: Some(&on_attempt), stage: Some(&on_stage) };
     let outcome = solve(&region, &zones, &Settings { observers, ..Settings::default() }).unwrap();
     assert_eq!(attempts.into_inner(), outcome.attempts);
-    use Stage::{Cheapest, Ladders, Linked, Merged, Settled};
     assert_eq!(stages.into_inner().unwrap(), [Ladders, Cheapest, Linked, Merged, Settled]);
 }
 
@@ -340,7 +341,7 @@ fn progress_counts_cells() {
             let reports: Mutex<Vec<Progress>> = Mutex::default();
             let report = |progress| reports.lock().unwrap().push(progress);
             let control = Control { progress: Some(&report), ..Control::default() };
-            let settings = Settings { start, attempts, ..Settings::default() };
+            let settings = Settings { attempts, start, ..Settings::default() };
             solve_with(&region, &zones, &settings, &control).unwrap();
             let reports = reports.into_inner().unwrap();
             let last = reports.last().unwrap();
