@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
-"""A step of training FusionNet in PyTorch beside that of beadwork: f = 32, 64 examples of 32 x 32 cells, single precision.
+"""Compares the time of a training step of FusionNet in PyTorch and in beadwork.
+
+The network has f = 32, the batch 64 examples of 32 x 32 cells, in single precision.
 
     pip install torch==2.13.0 safetensors numpy
     cargo xtask gen-data --preset chains --out datasets/chains
     cargo xtask bench learn                                     # builds the binary
     python3 docs/bench/fusion_step.py target/release/beadwork datasets/chains
 
-The same network, loss, optimiser and memory layout (channels together), on as many threads as there are cores. In turn, five times;
-prints the examples a second of both and the ratio of the medians of their step times.
+Both use the same network, loss, optimiser and memory layout (channels last), and one thread per
+core. The script alternates between both five times, and prints the examples per second of both and
+the ratio of the medians of their step times.
 """
 
 import json
@@ -26,10 +29,11 @@ from make_fusion import FusionNet  # noqa: E402
 F, HIDDEN, HISTORY, CANVAS, BATCH = 32, 192, 32, 32, 64
 
 
-def loss(position, action, truth, label, rivals):
+def loss(position, action, truth, label, negatives):
+    """Ranking loss of the positions plus cross entropy of the actions, as in crates/learn."""
     scores = position.flatten(1)
     own = scores.gather(1, truth[:, None])
-    hardest = scores.masked_fill(~rivals, -1e4).topk(32, sorted=False).values
+    hardest = scores.masked_fill(~negatives, -1e4).topk(32, sorted=False).values
     real = (hardest > -5e3).float()
     ranking = (functional.relu(hardest - own + 1.0) * real).sum() / real.sum().clamp(min=1.0)
     logits = action.flatten(2)
@@ -48,17 +52,19 @@ def loss(position, action, truth, label, rivals):
 
 
 def step_seconds(net, optimiser, steps=6):
+    """Median time of a training step on random input, after two warm-up steps."""
+    past = (BATCH, HISTORY)
     batch = (
         torch.rand(BATCH, CANVAS, CANVAS, 9).permute(0, 3, 1, 2),
-        torch.randint(12, (BATCH, HISTORY)), torch.randint(CANVAS, (BATCH, HISTORY)), torch.randint(CANVAS, (BATCH, HISTORY)),
-        torch.rand(BATCH, HISTORY), torch.rand(BATCH, HISTORY), torch.ones(BATCH, HISTORY),
+        torch.randint(12, past), torch.randint(CANVAS, past), torch.randint(CANVAS, past),
+        torch.rand(past), torch.rand(past), torch.ones(past),
     )
     truth, label = torch.randint(CANVAS * CANVAS, (BATCH,)), torch.randint(12, (BATCH,))
-    rivals = torch.rand(BATCH, CANVAS * CANVAS) < 0.1
+    negatives = torch.rand(BATCH, CANVAS * CANVAS) < 0.1
     seconds = []
     for _ in range(steps + 2):
         begin = time.perf_counter()
-        value = loss(*net(*batch), truth, label, rivals)
+        value = loss(*net(*batch), truth, label, negatives)
         value.item()
         optimiser.zero_grad()
         value.backward()
@@ -76,11 +82,11 @@ def main():
     for _ in range(5):
         theirs.append(step_seconds(net, optimiser))
         command = [binary, "bench", "learn", "--json", "--data", data]
-        told = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
-        ours.append(BATCH / told["train_examples_per_second"]["single"])
+        rates = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
+        ours.append(BATCH / rates["train_examples_per_second"]["single"])
     theirs, ours = statistics.median(theirs), statistics.median(ours)
-    print(f"PyTorch {torch.__version__}: {BATCH / theirs:.0f} examples/s; beadwork: {BATCH / ours:.0f}")
-    print(f"beadwork's step takes {ours / theirs:.3f} of PyTorch's")
+    print(f"PyTorch {torch.__version__}: {BATCH / theirs:.0f} examples/s")
+    print(f"beadwork: {BATCH / ours:.0f} examples/s, {ours / theirs:.3f} of PyTorch's step time")
 
 
 if __name__ == "__main__":

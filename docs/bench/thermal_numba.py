@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""The plain scheme of the heat equation in numba, beside that of beadwork: the rectangular part of 120 x 40 x 12 voxels.
+"""Compares the explicit scheme of the heat equation in numba and in beadwork.
+
+The part is the rectangular one of 120 x 40 x 12 voxels.
 
     pip install numpy numba
     cargo build --release
     python3 docs/bench/thermal_numba.py target/release/beadwork
 
-One thread each, in turn, three times; prints the seconds of both and the ratio.
+Alternates between both three times, each on one thread, and prints the seconds of both and their
+ratio.
 """
 
 import json
@@ -24,7 +27,7 @@ AIR, PLATE, NOZZLE, KELVIN = 25.0, 80.0, 230.0, 273.15
 
 @njit(cache=False)
 def simulate(order, t, new, active):
-    """One explicit step of all active voxels for each birth."""
+    """Deposits voxels in order; after each, makes one explicit step of all active voxels."""
     gx = np.float32(K / (RHO * CP) * DT / DX**2)
     gz = np.float32(K / (RHO * CP) * DT / DZ**2)
     side = np.float32(DT / (RHO * CP) / DX)
@@ -70,7 +73,8 @@ def simulate(order, t, new, active):
                         faces += cap
                     if faces > 0:
                         tk = own + np.float32(KELVIN)
-                        h = np.float32(H) + np.float32(EMISSIVITY * SIGMA) * (tk + ta) * (tk * tk + ta * ta)
+                        radiation = np.float32(EMISSIVITY * SIGMA)
+                        h = np.float32(H) + radiation * (tk + ta) * (tk * tk + ta * ta)
                         change -= faces * h * (own - np.float32(AIR))
                     new[z, y, x] = own + change
         new[bz, by, bx] = NOZZLE
@@ -80,7 +84,12 @@ def simulate(order, t, new, active):
 
 def main():
     order = np.array(
-        [(z, y, x if y % 2 == 0 else NX - 1 - x) for z in range(NZ) for y in range(NY) for x in range(NX)],
+        [
+            (z, y, x if y % 2 == 0 else NX - 1 - x)
+            for z in range(NZ)
+            for y in range(NY)
+            for x in range(NX)
+        ],
         dtype=np.int64,
     )
 
@@ -92,12 +101,16 @@ def main():
         return time.perf_counter() - begin, end
 
     run(10)
-    command = [sys.argv[1], "bench", "thermal", "--what", "parts", "--part", "rectangular", "--repeats", "1", "--json"]
+    command = [sys.argv[1], "bench", "thermal", "--what", "parts", "--part", "rectangular"]
+    command += ["--repeats", "1", "--json"]
     for _ in range(3):
         seconds, end = run(len(order))
         rows = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)["parts"]
         ours = next(row["seconds"] for row in rows if row["method"] == "naive")
-        print(f"numba {seconds:.2f} s, beadwork {ours:.3f} s, ratio {seconds / ours:.2f}; mean {end.mean():.3f} C")
+        print(
+            f"numba {seconds:.2f} s, beadwork {ours:.3f} s, ratio {seconds / ours:.2f}; "
+            f"mean {end.mean():.3f} C"
+        )
 
 
 if __name__ == "__main__":
