@@ -10,7 +10,7 @@ use anyhow::Result;
 
 use crate::{setup, workspace};
 
-/// Builds the binary and runs it in the current folder, to which relative paths refer.
+/// Builds the binary and runs it in the current folder, so that relative paths work.
 pub(crate) fn run(words: &[OsString]) -> Result<()> {
     let learns = needs_libtorch(words);
     if learns {
@@ -21,10 +21,9 @@ pub(crate) fn run(words: &[OsString]) -> Result<()> {
     if learns {
         cargo.args(["--features", "learn"]);
     }
-    // The first build takes minutes: cargo shows its progress.
-    // Later ones only take a moment.
+    // The first build takes minutes, so cargo shows its progress; later ones are quick.
     if first_build(learns) {
-        let time = if learns { "some ten minutes" } else { "about two minutes" };
+        let time = if learns { "about ten minutes" } else { "about two minutes" };
         eprintln!("xtask: building beadwork for the first time, which takes {time}");
         if !std::io::stderr().is_terminal() {
             eprintln!("xtask: compiled packages are listed below");
@@ -36,7 +35,7 @@ pub(crate) fn run(words: &[OsString]) -> Result<()> {
     exec(cargo)
 }
 
-/// Whether no release build of the binary was made yet, with or without libtorch.
+/// Whether this is the first release build of the binary, or the first with libtorch if `learns`.
 fn first_build(learns: bool) -> bool {
     let target = std::env::var_os("CARGO_TARGET_DIR")
         .map_or_else(|| workspace::root().join("target"), PathBuf::from);
@@ -68,8 +67,9 @@ fn needs_libtorch(words: &[OsString]) -> bool {
     }
 }
 
-/// Replaces this process by cargo, and cargo replaces itself by the binary: signals and the exit
-/// code pass directly.
+/// Replaces this process with cargo, which replaces itself with the binary.
+///
+/// So signals and the exit code need no forwarding.
 #[cfg(unix)]
 fn exec(mut cargo: Command) -> Result<()> {
     use std::os::unix::process::CommandExt;

@@ -2,9 +2,10 @@
 //!
 //! Checks and set-up run here.
 //! Every other command goes to the binary `beadwork`, which is built in release first.
-//! xtask links no crate of the workspace, so that it builds in seconds.
+//! This crate links no other crate of the workspace, so it builds in seconds.
 //!
-//! Exit codes: 0 success, 1 failure, 2 usage error; a forwarded command ends with the binary's code.
+//! Exit codes: 0 success, 1 failure, 2 usage error.
+//! A forwarded command returns the exit code of the binary.
 
 #![allow(clippy::print_stderr, reason = "a task runner reports to its terminal")]
 
@@ -24,23 +25,24 @@ const HELP: &str = "\
 Usage: cargo xtask COMMAND [ARGUMENTS]
 
 Checks:
-  test       format, lints, tidy, tests and documentation; stops at the first failure
-  tidy       module docs, manifests, banned words, wide lines, leftovers
+  test         check format, lints, tidy, tests and documentation; stops at the first failure
+  tidy         check module docs, manifests, banned words, wide lines, leftovers
 
 Set-up:
-  setup      download libtorch for networks, once per user; checks LIBTORCH instead if it is set;
-             with --cuda a libtorch that also computes on graphics cards
+  setup        download libtorch for networks, once per user; checks LIBTORCH instead if it is set;
+               with --cuda a libtorch that also computes on graphics cards
 
 Work: builds the binary `beadwork` in release and runs it
-  gen-data   write training data
-  inspect    show and check a dataset
-  zones      find a path with few zone crossings for one layer
-  plan       plan a part and write its G-code
-  simulate   simulate the temperatures of a part while it is printed
-  train      train a network; the first time, downloads and builds libtorch, which takes minutes
-  eval       tables beside the papers' figures, and tables of whole parts
-  bench      rates on this machine
-  doctor     what is installed, what is missing, and how to get it
+  gen-data     write training data
+  inspect      show and check a dataset
+  zones        find a path with few zone crossings for one layer
+  plan         plan a part and write its G-code
+  simulate     simulate the temperatures of a part while it is printed
+  train        train a network; the first time, downloads and builds libtorch, which takes minutes
+  eval         compare results with the papers' figures, and make tables of whole parts
+  bench        measure rates on this machine
+  doctor       report what is installed, what is missing, and how to get it
+  completions  print a script that completes commands and flags in a shell
   Any other command goes to the binary too. `cargo xtask COMMAND --help` lists its arguments.
 
 Examples:

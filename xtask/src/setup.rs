@@ -1,8 +1,8 @@
 //! `cargo xtask setup`: installs libtorch, once per user.
 //!
-//! tch requires one version of libtorch, which the Python package index offers as wheels. pip
-//! downloads them, since it knows the user's proxies, mirrors and certificates; it keeps complete
-//! downloads and verifies checksums.
+//! tch requires one version of libtorch, which the Python package index offers as wheels.
+//! The wheels are downloaded by pip, since it knows the user's proxies, mirrors and certificates;
+//! it keeps complete downloads and verifies checksums.
 //! The files that a build needs are unpacked into the user's cache, completely or not at all.
 //! `.libtorch` in the checkout is a link to them; `.cargo/config.toml` sets LIBTORCH to that link,
 //! so that builds from a shell and from an editor find it.
@@ -195,9 +195,9 @@ pub(crate) fn run(target: Target) -> Result<()> {
     );
     let cache = cache()?;
     let folder = cache.join(format!("libtorch-{VERSION}-{}", target.name()));
-    if let Err(lack) = target.check(&folder) {
+    if let Err(error) = target.check(&folder) {
         if folder.exists() {
-            eprintln!("xtask: {lack:#}; installing it again");
+            eprintln!("xtask: {error:#}; installing it again");
             fs::remove_dir_all(&folder).with_context(|| format!("'{}'", folder.display()))?;
         }
         install(&cache, &folder, target, OsStr::new("python3"))?;
@@ -279,8 +279,9 @@ fn install(cache: &Path, folder: &Path, target: Target, python: &OsStr) -> Resul
     fs::remove_dir_all(&wheels).with_context(|| format!("cannot remove '{}'", wheels.display()))
 }
 
-/// Downloads the wheels one by one, so that complete ones are kept if a later download fails. pip
-/// skips wheels that are present and downloads those with a wrong checksum again.
+/// Downloads the wheels one by one, so that complete ones are kept if a later download fails.
+///
+/// Present wheels are skipped by pip, and those with a wrong checksum are downloaded again.
 fn download(wheels: &Path, target: Target, python: &OsStr) -> Result<()> {
     for (name, version, sha256) in target.wheels() {
         let wanted = wheels.join("wanted.txt");
@@ -305,7 +306,8 @@ fn download(wheels: &Path, target: Target, python: &OsStr) -> Result<()> {
         let status = pip.status().context("cannot start pip")?;
         ensure!(
             status.success(),
-            "pip did not download {name}, see above; run this again (complete files are kept), or {ALTERNATIVE}"
+            "pip did not download {name}, see above; \
+             run this again (complete files are kept), or {ALTERNATIVE}"
         );
     }
     Ok(())

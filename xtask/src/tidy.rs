@@ -1,4 +1,4 @@
-//! `cargo xtask tidy`: checks that neither rustfmt nor clippy makes.
+//! `cargo xtask tidy`: checks that are not part of rustfmt or clippy.
 
 mod manifest;
 mod paths;
@@ -17,13 +17,13 @@ use anyhow::{Context, Result, ensure};
 use self::words::BannedWords;
 use crate::workspace;
 
-/// A longer source file holds more than one concept.
+/// Maximum number of lines of a source file: a longer one holds more than one concept.
 const MAX_LINES: usize = 1200;
 
 /// Maximum width of a line, in characters.
 const MAX_COLUMNS: usize = 100;
 
-/// Maximum size of a file: git keeps every version of it for ever.
+/// Maximum size of a file in bytes: git keeps every version of it forever.
 const MAX_BYTES: u64 = 4 << 20;
 
 /// Macros of unfinished work; without the exclamation mark, so that this list does not report
@@ -77,7 +77,7 @@ pub(crate) fn run() -> Result<()> {
     for problem in &problems {
         eprintln!("{problem}");
     }
-    ensure!(problems.is_empty(), "tidy: {} to fix", problems.len());
+    ensure!(problems.is_empty(), "tidy: {} problems", problems.len());
     Ok(())
 }
 

@@ -1,4 +1,7 @@
-"""Unpacks the files that a build of libtorch needs from wheels: python3 unpack.py cpu|cuda FOLDER WHEEL..."""
+"""Unpacks from wheels the files that a build with libtorch needs.
+
+    python3 unpack.py cpu|cuda FOLDER WHEEL...
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,8 @@ import shutil
 import sys
 import zipfile
 
-# For the processor: kernels, and the profiling libraries of graphics cards, which libtorch_cpu.so links.
+# Libraries for the processor: kernels, and the profiling libraries of graphics cards, which
+# libtorch_cpu.so links.
 LIBRARIES = {
     "libtorch_cpu.so",
     "libtorch.so",

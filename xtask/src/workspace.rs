@@ -6,7 +6,7 @@ use std::process::Command;
 
 /// The folder of the root manifest.
 pub(crate) fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in a folder of the workspace")
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask is in a folder of the workspace")
 }
 
 /// The cargo that started this program, so that `cargo +VERSION xtask` uses that version

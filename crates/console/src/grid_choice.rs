@@ -15,7 +15,7 @@ use ndarray::Array2;
 use crate::part::CutPart;
 use crate::{cancel, progress};
 
-/// Width of the steps between the bead widths tried, as a share of the width.
+/// Difference between consecutive bead widths, as a share of the width of the flags.
 const BEAD_STEP: f64 = 0.025;
 
 /// Flags that name the grids to try.
@@ -35,7 +35,7 @@ fn percent(text: &str) -> Result<f64, String> {
     percent.ok_or_else(|| "expected a number from 0 to 10".to_owned())
 }
 
-/// A grid, and how few pieces its layers need.
+/// A grid, and a lower bound on the pieces of its layers.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate {
     /// Settings of the slicing.
@@ -72,7 +72,8 @@ impl GridArgs {
     /// The grid of the flags is always among them.
     ///
     /// A grid without cells in some layer below the top is left out.
-    /// Costs a filling of the outlines and a maximum 2-matching of each layer for each grid.
+    /// For each grid, fills the outlines of all layers with cells and computes a maximum 2-matching
+    /// of each layer.
     pub fn best(
         &self,
         part: &CutPart,
@@ -113,7 +114,7 @@ impl GridArgs {
 /// Lower bound on the pieces of all layers, where every piece lies in one zone.
 fn pieces(layers: &Layers, control: &Control<'_>) -> Result<u64, Interrupted> {
     let filled: Vec<&Layer> = layers.layers.iter().flatten().collect();
-    // Layers of a prism are alike: one of several equal neighbours is enough.
+    // A prism has equal layers: consecutive equal ones need only one computation.
     let alike = filled.chunk_by(|a, b| a == b).collect::<Vec<_>>();
     let bounds = control.threads.map(&alike, |layers| {
         let bound = zone_pieces(layers[0], &control.on_one_thread())?;

@@ -1,9 +1,9 @@
-//! What the commands of the binary share, those of `beadwork-cli` and those of `beadwork-lab`.
+//! Code shared by the commands of `beadwork-cli` and `beadwork-lab`.
 //!
 //! - The terminal: [`output`], [`progress`], [`cancel`] (Ctrl-C as a cancel token), [`control`]
 //!   (threads and progress of long calls), [`text`].
-//! - [`machine`]: facts recorded beside measured figures; [`memory`]: an allocator that keeps
-//!   memory between training steps.
+//! - [`machine`]: facts recorded with measured figures; [`memory`]: an allocator that keeps memory
+//!   between training steps.
 //! - [`chart`]: line charts and heat maps as SVG.
 //! - [`part`] and [`printer`]: flags that name a part and a printer, and what they load;
 //!   [`plan`]: planned layers as checked G-code; [`grid_choice`]: the cell grid that needs the
@@ -12,7 +12,7 @@
 //!
 //! This crate writes to the terminal and reads and writes files; the compute crates do neither.
 
-#![allow(clippy::print_stderr, reason = "a command line talks to its terminal")]
+#![allow(clippy::print_stderr, reason = "a command line writes to its terminal")]
 #![allow(
     clippy::doc_markdown,
     reason = "the comments on flags are their help, where backticks are noise"

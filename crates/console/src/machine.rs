@@ -21,7 +21,7 @@ pub fn line() -> String {
     one_line(&facts())
 }
 
-/// Facts of a machine, perhaps recorded by an earlier run, on one line.
+/// Formats the facts of a machine, possibly recorded by an earlier run, on one line.
 pub fn one_line(facts: &Value) -> String {
     let text = |key: &str| facts[key].as_str().unwrap_or("unknown").to_owned();
     format!(

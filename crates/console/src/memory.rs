@@ -3,7 +3,9 @@
 /// Allocates blocks of up to 32 MiB (the maximum of all glibc versions) on the heap, never trims
 /// the heap below 16 GiB, and uses huge pages where the system has them.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
-const KEEP: &str = "glibc.malloc.mmap_threshold=33554432:glibc.malloc.trim_threshold=17179869184:glibc.malloc.hugetlb=1";
+const KEEP: &str = "glibc.malloc.mmap_threshold=33554432:\
+                    glibc.malloc.trim_threshold=17179869184:\
+                    glibc.malloc.hugetlb=1";
 
 /// Restarts the process with an allocator that keeps freed memory, unless the user has set
 /// `GLIBC_TUNABLES`.

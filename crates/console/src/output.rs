@@ -21,8 +21,9 @@ pub fn json(value: &serde_json::Value) -> anyhow::Result<()> {
     text(&format!("{value:#}\n"))
 }
 
-/// Writes one JSON document, an object with one more entry whose value is written on one line: a
-/// path, for example, which would take a line for each number.
+/// Writes a JSON object to stdout, with an additional last entry whose value stays on one line.
+///
+/// This suits long arrays, such as paths, which would otherwise take a line for each number.
 pub fn json_with(
     object: &serde_json::Value,
     key: &str,

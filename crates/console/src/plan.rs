@@ -1,4 +1,4 @@
-//! From planned layers to G-code that has been checked.
+//! Writes planned layers as G-code, and checks the result.
 
 use anyhow::Context;
 use beadwork_base::Threads;

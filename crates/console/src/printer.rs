@@ -42,7 +42,7 @@ pub struct ProfileArgs {
     purge: Option<f64>,
     /// Prime tower: auto, none, or position and size LEFT,FRONT,WIDTH,DEPTH in mm.
     #[arg(long, value_name = "TOWER", default_value = "auto")]
-    tower: TowerPlace,
+    tower: TowerChoice,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -52,13 +52,13 @@ enum FlavourName {
 }
 
 #[derive(Clone, Copy)]
-enum TowerPlace {
+enum TowerChoice {
     Auto,
     None,
     At(PrimeTower),
 }
 
-impl std::str::FromStr for TowerPlace {
+impl std::str::FromStr for TowerChoice {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -85,7 +85,7 @@ const TOWER_GAP_MM: f64 = 5.0;
 pub struct Profile {
     settings: print::Settings,
     purge: Option<f64>,
-    tower: TowerPlace,
+    tower: TowerChoice,
 }
 
 impl PrinterArgs {
@@ -125,7 +125,7 @@ impl Profile {
     pub fn for_tables() -> Self {
         let mut settings = print::Settings::default();
         settings.printer.bed_mm = [400.0, 400.0, 210.0];
-        Self { settings, purge: None, tower: TowerPlace::Auto }
+        Self { settings, purge: None, tower: TowerChoice::Auto }
     }
 
     /// Printable width, depth and height in mm.
@@ -147,8 +147,8 @@ impl Profile {
         settings.tools = materials.iter().enumerate().map(tool).collect();
         let count = materials.len();
         let tower = match self.tower {
-            TowerPlace::At(tower) => Some(tower),
-            TowerPlace::Auto | TowerPlace::None => None,
+            TowerChoice::At(tower) => Some(tower),
+            TowerChoice::Auto | TowerChoice::None => None,
         };
         settings.purge = match (settings.purge.take(), self.purge) {
             (Some(purge), None) => {
@@ -168,7 +168,7 @@ impl Profile {
                 Some(Purge::uniform(count, purge.unwrap_or(DEFAULT_PURGE_MM3), tower))
             }
         };
-        if matches!(self.tower, TowerPlace::None) {
+        if matches!(self.tower, TowerChoice::None) {
             settings.purge.iter_mut().for_each(|purge| purge.tower = None);
         }
         Ok(settings)
@@ -185,8 +185,8 @@ impl Profile {
     ) -> anyhow::Result<(Print, print::Settings)> {
         let title = Title { part: name, version: env!("CARGO_PKG_VERSION") };
         let control = Control { cancel: Some(cancel::token()?), ..Control::default() };
-        let has_place = settings.purge.as_ref().is_none_or(|purge| purge.tower.is_some());
-        if has_place || settings.tools.len() < 2 || !matches!(self.tower, TowerPlace::Auto) {
+        let has_position = settings.purge.as_ref().is_none_or(|purge| purge.tower.is_some());
+        if has_position || settings.tools.len() < 2 || !matches!(self.tower, TowerChoice::Auto) {
             return Ok((Print::new(title, layers, frame, &settings, &control)?, settings));
         }
         let mut refusal = None;

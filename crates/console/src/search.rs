@@ -28,7 +28,7 @@ pub enum MethodName {
 }
 
 impl MethodName {
-    /// Its name on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Zigzag => "zigzag",

@@ -1,6 +1,6 @@
-//! Numbers in words.
+//! Counts and durations as text.
 
-/// A count and a noun in its number: "1 layer", "2 layers".
+/// A count and a noun, in the singular or the plural: "1 layer", "2 layers".
 pub fn count(count: u64, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }

@@ -21,10 +21,11 @@ pub struct Fusion<'a> {
     pub budget: usize,
 }
 
-/// Returns an error that names a build with networks.
+/// Always fails, with an error that explains how to get a build with networks.
 pub fn open(_: &Folder, _: &Region) -> anyhow::Result<Model> {
     bail!(
-        "this build cannot run networks: use 'cargo xtask zones --method fusion', which builds one that can"
+        "this build cannot run networks: use 'cargo xtask zones --method fusion', \
+         which builds one that can"
     )
 }
 

@@ -1,4 +1,4 @@
-//! Checks, downloads and links of `setup`, with folders and programs made up by the tests.
+//! Tests of the checks, downloads and links of `setup`, with temporary folders and fake programs.
 
 use super::*;
 

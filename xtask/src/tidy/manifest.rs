@@ -1,4 +1,4 @@
-//! Whether a package inherits what the workspace shares.
+//! Checks that packages inherit metadata and lints from the workspace.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use super::numbered;
 /// Keys of `[package]` that a package inherits from the workspace.
 pub(super) const INHERITED: [&str; 4] = ["version", "edition", "rust-version", "license"];
 
-/// Checks a manifest line by line; it must be spelled like the others of the workspace.
+/// Checks a manifest line by line; recognises only the spelling that this workspace uses.
 pub(super) fn check(text: &str) -> Vec<(usize, String)> {
     let mut table = "";
     let mut package = None;

@@ -1,4 +1,4 @@
-//! Whether the files that documentation names exist.
+//! Checks that the files that documentation names exist.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -9,8 +9,8 @@ const FOLDERS: [&str; 7] = [".ci/", "configs/", "crates/", "docs/", "models/", "
 
 /// Paths in the text of a Markdown file that do not exist, according to `exists`.
 ///
-/// Checked are code spans that start with a folder of the root, such as `` `crates/grid` ``, and links
-/// to files, which are relative to the folder of the Markdown file.
+/// This checks code spans that start with a folder of the root, such as `` `crates/grid` ``, and
+/// links to files, which are relative to the folder of the Markdown file.
 pub(super) fn check(
     path: &str,
     text: &str,
@@ -43,7 +43,7 @@ fn is_path(span: &str) -> bool {
     FOLDERS.iter().any(|folder| span.starts_with(folder)) && span.chars().all(is_plain)
 }
 
-/// Targets of the links of a line, except addresses and places within the page.
+/// Targets of the links of a line, except web addresses and anchors within the page.
 fn links(line: &str) -> impl Iterator<Item = &str> {
     line.split("](").skip(1).filter_map(|rest| {
         let target = rest.split(')').next()?.split('#').next()?;
@@ -51,7 +51,7 @@ fn links(line: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// A path without `.` and `..`.
+/// Resolves `.` and `..` in a path, without looking at the file system.
 fn normal(path: &Path) -> PathBuf {
     let mut normal = PathBuf::new();
     for component in path.components() {

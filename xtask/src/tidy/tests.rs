@@ -1,4 +1,4 @@
-//! Each check of `tidy`, with good and bad texts.
+//! Tests of each check of `tidy`, with good and bad texts.
 
 use super::manifest::INHERITED;
 use super::*;
@@ -99,6 +99,7 @@ fn root_and_other_tables_are_ignored() {
     );
     assert!(report("deny.toml", "[licenses]\nallow = []\n").is_empty());
 }
+
 #[test]
 fn wide_lines_are_reported_unless_they_cannot_be_broken() {
     let wide = "word ".repeat(21).trim_end().to_owned();
