@@ -21,8 +21,13 @@ const BEAD_STEP: f64 = 0.025;
 /// Flags that name the grids to try.
 #[derive(clap::Args)]
 pub struct GridArgs {
-    /// Try N x N positions of the grid relative to the part, and keep the plan that costs least.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
+    /// Try N x N positions of the grid relative to the part, and keep the cheapest plan.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1,
+        value_parser = clap::value_parser!(u32).range(1..=16)
+    )]
     phases: u32,
     /// Also try bead widths up to this many per cent narrower and wider, in steps of 2.5 %; 0
     /// to 10.
