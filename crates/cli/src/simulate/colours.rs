@@ -1,10 +1,10 @@
-//! Temperatures as colours, from cold to hot.
+//! The colour scale of temperatures.
 
 use super::map::Map;
 
-/// The colour map `plasma` of matplotlib (CC0) at equal steps: equal steps look alike to people
-/// with any colour vision, and each is lighter than the one before, so that it survives a print in
-/// grey.
+/// The colour map `plasma` of matplotlib (CC0) at equal steps.
+/// It is perceptually uniform with any colour vision, and its lightness rises, so that it also
+/// works in greyscale.
 const STOPS: [[u8; 3]; 9] = [
     [13, 8, 135],
     [76, 2, 161],
@@ -17,24 +17,26 @@ const STOPS: [[u8; 3]; 9] = [
     [240, 249, 33],
 ];
 
-/// A share of the hottest voxels that may lie beyond the scale: those just laid down are so hot
-/// that all others would look alike.
+/// Share of the hottest voxels that may exceed the scale: voxels just deposited are so hot that all
+/// others would look alike.
 const BEYOND: f64 = 0.005;
 
-/// How much longer the scale has to be with them.
+/// Voxels exceed the scale only if they would make it longer by this factor.
 const STRETCH: f64 = 1.3;
 
-/// The temperatures that have colours of their own, °C.
+/// The range of temperatures of a colour scale, in °C.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
+    /// Temperature of the first colour.
     pub(super) low_c: f64,
+    /// Temperature of the last colour.
     pub(super) high_c: f64,
-    /// Whether there are hotter ones, which have the last colour.
+    /// Whether some voxels are hotter; they have the last colour.
     pub(super) is_exceeded: bool,
 }
 
 impl Scale {
-    /// One for all of these.
+    /// A scale for all of these maps.
     pub(super) fn of<'a>(maps: impl Iterator<Item = &'a Map>) -> Self {
         let mut all: Vec<f32> = maps.flat_map(Map::celsius).collect();
         all.sort_unstable_by(f32::total_cmp);
@@ -45,7 +47,7 @@ impl Scale {
         let nearly_c = f64::from(all[((all.len() - 1) as f64 * (1.0 - BEYOND)) as usize]);
         let is_exceeded = nearly_c > low_c && most_c - low_c > STRETCH * (nearly_c - low_c);
         let high_c = if is_exceeded { nearly_c } else { most_c };
-        // A single temperature is a scale, too.
+        // A single temperature still needs a range.
         Self { low_c, high_c: high_c.max(low_c + 0.1), is_exceeded }
     }
 
@@ -54,8 +56,7 @@ impl Scale {
         colour((celsius - self.low_c) / (self.high_c - self.low_c))
     }
 
-    /// Whole numbers, or tenths and so on, that divide it into a few parts; and how many decimals
-    /// they have.
+    /// Round temperatures that divide the scale into a few parts, and their number of decimals.
     pub(super) fn ticks(&self) -> (Vec<f64>, usize) {
         ticks(self.low_c, self.high_c, 5.0)
     }
@@ -72,7 +73,7 @@ pub(super) fn colour(share: f64) -> [u8; 3] {
     [between(0), between(1), between(2)]
 }
 
-/// Round numbers from `low` to `high`, about so many, and how many decimals they have.
+/// About `about` round numbers from `low` to `high`, and their number of decimals.
 pub(super) fn ticks(low: f64, high: f64, about: f64) -> (Vec<f64>, usize) {
     let rough = (high - low) / about;
     let power = 10_f64.powf(rough.log10().floor());

@@ -1,34 +1,34 @@
-//! Temperatures by layer as charts, and some layers as maps.
+//! Charts of temperatures by layer, and maps of some layers.
 
 use beadwork_console::chart::{Axis, BLUE, Chart, GREEN, GREY, LineStyle, ORANGE, Series, charts};
 use beadwork_thermal::Simulation;
 use beadwork_thermal::section::Plane;
 
-use super::layers::Measure;
 use super::map::{self, Map, Scale};
+use super::measures::LayerMeasures;
 
-/// Layers that are drawn, at most: two rows.
+/// Maximum number of layers drawn: two rows.
 const MAPS: usize = 6;
 
-/// Of so many layers, which are drawn.
+/// The layers to draw, of `depth` layers.
 pub(super) fn chosen(depth: usize) -> Vec<usize> {
     let count = depth.min(MAPS);
     (0..count).map(|map| if count > 1 { map * (depth - 1) / (count - 1) } else { 0 }).collect()
 }
 
-/// A layer as it is now.
+/// Map of a layer at the current time.
 pub(super) fn layer_map(layer: usize, simulation: &Simulation) -> Map {
     let section = simulation.section(Plane::Layer(layer as u32));
     Map::of(&section, &simulation.part().frame, format!("layer {}, complete", layer + 1))
 }
 
-/// Charts over all layers above maps of some.
-pub(super) fn draw(title: &str, layers: &[Measure], maps: &[Map]) -> anyhow::Result<String> {
+/// Charts over all layers, and below them maps of some.
+pub(super) fn draw(title: &str, layers: &[LayerMeasures], maps: &[Map]) -> anyhow::Result<String> {
     const HEAD: u32 = 34;
     const HEIGHT: u32 = 250;
     const COLUMNS: usize = 3;
 
-    let series = |name: &str, colour, style, value: fn(&Measure) -> f64| Series {
+    let series = |name: &str, colour, style, value: fn(&LayerMeasures) -> f64| Series {
         name: name.to_owned(),
         colour,
         style,
@@ -42,23 +42,23 @@ pub(super) fn draw(title: &str, layers: &[Measure], maps: &[Map]) -> anyhow::Res
         y,
         series,
     };
-    let drawn = charts(
+    let above = charts(
         &[
             chart(
-                "All that is printed",
+                "All deposited voxels",
                 plain("°C", &[]),
                 vec![
                     series("mean", BLUE, LineStyle::Plain, |layer| layer.mean_c),
-                    series("least", GREY, LineStyle::Thin, |layer| layer.min_c),
+                    series("minimum", GREY, LineStyle::Thin, |layer| layer.min_c),
                 ],
             ),
             chart(
-                "Unevenness",
+                "Standard deviation",
                 plain("°C", &[0.0]),
                 vec![series("standard deviation", ORANGE, LineStyle::Plain, |layer| layer.std_c)],
             ),
             chart(
-                "Time to print a layer",
+                "Printing time of a layer",
                 plain("s", &[0.0]),
                 vec![series("seconds", GREEN, LineStyle::Plain, |layer| layer.print_seconds)],
             ),
@@ -67,15 +67,16 @@ pub(super) fn draw(title: &str, layers: &[Measure], maps: &[Map]) -> anyhow::Res
         (map::WIDTH / COLUMNS as u32, HEIGHT),
     )?;
     let below = map::svg(maps, COLUMNS, Scale::of(maps.iter()));
-    let begin = HEAD + height(&drawn);
+    let begin = HEAD + height(&above);
     let (width, whole) = (map::WIDTH, begin + height(&below));
     let title = map::escaped(title);
     Ok(format!(
-        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{whole}" viewBox="0 0 {width} {whole}">
+        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{whole}"
+viewBox="0 0 {width} {whole}">
 <rect width="{width}" height="{whole}" fill="white"/>
 <text x="14" y="23" font-family="sans-serif" font-size="16" font-weight="bold">{title}</text>
 <g transform="translate(0,{HEAD})">
-{drawn}</g>
+{above}</g>
 <g transform="translate(0,{begin})">
 {below}</g>
 </svg>
@@ -83,10 +84,10 @@ pub(super) fn draw(title: &str, layers: &[Measure], maps: &[Map]) -> anyhow::Res
     ))
 }
 
-/// The height that a drawing states first.
+/// The height that an SVG states first.
 fn height(svg: &str) -> u32 {
     let stated = svg.split_once(" height=\"").and_then(|(_, rest)| rest.split_once('"'));
-    stated.and_then(|(height, _)| height.parse().ok()).expect("drawings state their height")
+    stated.and_then(|(height, _)| height.parse().ok()).expect("every SVG states its height")
 }
 
 #[cfg(test)]
@@ -106,7 +107,7 @@ mod tests {
 
     #[test]
     fn charts_and_maps_make_one_drawing() {
-        let measure = |layer| Measure {
+        let measure = |layer| LayerMeasures {
             layer,
             voxels: 4,
             mean_c: 90.0,
@@ -115,8 +116,8 @@ mod tests {
             max_c: 230.0,
             print_seconds: 2.0,
             hot_spots: 1,
-            ground_mean_c: Some(85.0),
-            ground_min_c: Some(80.0),
+            substrate_mean_c: Some(85.0),
+            substrate_min_c: Some(80.0),
         };
         let section =
             Section { plane: Plane::Layer(0), temperatures_c: ndarray::array![[80.0, 90.0]] };

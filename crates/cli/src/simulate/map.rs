@@ -1,4 +1,4 @@
-//! Planes of temperatures as pictures.
+//! Temperatures on a plane as pictures.
 
 use std::fmt::Write;
 
@@ -6,11 +6,11 @@ use beadwork_part::Frame;
 use beadwork_thermal::section::{Plane, Section};
 use png::{BitDepth, ColorType, Encoder};
 
+use super::canvas::{self, Canvas};
 pub(super) use super::colours::Scale;
 use super::colours::{colour, ticks};
-use super::digits;
 
-/// The temperatures of a plane of voxels, seen from one side.
+/// The temperatures of a plane of voxels, as seen from one side.
 pub(super) struct Map {
     title: String,
     /// Names of the axes to the right and upwards.
@@ -18,12 +18,12 @@ pub(super) struct Map {
     /// Width and height of a voxel as seen, mm.
     voxel_mm: [f64; 2],
     size: [u32; 2],
-    /// °C, row by row from the top; no number where nothing is deposited.
+    /// Temperatures in °C, row by row from the top; NaN where nothing is deposited.
     values: Vec<f32>,
 }
 
 impl Map {
-    /// A section of a part with this frame: as seen from the right, from the front, or from above.
+    /// The map of a section of a part, as seen from the right, from the front, or from above.
     pub(super) fn of(section: &Section, frame: &Frame, title: String) -> Self {
         let (axes, high_mm) = match section.plane {
             Plane::X(_) => (["y", "z"], frame.layer_mm),
@@ -43,7 +43,7 @@ impl Map {
         Self { title, axes, voxel_mm: [frame.cell_mm, high_mm], size, values }
     }
 
-    /// All temperatures there are.
+    /// All temperatures of the map in °C, without NaN.
     pub(super) fn celsius(&self) -> impl Iterator<Item = f32> {
         self.values.iter().copied().filter(|celsius| celsius.is_finite())
     }
@@ -52,7 +52,7 @@ impl Map {
         [0, 1].map(|axis| f64::from(self.size[axis]) * self.voxel_mm[axis])
     }
 
-    /// One pixel a voxel; transparent where nothing is deposited.
+    /// One pixel per voxel; transparent where nothing is deposited.
     fn pixels(&self, scale: Scale) -> Vec<u8> {
         let pixel = |&celsius: &f32| {
             let [red, green, blue] =
@@ -66,46 +66,47 @@ impl Map {
 /// Width of a drawing, in pixels.
 pub(super) const WIDTH: u32 = 1080;
 
-/// Room for the scale beside the maps.
+/// Space for the colour scale beside the maps, in pixels.
 const SCALE_WIDTH: f64 = 90.0;
 const SCALE_HEIGHT: f64 = 170.0;
 
-/// Room around a map for its title and axes.
+/// Space around a map for its title and axes, in pixels.
 const LEFT: f64 = 46.0;
 const TOP: f64 = 30.0;
 const BELOW: f64 = 40.0;
 const RIGHT: f64 = 14.0;
 
-/// The highest map, in pixels.
-const MOST_HEIGHT: f64 = 640.0;
+/// Maximum height of a map, in pixels.
+const MAX_HEIGHT: f64 = 640.0;
 
-/// Draws maps row by row with one scale beside them.
+/// Draws maps row by row, with one colour scale beside them; returns the text of an SVG.
 pub(super) fn svg(maps: &[Map], columns: usize, scale: Scale) -> String {
     let mut text = String::new();
-    write(&mut text, maps, columns, scale).expect("a string takes all text");
+    write(&mut text, maps, columns, scale).expect("writing to a string succeeds");
     text
 }
 
 fn write(text: &mut String, maps: &[Map], columns: usize, scale: Scale) -> std::fmt::Result {
     let columns = columns.min(maps.len()).max(1);
     let panel = (f64::from(WIDTH) - SCALE_WIDTH) / columns as f64;
-    let most = |axis: usize| maps.iter().map(|map| map.size_mm()[axis]).fold(1e-9, f64::max);
-    let per_mm = ((panel - LEFT - RIGHT) / most(0)).min(MOST_HEIGHT / most(1));
-    let height = TOP + most(1) * per_mm + BELOW;
+    let max_mm = |axis: usize| maps.iter().map(|map| map.size_mm()[axis]).fold(1e-9, f64::max);
+    let per_mm = ((panel - LEFT - RIGHT) / max_mm(0)).min(MAX_HEIGHT / max_mm(1));
+    let height = TOP + max_mm(1) * per_mm + BELOW;
     let rows = maps.len().div_ceil(columns);
-    let whole = (rows as f64 * height).max(SCALE_HEIGHT + 70.0);
+    let total = (rows as f64 * height).max(SCALE_HEIGHT + 70.0);
     writeln!(
         text,
-        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{whole:.0}" viewBox="0 0 {WIDTH} {whole:.0}" font-family="sans-serif" font-size="12" fill="black">"#
+        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{total:.0}"
+viewBox="0 0 {WIDTH} {total:.0}" font-family="sans-serif" font-size="12" fill="black">"#
     )?;
-    writeln!(text, r#"<rect width="{WIDTH}" height="{whole:.0}" fill="white"/>"#)?;
+    writeln!(text, r#"<rect width="{WIDTH}" height="{total:.0}" fill="white"/>"#)?;
     for (number, map) in maps.iter().enumerate() {
         let (column, row) = (number % columns, number / columns);
-        let place = [column as f64 * panel + LEFT, row as f64 * height + TOP];
-        panel_of(text, map, scale, place, per_mm)?;
+        let corner = [column as f64 * panel + LEFT, row as f64 * height + TOP];
+        panel_of(text, map, scale, corner, per_mm)?;
     }
-    let place = [f64::from(WIDTH) - SCALE_WIDTH + 8.0, TOP + 14.0];
-    scale_of(text, scale, place)?;
+    let corner = [f64::from(WIDTH) - SCALE_WIDTH + 8.0, TOP + 14.0];
+    scale_of(text, scale, corner)?;
     writeln!(text, "</svg>")
 }
 
@@ -126,11 +127,14 @@ fn panel_of(
     let picture = base64(&encode(map.size, &map.pixels(scale)));
     writeln!(
         text,
-        r#"<image x="{x:.1}" y="{y:.1}" width="{wide:.1}" height="{high:.1}" preserveAspectRatio="none" image-rendering="optimizeSpeed" style="image-rendering:pixelated" href="data:image/png;base64,{picture}"/>"#
+        r#"<image x="{x:.1}" y="{y:.1}" width="{wide:.1}" height="{high:.1}"
+preserveAspectRatio="none" image-rendering="optimizeSpeed" style="image-rendering:pixelated"
+href="data:image/png;base64,{picture}"/>"#
     )?;
     writeln!(
         text,
-        r##"<rect x="{x:.1}" y="{y:.1}" width="{wide:.1}" height="{high:.1}" fill="none" stroke="#888"/>"##
+        r##"<rect x="{x:.1}" y="{y:.1}" width="{wide:.1}" height="{high:.1}"
+fill="none" stroke="#888"/>"##
     )?;
     let [wide_mm, high_mm] = map.size_mm();
     let [across, up] = map.axes;
@@ -139,7 +143,8 @@ fn panel_of(
         let at = x + mm * per_mm;
         writeln!(
             text,
-            r#"<text x="{at:.1}" y="{:.1}" font-size="11" text-anchor="middle">{mm:.decimals$}</text>"#,
+            r#"<text x="{at:.1}" y="{:.1}" font-size="11"
+text-anchor="middle">{mm:.decimals$}</text>"#,
             y + high + 14.0
         )?;
     }
@@ -148,7 +153,8 @@ fn panel_of(
         let at = y + high - mm * per_mm + 4.0;
         writeln!(
             text,
-            r#"<text x="{:.1}" y="{at:.1}" font-size="11" text-anchor="end">{mm:.decimals$}</text>"#,
+            r#"<text x="{:.1}" y="{at:.1}" font-size="11"
+text-anchor="end">{mm:.decimals$}</text>"#,
             x - 5.0
         )?;
     }
@@ -161,7 +167,8 @@ fn panel_of(
     let (at_x, at_y) = (x - 32.0, y + high / 2.0);
     writeln!(
         text,
-        r#"<text transform="translate({at_x:.1},{at_y:.1}) rotate(-90)" font-size="11" text-anchor="middle">{up}, mm</text>"#
+        r#"<text transform="translate({at_x:.1},{at_y:.1}) rotate(-90)" font-size="11"
+text-anchor="middle">{up}, mm</text>"#
     )
 }
 
@@ -178,7 +185,8 @@ fn scale_of(text: &mut String, scale: Scale, [x, y]: [f64; 2]) -> std::fmt::Resu
     writeln!(text, r#"<text x="{x:.1}" y="{:.1}">°C</text>"#, y - 10.0)?;
     writeln!(
         text,
-        r##"<rect x="{x:.1}" y="{y:.1}" width="18" height="{SCALE_HEIGHT}" fill="url(#heat)" stroke="#888"/>"##
+        r##"<rect x="{x:.1}" y="{y:.1}" width="18" height="{SCALE_HEIGHT}"
+fill="url(#heat)" stroke="#888"/>"##
     )?;
     for (label, share) in labels(scale) {
         let at = y + SCALE_HEIGHT * (1.0 - share);
@@ -194,7 +202,7 @@ fn scale_of(text: &mut String, scale: Scale, [x, y]: [f64; 2]) -> std::fmt::Resu
     Ok(())
 }
 
-/// What is written beside the scale, and where on it, from 0 to 1.
+/// Labels of the colour scale, and their positions on it, from 0 to 1.
 fn labels(scale: Scale) -> Vec<(String, f64)> {
     let (marks, decimals) = scale.ticks();
     let share = |celsius: f64| (celsius - scale.low_c) / (scale.high_c - scale.low_c);
@@ -209,11 +217,13 @@ fn labels(scale: Scale) -> Vec<(String, f64)> {
     labels
 }
 
-/// The longer side of a map as pixels, about, and the shortest scale beside it.
+/// Approximate length of the longer side of a map in pixels.
 const PIXELS: f64 = 900.0;
-const LEAST_SCALE: usize = 150;
 
-/// A map with its scale as a PNG picture, some pixels a voxel.
+/// Minimum length of the colour scale in pixels.
+const MIN_SCALE: usize = 150;
+
+/// A map with its colour scale as a PNG picture, several pixels per voxel.
 pub(super) fn png(map: &Map, scale: Scale) -> Vec<u8> {
     const MARGIN: usize = 14;
     const GAP: usize = 18;
@@ -224,20 +234,21 @@ pub(super) fn png(map: &Map, scale: Scale) -> Vec<u8> {
     let [columns, rows] = map.size.map(|count| count as usize);
     let [wide_mm, high_mm] = map.size_mm();
     let per_mm = PIXELS / wide_mm.max(high_mm);
-    // The longer side of a voxel follows the shorter one, lest rounding both make the part flat.
-    let least_mm = map.voxel_mm[0].min(map.voxel_mm[1]);
-    let least = (least_mm * per_mm).floor().max(1.0);
-    let [zoom_x, zoom_y] = map.voxel_mm.map(|mm| (mm / least_mm * least).round() as usize);
+    // The shorter side of a voxel is rounded first: rounding both sides separately would distort
+    // the part.
+    let min_mm = map.voxel_mm[0].min(map.voxel_mm[1]);
+    let min_pixels = (min_mm * per_mm).floor().max(1.0);
+    let [zoom_x, zoom_y] = map.voxel_mm.map(|mm| (mm / min_mm * min_pixels).round() as usize);
     let (wide, high) = (columns * zoom_x, rows * zoom_y);
-    let bar = high.clamp(LEAST_SCALE, 2 * LEAST_SCALE);
+    let bar = high.clamp(MIN_SCALE, 2 * MIN_SCALE);
     let size = [MARGIN + wide + GAP + BAR + LABEL, 2 * MARGIN + high.max(HEAD + bar)];
-    let mut canvas = digits::Canvas::white(size);
+    let mut canvas = Canvas::white(size);
     for (row, values) in map.values.chunks(columns.max(1)).enumerate() {
         for (column, &celsius) in
             values.iter().enumerate().filter(|(_, celsius)| celsius.is_finite())
         {
-            let place = [MARGIN + column * zoom_x, MARGIN + row * zoom_y];
-            canvas.fill(place, [zoom_x, zoom_y], scale.colour(celsius.into()));
+            let corner = [MARGIN + column * zoom_x, MARGIN + row * zoom_y];
+            canvas.fill(corner, [zoom_x, zoom_y], scale.colour(celsius.into()));
         }
     }
     let left = MARGIN + wide + GAP;
@@ -250,7 +261,7 @@ pub(super) fn png(map: &Map, scale: Scale) -> Vec<u8> {
     for (label, share) in labels(scale) {
         let at = top + ((1.0 - share) * (bar - 1) as f64) as usize;
         canvas.fill([left + BAR, at], [5, 1], [0; 3]);
-        canvas.write([left + BAR + 9, at.saturating_sub(digits::HEIGHT / 2)], &label);
+        canvas.write([left + BAR + 9, at.saturating_sub(canvas::HEIGHT / 2)], &label);
     }
     encode(size.map(|side| side as u32), canvas.pixels())
 }
@@ -260,9 +271,9 @@ fn encode([width, height]: [u32; 2], pixels: &[u8]) -> Vec<u8> {
     let mut encoder = Encoder::new(&mut bytes, width, height);
     encoder.set_color(ColorType::Rgba);
     encoder.set_depth(BitDepth::Eight);
-    let mut writer = encoder.write_header().expect("memory takes all bytes");
-    writer.write_image_data(pixels).expect("there are as many pixels as the size says");
-    writer.finish().expect("memory takes all bytes");
+    let mut writer = encoder.write_header().expect("writing to memory succeeds");
+    writer.write_image_data(pixels).expect("the size is that of the pixels");
+    writer.finish().expect("writing to memory succeeds");
     bytes
 }
 
@@ -270,7 +281,7 @@ pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
-/// Bytes as text (RFC 4648, section 4).
+/// Base64 encoding (RFC 4648, section 4).
 fn base64(bytes: &[u8]) -> String {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
@@ -305,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn planes_are_seen_from_the_right_from_the_front_and_from_above() {
+    fn maps_are_seen_from_the_right_the_front_or_above() {
         let seen = |plane| {
             let section = Section { plane, temperatures_c: array![[1.0, 2.0], [3.0, 4.0]] };
             Map::of(&section, &FRAME, String::new()).values

@@ -1,16 +1,16 @@
-//! `simulate`: how warm a part gets while it is printed.
+//! `simulate`: the temperatures of a part while it is printed.
 
+mod canvas;
 mod colours;
-mod digits;
 mod drawing;
-mod layers;
 mod map;
-mod place;
+mod measures;
+mod position;
 mod probe;
 mod report;
+mod sampling;
 mod section;
 mod source;
-mod watch;
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -30,23 +30,23 @@ use beadwork_thermal::{
 };
 use clap::ValueEnum;
 
-use layers::Measure;
-use place::size_mm;
+use measures::LayerMeasures;
+use position::size_mm;
 use probe::Probe;
 use report::Report;
+use sampling::{Requested, Samplers};
 use section::{Section, Target};
 use source::Source;
-use watch::{Wanted, Watch};
 
-/// Simulate how warm a part gets while it is printed.
+/// Simulate the temperatures of a part while it is printed.
 ///
-/// Every voxel of the part is laid down in the order of a pattern, or as a G-code program has it,
-/// and heat flows between voxels, into the plate and into the air.
-/// Told are the temperatures of all that is printed, at the end of each layer, where heat gathers
-/// in it, and how warm the ground was on which its beads landed.
+/// Voxels are deposited in the order of a pattern or of a G-code program, and heat flows between
+/// them, into the build plate and into the air.
+/// Reports the temperatures of all deposited voxels at the end of each layer, the hot spots of the
+/// layer, and the temperature of the substrate on which its beads were deposited.
 #[derive(clap::Args)]
 #[command(
-    // A program may show its part by itself.
+    // A program alone may define the part.
     mut_arg("parts", |parts| parts.required(false).required_unless_present("gcode")),
     after_help = "\
 Examples:
@@ -65,7 +65,7 @@ pub(crate) struct Args {
     part: PartArgs,
     #[command(flatten)]
     printer: PrinterArgs,
-    /// The order of every layer's voxels: one of the 38 patterns, such as zigzag-y-1, raster-x-0,
+    /// Deposition order of each layer: one of the 38 patterns, such as zigzag-y-1, raster-x-0,
     /// spiral-in-2, spiral-out-3, contour-raster-y-3 and diagonal-1.
     #[arg(
         long,
@@ -74,81 +74,91 @@ pub(crate) struct Args {
         conflicts_with = "gcode"
     )]
     pattern: Pattern,
-    /// A program that prints the part, in place of a pattern.
-    /// Without PART, the part is what its beads fill.
+    /// G-code program that prints the part, in place of a pattern.
+    /// Without PART, the part consists of the voxels that its beads fill.
     #[arg(long, value_name = "FILE")]
     gcode: Option<PathBuf>,
-    /// Share of the part's voxels that the program may leave out; 0 if not given.
-    #[arg(long, value_name = "SHARE", value_parser = share, requires = "gcode", allow_hyphen_values = true)]
+    /// Share of the part's voxels that the program may leave out, 0 to 1; 0 by default.
+    #[arg(
+        long,
+        value_name = "SHARE",
+        value_parser = share,
+        requires = "gcode",
+        allow_hyphen_values = true
+    )]
     left_out: Option<f64>,
-    /// What is printed.
+    /// Material of the part.
     #[arg(long, value_name = "NAME", default_value = "abs")]
     material: MaterialName,
-    /// How the heat equation is stepped: as in the paper (naive), exactly (reference, four steps of
-    /// second order for each voxel), or fast.
+    /// Time stepping of the heat equation: the paper's explicit scheme (naive), a second-order
+    /// scheme with four steps per voxel (reference), or local time stepping (fast).
     #[arg(long, value_name = "NAME", default_value = "fast")]
     method: MethodName,
-    /// Accuracy of the fast method; standard if not given.
+    /// Accuracy of the fast method; standard by default.
     #[arg(long, value_name = "NAME")]
     accuracy: Option<AccuracyName>,
-    /// Temperature at which a voxel is laid down, in °C; that of the program, or what suits the
-    /// material: 230 for ABS, 210 for PLA, 240 for PETG.
+    /// Temperature of a voxel when it is deposited, in °C; by default that of the program, or 230
+    /// for ABS, 210 for PLA, 240 for PETG.
     #[arg(long, value_name = "C", allow_hyphen_values = true)]
     nozzle_c: Option<f64>,
-    /// Temperature of the build plate, in °C, or none for a plate that takes up no heat; that of
+    /// Temperature of the build plate in °C, or none for an insulating plate; by default that of
     /// the program, or 80, for PLA 60.
     #[arg(long, value_name = "C", allow_hyphen_values = true)]
     plate_c: Option<OrNone>,
     /// Temperature of the air, in °C.
     #[arg(long, value_name = "C", default_value_t = 25.0, allow_hyphen_values = true)]
     ambient_c: f64,
-    /// Heat transfer to the air, in W/(m² K).
+    /// Heat transfer coefficient to the air, in W/(m² K).
     #[arg(long, value_name = "H", default_value_t = 10.0, allow_hyphen_values = true)]
     convection: f64,
-    /// Speed of printing by a pattern, in mm/s; 30 if not given.
+    /// Printing speed of a pattern, in mm/s; 30 by default.
     #[arg(long, value_name = "MM_S", conflicts_with = "gcode", allow_hyphen_values = true)]
     print_mm_s: Option<f64>,
-    /// Speed of travel in a pattern, in mm/s, or none for a nozzle that is there at once; 150 if
-    /// not given.
+    /// Travel speed of a pattern, in mm/s, or none for travel that takes no time; 150 by default.
     #[arg(long, value_name = "MM_S", conflicts_with = "gcode", allow_hyphen_values = true)]
     travel_mm_s: Option<OrNone>,
-    /// Let heat cross half a voxel before it leaves a surface, which the paper's scheme neglects.
+    /// Include the thermal resistance of half a voxel at surfaces, which the paper's scheme
+    /// neglects.
     #[arg(long)]
     surface_resistance: bool,
-    /// Go on for so many seconds after the print, in which it cools.
+    /// Continue this many seconds after the print, while it cools.
     #[arg(long, value_name = "S", value_parser = seconds, allow_hyphen_values = true)]
     end_seconds: Option<f64>,
-    /// Write the measures of all layers.
+    /// Write the measures of all layers as CSV.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Draw temperatures by layer, and maps of some layers as they are when complete.
+    /// Draw temperatures by layer, and maps of some layers at their ends.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
-    /// Draw a plane through the part as it is at the end: x=30 is 30 mm from its left side, y from
-    /// its front, z from its bottom.
-    /// May be given several times.
+    /// Draw the temperatures on a plane at the end: x=30 is 30 mm from the left side of the part, y
+    /// is measured from its front, z from its bottom.
+    /// Can be repeated.
     #[arg(long, value_name = "AXIS=MM", requires = "section_out")]
     section: Vec<Section>,
-    /// Where to: a .png or .svg file for a single plane, or a folder, which gets both for each.
+    /// Output of --section: a .png or .svg file for one plane, or a folder for both files of each.
     #[arg(long, value_name = "FILE|DIR", requires = "section")]
     section_out: Option<PathBuf>,
-    /// Follow the temperature at a place, in mm from the part's left, front and bottom.
-    /// May be given several times.
+    /// Record the temperature at a position, in mm from the left, front and bottom of the part.
+    /// Can be repeated.
     #[arg(long, value_name = "X,Y,Z", requires = "probe_out", allow_hyphen_values = true)]
     probe: Vec<Probe>,
-    /// Write the history of all probes: seconds, then a column for each, empty before its voxel is
-    /// laid down.
+    /// Write the histories of all probes as CSV: seconds, then one column per probe, empty until
+    /// its voxel is deposited.
     #[arg(long, value_name = "FILE", requires = "probe")]
     probe_out: Option<PathBuf>,
-    /// Seconds between readings of the probes; 1 if not given.
-    /// A reading that is due while a voxel is laid down comes at the voxel's end; with --time-above
-    /// or --warpage, at their next look, where they look less often.
-    #[arg(long, value_name = "S", value_parser = interval, requires = "probe", allow_hyphen_values = true)]
+    /// Seconds between samples of the probes; 1 by default.
+    /// A sample that is due during the deposition of a voxel is taken at its end.
+    #[arg(
+        long,
+        value_name = "S",
+        value_parser = interval,
+        requires = "probe",
+        allow_hyphen_values = true
+    )]
     probe_seconds: Option<f64>,
-    /// Tell how long voxels were hotter than so many °C, the material's glass transition if none
-    /// are given.
-    /// Looks twice a second of the print, with which the simulation takes up to three times as
-    /// long.
+    /// Report how long voxels were hotter than this temperature in °C; the glass transition of the
+    /// material by default.
+    /// Samples twice per printed second, which makes the simulation up to three times as slow.
     #[arg(
         long,
         value_name = "C",
@@ -157,12 +167,12 @@ pub(crate) struct Args {
         default_missing_value = Threshold::TRANSITION
     )]
     time_above: Option<Threshold>,
-    /// Estimate how far corners lift: a number that ranks plans, and does not predict.
-    /// Looks twice a second of the print, with which the simulation takes up to twice as long.
+    /// Estimate how far corners lift: a number for ranking plans, not a prediction.
+    /// Samples twice per printed second, which makes the simulation up to twice as slow.
     #[arg(long)]
     warpage: bool,
-    /// Threads, which share the long steps of a large part; 0 for one a core.
-    /// They change the time and nothing else.
+    /// Threads, which share the long steps of a large part; 0 for one per core.
+    /// The result does not depend on them.
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
     /// Print one JSON document.
@@ -184,12 +194,12 @@ enum MethodName {
     Fast,
 }
 
-/// A temperature to be above.
+/// Value of `--time-above`.
 #[derive(Clone, Copy)]
 enum Threshold {
-    /// The material's.
+    /// That of the material.
     GlassTransition,
-    /// °C.
+    /// A temperature in °C.
     Celsius(f64),
 }
 
@@ -212,11 +222,13 @@ impl FromStr for Threshold {
             return Ok(Self::GlassTransition);
         }
         let celsius = text.parse().ok().filter(|celsius: &f64| celsius.is_finite());
-        celsius.map(Self::Celsius).ok_or_else(|| format!("give °C or {}", Self::TRANSITION))
+        celsius
+            .map(Self::Celsius)
+            .ok_or_else(|| format!("expected a temperature in °C or {}", Self::TRANSITION))
     }
 }
 
-/// A number, or the word none.
+/// A number, or none.
 #[derive(Clone, Copy)]
 struct OrNone(Option<f64>);
 
@@ -229,23 +241,23 @@ impl FromStr for OrNone {
         }
         text.parse()
             .map(|number| Self(Some(number)))
-            .map_err(|_| "give a number or none".to_owned())
+            .map_err(|_| "expected a number or none".to_owned())
     }
 }
 
 fn share(text: &str) -> Result<f64, String> {
     let share = text.parse().ok().filter(|share| (0.0..=1.0).contains(share));
-    share.ok_or_else(|| "give a number from 0 to 1".to_owned())
+    share.ok_or_else(|| "expected a number from 0 to 1".to_owned())
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds| (0.0..=1e6).contains(seconds));
-    seconds.ok_or_else(|| "give seconds from 0 to a million".to_owned())
+    seconds.ok_or_else(|| "expected 0 to 1,000,000 seconds".to_owned())
 }
 
 fn interval(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds| (1e-3..=1e6).contains(seconds));
-    seconds.ok_or_else(|| "give seconds from 0.001 to a million".to_owned())
+    seconds.ok_or_else(|| "expected 0.001 to 1,000,000 seconds".to_owned())
 }
 
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
@@ -270,9 +282,9 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
 
     let begin = Instant::now();
     let drawn = if args.svg.is_some() { drawing::chosen(part.depth) } else { Vec::new() };
-    let mut watch = Watch::new(
+    let mut samplers = Samplers::new(
         &simulation,
-        Wanted {
+        Requested {
             probes,
             probe_seconds: args.probe_seconds.unwrap_or(1.0),
             above_c: args.time_above.map(|threshold| threshold.celsius(&material)),
@@ -281,22 +293,29 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     );
     let (mut reports, mut maps) = (Vec::new(), Vec::new());
     let bar = progress::bar(part.count() as u64, "simulate");
-    source.print(&mut simulation, &mut watch, &bar, &control, |layer, seconds, simulation| {
-        let report = LayerReport::of(simulation, layer as u32, seconds, &material);
-        reports.push(report.expect("a layer that is complete has voxels"));
-        if drawn.contains(&layer) {
-            maps.push(drawing::layer_map(layer, simulation));
-        }
-    })?;
+    source.print(
+        &mut simulation,
+        &mut samplers,
+        &bar,
+        &control,
+        |layer, seconds, simulation| {
+            let report = LayerReport::of(simulation, layer as u32, seconds, &material);
+            reports.push(report.expect("a layer that is complete has voxels"));
+            if drawn.contains(&layer) {
+                maps.push(drawing::layer_map(layer, simulation));
+            }
+        },
+    )?;
     let print_seconds = simulation.seconds();
     let mut end = None;
     if let Some(seconds) = args.end_seconds {
-        watch.run(&mut simulation, &[DepositionEvent::pause(seconds)], &control)?;
+        samplers.run(&mut simulation, &[DepositionEvent::pause(seconds)], &control)?;
         end = simulation.statistics().map(|all| (seconds, all));
     }
-    let seen = watch.finish(&simulation, &control)?;
-    let bonds = simulation.interlayer_temperatures(material.glass_transition_c);
-    let layers: Vec<Measure> = reports.iter().map(|report| Measure::new(report, &bonds)).collect();
+    let sampled = samplers.finish(&simulation, &control)?;
+    let interlayer = simulation.interlayer_temperatures(material.glass_transition_c);
+    let layers: Vec<LayerMeasures> =
+        reports.iter().map(|report| LayerMeasures::new(report, &interlayer)).collect();
     bar.finish_and_clear();
     if cancel::token()?.as_flag().load(Ordering::Relaxed) {
         bail!("stopped; nothing was written");
@@ -308,14 +327,14 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         method: args.method_name(),
         layers: &layers,
         end,
-        seen: &seen,
+        sampled: &sampled,
         print_seconds,
         seconds: begin.elapsed().as_secs_f64(),
     };
     if let Some(path) = &args.csv {
         output::file(path, report.csv())?;
     }
-    if let (Some(path), Some(probes)) = (&args.probe_out, &seen.probes) {
+    if let (Some(path), Some(probes)) = (&args.probe_out, &sampled.probes) {
         output::file(path, probe::csv(&args.probe, probes))?;
     }
     if let Some(path) = &args.svg {
@@ -331,10 +350,10 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 impl Args {
-    /// Refuses, before any work, flags that mean nothing together and files that can't be written.
+    /// Refuses, before any work, flags that do not fit together and files that cannot be written.
     fn check(&self) -> anyhow::Result<Option<Target>> {
         if self.accuracy.is_some() && self.method != MethodName::Fast {
-            output::usage_error("--accuracy means nothing to other methods than fast");
+            output::usage_error("--accuracy requires --method fast");
         }
         let target = self.section_out.as_deref().map(|path| Target::new(path, self.section.len()));
         let section = target.as_ref().and_then(Target::file);
@@ -348,10 +367,7 @@ impl Args {
                 bail!("'{}' is a folder", path.display());
             }
             if files[..number].contains(path) {
-                output::usage_error(&format!(
-                    "two results would go to the same file '{}'",
-                    path.display()
-                ));
+                output::usage_error(&format!("'{}' is named for two results", path.display()));
             }
         }
         Ok(target)
@@ -376,19 +392,19 @@ impl Args {
         }
     }
 
-    /// As typed; what was not, as the program has it, or else as usual.
+    /// Process parameters: from the flags, else from the program, else the material's defaults.
     fn process(&self, source: &Source, material: &ThermalMaterial) -> ProcessParameters {
-        let usual = ProcessParameters::suited_to(material);
-        let plate_c = OrNone(source.plate_c.or(usual.plate_c));
+        let defaults = ProcessParameters::suited_to(material);
+        let plate_c = OrNone(source.plate_c.or(defaults.plate_c));
         ProcessParameters {
-            extrusion_c: self.nozzle_c.or(source.nozzle_c).unwrap_or(usual.extrusion_c),
+            extrusion_c: self.nozzle_c.or(source.nozzle_c).unwrap_or(defaults.extrusion_c),
             plate_c: self.plate_c.unwrap_or(plate_c).0,
             ambient_c: self.ambient_c,
             convection_w_m2k: self.convection,
-            print_mm_s: self.print_mm_s.unwrap_or(usual.print_mm_s),
+            print_mm_s: self.print_mm_s.unwrap_or(defaults.print_mm_s),
             travel_mm_s: match self.travel_mm_s {
                 Some(OrNone(speed)) => speed,
-                None => usual.travel_mm_s,
+                None => defaults.travel_mm_s,
             },
             surface_resistance: self.surface_resistance,
         }

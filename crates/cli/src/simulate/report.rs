@@ -1,4 +1,4 @@
-//! What a simulation found, for people and for programs.
+//! The results of a simulation as JSON, CSV and a table.
 
 use std::fmt::Write;
 
@@ -7,11 +7,11 @@ use beadwork_thermal::warpage::WarpageEstimate;
 use beadwork_thermal::{ProcessParameters, TemperatureStatistics, ThermalMaterial};
 use serde_json::{Value, json};
 
-use super::layers::Measure;
-use super::source::{Course, Source};
-use super::watch::{Excess, Seen};
+use super::measures::LayerMeasures;
+use super::sampling::{Sampled, TimeAboveSummary};
+use super::source::{Order, Source};
 
-/// Rows of a table for people, at most.
+/// Maximum number of rows of the table.
 const ROWS: usize = 16;
 
 pub(super) struct Report<'a> {
@@ -19,41 +19,39 @@ pub(super) struct Report<'a> {
     pub(super) material: &'a ThermalMaterial,
     pub(super) process: &'a ProcessParameters,
     pub(super) method: &'a str,
-    /// Of each layer when it is complete.
-    pub(super) layers: &'a [Measure],
-    /// Seconds for which it went on after the print, if that was asked for, and the temperatures
-    /// then.
+    /// Measures at the end of each layer.
+    pub(super) layers: &'a [LayerMeasures],
+    /// Seconds that the simulation continued after the print, and the temperatures then.
     pub(super) end: Option<(f64, TemperatureStatistics)>,
-    /// What was looked at on the way.
-    pub(super) seen: &'a Seen,
-    /// From the beginning of the print to its end, without that time, s.
+    /// Results of measures sampled during the print.
+    pub(super) sampled: &'a Sampled,
+    /// Printing time in s.
     pub(super) print_seconds: f64,
-    /// What the simulation took, s.
+    /// Wall-clock time of the simulation in s.
     pub(super) seconds: f64,
 }
 
 impl Report<'_> {
-    /// The sum of the layers' standard deviations, made negative: the reward of the paper (Kim et
-    /// al. 2026).
+    /// Minus the sum of the layers' standard deviations: the reward of Kim et al. 2026.
     fn reward(&self) -> f64 {
         -self.layers.iter().map(|layer| layer.std_c).sum::<f64>()
     }
 
     pub(super) fn title(&self) -> String {
-        let order = match &self.source.course {
-            Course::Pattern(pattern) => pattern.name(),
-            Course::Program(_) => "as in the G-code",
+        let order = match &self.source.order {
+            Order::Pattern(pattern) => pattern.name(),
+            Order::Program(_) => "as in the G-code",
         };
         format!("{}, {order}, {}", self.source.name, self.material.name)
     }
 
-    /// Everything, and nothing that differs between two runs but the seconds.
+    /// All results; only the seconds differ between two runs.
     pub(super) fn json(&self) -> Value {
         let Self { source, material, process, .. } = self;
         let frame = &source.part.frame;
-        let (pattern, missed) = match &source.course {
-            Course::Pattern(pattern) => (Some(pattern.name()), 0),
-            Course::Program(program) => (None, program.missed.len()),
+        let (pattern, missed) = match &source.order {
+            Order::Pattern(pattern) => (Some(pattern.name()), 0),
+            Order::Program(program) => (None, program.missed.len()),
         };
         json!({
             "part": source.name,
@@ -85,8 +83,8 @@ impl Report<'_> {
                 "min_c": end.min_c,
                 "max_c": end.max_c,
             })),
-            "time_above": self.seen.above,
-            "warpage": self.seen.warpage.as_ref().map(|warpage| json!({
+            "time_above": self.sampled.above,
+            "warpage": self.sampled.warpage.as_ref().map(|warpage| json!({
                 "corner_lift_mm": warpage.corner_lift_mm,
                 "curvature_1_m": warpage.curvature_1_m,
             })),
@@ -96,15 +94,17 @@ impl Report<'_> {
         })
     }
 
-    /// A row for each layer; the ground's temperatures are empty on the plate.
+    /// A CSV row for each layer; the columns `ground_..` hold the substrate temperatures, and are
+    /// empty for layers on the plate.
     pub(super) fn csv(&self) -> String {
         let mut text =
-            "layer,voxels,mean_c,std_c,min_c,max_c,print_seconds,hot_spots,ground_mean_c,ground_min_c\n"
+            "layer,voxels,mean_c,std_c,min_c,max_c,print_seconds,hot_spots,ground_mean_c,\
+             ground_min_c\n"
                 .to_owned();
-        let told =
+        let optional =
             |celsius: Option<f64>| celsius.map_or_else(String::new, |celsius| celsius.to_string());
         for measure in self.layers {
-            let Measure {
+            let LayerMeasures {
                 layer,
                 voxels,
                 mean_c,
@@ -115,20 +115,21 @@ impl Report<'_> {
                 hot_spots,
                 ..
             } = measure;
-            let [mean, min] = [measure.ground_mean_c, measure.ground_min_c].map(told);
+            let [mean, min] = [measure.substrate_mean_c, measure.substrate_min_c].map(optional);
             writeln!(
                 text,
-                "{layer},{voxels},{mean_c},{std_c},{min_c},{max_c},{print_seconds},{hot_spots},{mean},{min}"
+                "{layer},{voxels},{mean_c},{std_c},{min_c},{max_c},{print_seconds},{hot_spots},\
+                 {mean},{min}"
             )
-            .expect("a string takes all text");
+            .expect("writing to a string succeeds");
         }
         text
     }
 
-    /// A table and a few lines.
+    /// A table of layers, and a few lines on the whole print.
     pub(super) fn summary(&self) -> String {
         let mut text = String::new();
-        self.write(&mut text).expect("a string takes all text");
+        self.write(&mut text).expect("writing to a string succeeds");
         text
     }
 
@@ -147,56 +148,64 @@ impl Report<'_> {
             frame.cell_mm,
             frame.layer_mm,
         )?;
-        writeln!(text, "All that is printed, in °C, when a layer is complete:\n")?;
+        writeln!(text, "Temperatures of all deposited voxels in °C, at the end of each layer:\n")?;
         writeln!(
             text,
-            "  layer     mean   std dev    least  greatest    print s  hot spots   ground  coldest"
+            "  layer     mean   std dev      min       max    print s  hot spots  substr.  sub. min"
         )?;
-        let told = |celsius: Option<f64>| {
+        let optional = |celsius: Option<f64>| {
             celsius.map_or_else(|| "-".to_owned(), |celsius| format!("{celsius:.2}"))
         };
         let shown = ROWS.min(layers.len());
         for row in 0..shown {
             let at = if shown > 1 { row * (layers.len() - 1) / (shown - 1) } else { row };
-            let Measure { layer, mean_c, std_c, min_c, max_c, print_seconds, hot_spots, .. } =
-                layers[at];
-            let [mean, min] = [layers[at].ground_mean_c, layers[at].ground_min_c].map(told);
+            let LayerMeasures {
+                layer, mean_c, std_c, min_c, max_c, print_seconds, hot_spots, ..
+            } = layers[at];
+            let [mean, min] =
+                [layers[at].substrate_mean_c, layers[at].substrate_min_c].map(optional);
             write!(
                 text,
-                "{layer:>7} {mean_c:>8.2} {std_c:>9.2} {min_c:>8.2} {max_c:>9.2} {print_seconds:>10.1}"
+                "{layer:>7} {mean_c:>8.2} {std_c:>9.2} {min_c:>8.2} {max_c:>9.2} \
+                 {print_seconds:>10.1}"
             )?;
-            writeln!(text, " {hot_spots:>10} {mean:>8} {min:>8}")?;
+            writeln!(text, " {hot_spots:>10} {mean:>8} {min:>9}")?;
         }
         if shown < layers.len() {
-            writeln!(text, "  ({shown} of {} layers; --csv or --json has them all)", layers.len())?;
+            writeln!(text, "  ({shown} of {} layers; use --csv or --json for all)", layers.len())?;
         }
         let above_c = self.material.glass_transition_c;
         writeln!(
             text,
-            "\nhot spots: groups of the layer's voxels above {above_c} °C; ground: what its beads landed on, mean and coldest"
+            "\nhot spots: groups of the layer's voxels above {above_c} °C; substr.: substrate on \
+             which its \
+             beads were deposited, mean and minimum"
         )?;
         writeln!(
             text,
-            "reward {:.2}: minus the sum of all layers' standard deviations",
+            "reward {:.2}: minus the sum of the standard deviations of all layers",
             self.reward()
         )?;
         if let Some((seconds, TemperatureStatistics { mean_c, std_c, min_c, max_c, .. })) = self.end
         {
             writeln!(
                 text,
-                "{seconds} s after the print: {mean_c:.2} °C, standard deviation {std_c:.2}, from {min_c:.2} to {max_c:.2}"
+                "{seconds} s after the print: mean {mean_c:.2} °C, standard deviation {std_c:.2}, \
+                 from {min_c:.2} to {max_c:.2}"
             )?;
         }
-        if let Some(Excess { above_c, longest_s, mean_s }) = self.seen.above {
+        if let Some(TimeAboveSummary { above_c, longest_s, mean_s }) = self.sampled.above {
             writeln!(
                 text,
-                "above {above_c} °C: a voxel for {mean_s:.1} s in the mean, {longest_s:.1} s at most"
+                "above {above_c} °C: {mean_s:.1} s per voxel on average, {longest_s:.1} s at most"
             )?;
         }
-        if let Some(WarpageEstimate { corner_lift_mm, curvature_1_m, .. }) = self.seen.warpage {
+        if let Some(WarpageEstimate { corner_lift_mm, curvature_1_m, .. }) = self.sampled.warpage {
             writeln!(
                 text,
-                "warpage: corners lift by {corner_lift_mm:.3} mm, curvature {curvature_1_m:.3} 1/m; it ranks plans, does not predict"
+                "warpage: corners lift by {corner_lift_mm:.3} mm, curvature {curvature_1_m:.3} 1/m; \
+                 for \
+                 ranking plans, not a prediction"
             )?;
         }
         writeln!(

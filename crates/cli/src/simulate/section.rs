@@ -1,4 +1,4 @@
-//! Flat cuts through a part.
+//! Planes through a part on which temperatures are drawn.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use beadwork_thermal::Simulation;
 use beadwork_thermal::section::Plane;
 
 use super::map::{Map, Scale, png, svg};
-use super::place::voxel_at;
+use super::position::voxel_at;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Axis {
@@ -19,7 +19,7 @@ enum Axis {
     Z,
 }
 
-/// The plane at a distance in mm from the left, the front or the bottom of the part's box.
+/// A plane at a distance in mm from the left, front or bottom of the bounding box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Section {
     axis: Axis,
@@ -42,7 +42,7 @@ impl FromStr for Section {
         let found = found.filter(|(_, mm): &(Axis, f64)| mm.is_finite());
         found
             .map(|(axis, mm)| Self { axis, mm })
-            .ok_or_else(|| "give x, y or z and mm, as x=30".to_owned())
+            .ok_or_else(|| "expected an axis and mm, as in x=30".to_owned())
     }
 }
 
@@ -58,20 +58,20 @@ impl fmt::Display for Section {
 }
 
 impl Section {
-    /// Refuses a plane outside of a part of so many mm.
+    /// Refuses a plane outside of a part of this size.
     pub(super) fn check(self, size_mm: [f64; 3]) -> anyhow::Result<()> {
         let size_mm = size_mm[self.axis as usize];
         if (0.0..=size_mm).contains(&self.mm) {
             return Ok(());
         }
-        bail!("the section {self} lies outside of the part, which ends at {size_mm} mm")
+        bail!("section {self} lies outside of the part, which ends at {size_mm} mm")
     }
 
-    /// The temperatures in it: as seen from the right, from the front, or from above.
+    /// The temperatures on the plane, as seen from the right, from the front, or from above.
     pub(super) fn map(self, simulation: &Simulation, title: String) -> Map {
-        let mut place_mm = [0.0; 3];
-        place_mm[self.axis as usize] = self.mm;
-        let [x, y, z] = voxel_at(simulation.part(), place_mm).expect("the plane has been checked");
+        let mut position_mm = [0.0; 3];
+        position_mm[self.axis as usize] = self.mm;
+        let [x, y, z] = voxel_at(simulation.part(), position_mm).expect("the plane was checked");
         let plane = match self.axis {
             Axis::X => Plane::X(x),
             Axis::Y => Plane::Y(y),
@@ -81,14 +81,14 @@ impl Section {
     }
 }
 
-/// Where pictures of sections go.
+/// Files for the pictures of sections.
 pub(super) enum Target {
     File(PathBuf),
     Folder(PathBuf),
 }
 
 impl Target {
-    /// Of what was typed, for so many sections; ends the process if they don't fit.
+    /// The target that a flag names, for this number of sections; a usage error ends the process.
     pub(super) fn new(path: &Path, sections: usize) -> Self {
         if path.is_dir() {
             return Self::Folder(path.to_owned());
@@ -96,11 +96,11 @@ impl Target {
         match path.extension() {
             None => Self::Folder(path.to_owned()),
             Some(_) if !is_picture(path) => output::usage_error(&format!(
-                "--section-out '{}' is neither a .png nor an .svg file nor a folder",
+                "--section-out '{}': expected a .png file, an .svg file or a folder",
                 path.display()
             )),
             Some(_) if sections > 1 => {
-                output::usage_error("--section-out has to be a folder for more than one section")
+                output::usage_error("--section-out must be a folder for several sections")
             }
             Some(_) => Self::File(path.to_owned()),
         }
@@ -113,7 +113,7 @@ impl Target {
         }
     }
 
-    /// Draws the section of each map, all of them on one scale.
+    /// Writes the picture of each section, all with the same colour scale.
     pub(super) fn write(&self, sections: &[(Section, Map)]) -> anyhow::Result<()> {
         let scale = Scale::of(sections.iter().map(|(_, map)| map));
         for (section, map) in sections {

@@ -1,4 +1,4 @@
-//! What is printed, and in which order: a part by a pattern, or a program.
+//! The part and its deposition order, from a pattern or a program.
 
 use std::fs;
 use std::path::Path;
@@ -17,20 +17,22 @@ use beadwork_thermal::Simulation;
 use beadwork_thermal::program::{self, ProgramEvents, program_events, program_voxels};
 
 use super::Args;
-use super::watch::Watch;
+use super::sampling::Samplers;
 
-/// A part and how it comes about.
+/// A part and its deposition order.
 pub(super) struct Source {
+    /// Name of the part or of the program.
     pub(super) name: String,
     pub(super) part: Arc<Voxels>,
-    pub(super) course: Course,
-    /// Temperatures of nozzle and plate that a program sets, °C.
+    pub(super) order: Order,
+    /// Temperature of the nozzle that a program sets, in °C.
     pub(super) nozzle_c: Option<f64>,
+    /// Temperature of the plate that a program sets, in °C.
     pub(super) plate_c: Option<f64>,
 }
 
-/// The order of all voxels.
-pub(super) enum Course {
+/// The deposition order of all voxels.
+pub(super) enum Order {
     Pattern(Pattern),
     Program(ProgramEvents),
 }
@@ -40,8 +42,8 @@ impl Source {
         let settings = args.printer.load()?;
         let Some(path) = &args.gcode else {
             let (name, part) = load_part(args, &settings)?;
-            let course = Course::Pattern(args.pattern);
-            return Ok(Self { name, part: Arc::new(part), course, nozzle_c: None, plate_c: None });
+            let order = Order::Pattern(args.pattern);
+            return Ok(Self { name, part: Arc::new(part), order, nozzle_c: None, plate_c: None });
         };
         let in_file = || format!("cannot use '{}'", path.display());
         let bytes = fs::read(path).with_context(|| format!("cannot read '{}'", path.display()))?;
@@ -53,32 +55,34 @@ impl Source {
         } else {
             (stem(path), part_of(&program).with_context(in_file)?)
         };
-        let how = program::Settings {
+        let settings = program::Settings {
             limits: settings.printer.limits(),
             tolerated_share: args.left_out.unwrap_or(0.0),
         };
-        let slots =
-            control::quiet(Threads::One, |control| program_events(&program, &part, &how, control))?
-                .map_err(|error| explain(error.into(), &program, &part));
-        let slots = slots.with_context(in_file)?;
+        let events = control::quiet(Threads::One, |control| {
+            program_events(&program, &part, &settings, control)
+        })?
+        .map_err(|error| explain(error.into(), &program, &part));
+        let events = events.with_context(in_file)?;
         let mut part = part;
-        if !slots.missed.is_empty() {
-            let voxels = count(slots.missed.len() as u64, "voxel");
+        if !events.missed.is_empty() {
+            let voxels = count(events.missed.len() as u64, "voxel");
             eprintln!("beadwork: the program leaves out {voxels} of {}", part.count());
-            part = slots.printed(&part);
+            part = events.printed(&part);
             if part.count() == 0 {
                 bail!("'{}' prints no voxel of the part", path.display());
             }
         }
         let [nozzle_c, plate_c] = temperatures(&program);
-        Ok(Self { name, part: Arc::new(part), course: Course::Program(slots), nozzle_c, plate_c })
+        Ok(Self { name, part: Arc::new(part), order: Order::Program(events), nozzle_c, plate_c })
     }
 
-    /// Prints all layers under watch, and tells after each that is complete how long it took, s.
+    /// Prints all layers and samples them; calls `complete` at the end of each layer with its
+    /// number and its printing time in s.
     pub(super) fn print(
         &self,
         simulation: &mut Simulation,
-        watch: &mut Watch,
+        samplers: &mut Samplers,
         bar: &ProgressBar,
         control: &Control<'_>,
         mut complete: impl FnMut(usize, f64, &Simulation),
@@ -87,19 +91,19 @@ impl Source {
             bar.inc(self.part.cells(layer).count() as u64);
             complete(layer, seconds, simulation);
         };
-        match &self.course {
-            Course::Pattern(pattern) => {
+        match &self.order {
+            Order::Pattern(pattern) => {
                 for layer in 0..self.part.depth {
-                    let order = pattern.order(&self.part.region(layer)?);
+                    let cells = pattern.order(&self.part.region(layer)?);
                     let before = simulation.seconds();
-                    let slots = simulation.layer_events(layer as u32, &order);
-                    watch.run(simulation, &slots, control)?;
+                    let events = simulation.layer_events(layer as u32, &cells);
+                    samplers.run(simulation, &events, control)?;
                     done(layer, simulation.seconds() - before, simulation);
                 }
             }
-            Course::Program(program) => {
-                // Parts that are printed one after the other don't complete their layers from the
-                // bed up.
+            Order::Program(program) => {
+                // Objects that are printed one after the other do not complete layers from the bed
+                // up.
                 let mut ends: Vec<(usize, usize)> = program
                     .layer_ends
                     .iter()
@@ -110,11 +114,11 @@ impl Source {
                 let mut begin = 0;
                 for (end, layer) in ends.into_iter().filter(|&(end, _)| end > 0) {
                     let before = simulation.seconds();
-                    watch.run(simulation, &program.events[begin..end], control)?;
+                    samplers.run(simulation, &program.events[begin..end], control)?;
                     begin = end;
                     done(layer, simulation.seconds() - before, simulation);
                 }
-                watch.run(simulation, &program.events[begin..], control)?;
+                samplers.run(simulation, &program.events[begin..], control)?;
             }
         }
         Ok(())
@@ -133,13 +137,13 @@ fn load_part(args: &Args, settings: &print::Settings) -> anyhow::Result<(String,
         eprintln!("beadwork: repaired {body}: {}", beadwork_console::part::describe(repaired));
     }
     if let Some(layer) = part.layers.gap() {
-        bail!("layer {} has no cells: what lies above it would be printed in the air", layer + 1);
+        bail!("layer {} has no cells: the layers above it would be printed in the air", layer + 1);
     }
     let below = part.layers.empty_below();
     if below > 0 {
         let layers = count(below as u64, "layer");
         eprintln!(
-            "beadwork: the part is lowered by {layers} without cells: its tip is thinner than a bead"
+            "beadwork: part lowered by {layers} without cells: its bottom is thinner than a bead"
         );
     }
     let last = part.layers.layers.iter().rposition(Option::is_some).unwrap_or(0);
@@ -147,7 +151,7 @@ fn load_part(args: &Args, settings: &print::Settings) -> anyhow::Result<(String,
     Ok((part.name, Layers { frame: part.layers.frame, layers }.voxels()))
 }
 
-/// Width of beads and height of layers as the comments of a program say, in mm.
+/// Bead width and layer height that the comments of a program state, in mm.
 fn stated_mm(program: &Program) -> [Option<f64>; 2] {
     let stated = |name: &str| {
         let value = |comment: &str| {
@@ -161,34 +165,36 @@ fn stated_mm(program: &Program) -> [Option<f64>; 2] {
 
 fn part_of(program: &Program) -> anyhow::Result<Voxels> {
     let [Some(cell_mm), Some(layer_mm)] = stated_mm(program) else {
-        bail!("it does not say how wide its beads and how high its layers are: give the part, too");
+        bail!("no bead width and layer height in its comments: name the part too");
     };
     let part = control::quiet(Threads::One, |control| {
         program_voxels(program, cell_mm, layer_mm, control)
     })??;
     match (0..part.depth).find(|&layer| part.cells(layer).next().is_none()) {
-        Some(layer) => Err(anyhow!("it prints nothing in layer {}: give the part, too", layer + 1)),
+        Some(layer) => Err(anyhow!("layer {} is empty: name the part too", layer + 1)),
         None => Ok(part),
     }
 }
 
-/// Says more of an error if the program was made for other cells.
+/// Explains an error if the program was made for other cells.
 fn explain(error: anyhow::Error, program: &Program, part: &Voxels) -> anyhow::Error {
     let Frame { cell_mm, layer_mm, .. } = part.frame;
     let differs = |stated: Option<f64>, given: f64| stated.filter(|mm| (mm - given).abs() > 1e-6);
     let [bead, layer] = stated_mm(program);
     if let Some(mm) = differs(bead, cell_mm) {
         return anyhow!(
-            "its beads are {mm} mm wide, the part's cells {cell_mm} mm: give --bead {mm}"
+            "beads are {mm} mm wide, the cells of the part {cell_mm} mm: try --bead {mm}"
         );
     }
     if let Some(mm) = differs(layer, layer_mm) {
-        return anyhow!("its layers are {mm} mm high, the part's {layer_mm} mm: give --layer {mm}");
+        return anyhow!(
+            "layers are {mm} mm high, those of the part {layer_mm} mm: try --layer {mm}"
+        );
     }
     error
 }
 
-/// The last temperatures of nozzle and bed before the first bead, °C.
+/// The last temperatures of nozzle and bed before the first bead, in °C.
 fn temperatures(program: &Program) -> [Option<f64>; 2] {
     let mut found = [None; 2];
     for event in program.trace().map_while(Result::ok) {

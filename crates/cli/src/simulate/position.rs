@@ -1,8 +1,8 @@
-//! Places as people measure them: mm from a part's left, front and bottom.
+//! Positions as people measure them: in mm from the left, front and bottom of a part.
 
 use beadwork_part::slice::Voxels;
 
-/// Width, depth and height of the box around a part, mm.
+/// Width, depth and height of the bounding box of a part, in mm.
 pub(super) fn size_mm(part: &Voxels) -> [f64; 3] {
     let frame = &part.frame;
     let (width, height, depth) =
@@ -10,11 +10,11 @@ pub(super) fn size_mm(part: &Voxels) -> [f64; 3] {
     [width * frame.cell_mm, height * frame.cell_mm, depth * frame.layer_mm]
 }
 
-/// x, y and z of the voxel at a place in the box around a part, whether it is of the part or not;
-/// `None` outside the box.
+/// x, y and z of the voxel at a position in the bounding box, whether it belongs to the part or
+/// not; `None` outside of the box.
 ///
-/// The side between two voxels belongs to the one farther right, back or up, the box's own last
-/// sides to the voxels within.
+/// A face between two voxels belongs to the one farther right, back or up; the outer faces of the
+/// box belong to the voxels inside.
 pub(super) fn voxel_at(part: &Voxels, mm: [f64; 3]) -> Option<[u32; 3]> {
     let inside = mm.iter().zip(size_mm(part)).all(|(mm, size_mm)| (0.0..=size_mm).contains(mm));
     let frame = &part.frame;
@@ -38,7 +38,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sides_belong_to_the_voxel_behind_them() {
+    fn faces_belong_to_the_voxel_behind_them() {
         let frame =
             Frame { left_mm: 0.0, back_mm: 0.0, cell_mm: 0.5, layer_mm: 0.25, width: 6, height: 4 };
         let part = Voxels::new(frame, ndarray::Array3::zeros((2, 4, 6)));

@@ -1,4 +1,4 @@
-//! What is looked at every so often while a part is printed, beside the ends of its layers.
+//! Measures that are sampled at intervals while a part is printed.
 
 use anyhow::anyhow;
 use beadwork_base::Control;
@@ -9,16 +9,16 @@ use beadwork_thermal::warpage::{WarpageEstimate, WarpageEstimator};
 use beadwork_thermal::{DepositionEvent, Simulation, ThermalMaterial};
 use serde::Serialize;
 
-/// Seconds between the looks of the warpage estimate and of the time above a temperature.
-/// Estimates of different looks can't be compared, so it is the same for all prints.
-const LOOK_S: f64 = 0.5;
+/// Seconds between samples of the warpage estimate and of the time above a temperature.
+/// Estimates with different intervals cannot be compared, so it is the same for all prints.
+const INTERVAL_S: f64 = 0.5;
 
-/// Times closer to a multiple than this part of the interval are on it.
+/// A time closer to a multiple of the interval than this share of it counts as equal.
 const ROUNDING: f64 = 1e-9;
 
-/// All that is looked at.
-pub(super) struct Watch {
-    /// Seconds between looks; `None` if there is nothing to look at.
+/// The measures that sample a print.
+pub(super) struct Samplers {
+    /// Seconds between samples; `None` if nothing is sampled.
     every_s: Option<f64>,
     probes: Option<(Rhythm, Probes)>,
     rhythm: Rhythm,
@@ -26,64 +26,66 @@ pub(super) struct Watch {
     warpage: Option<WarpageEstimator>,
 }
 
-/// What to look at.
-pub(super) struct Wanted<'a> {
-    /// Voxels whose temperature is followed.
+/// The measures that the flags request.
+pub(super) struct Requested<'a> {
+    /// Voxels whose temperature is recorded.
     pub(super) probes: Vec<[u32; 3]>,
-    /// Seconds between their readings.
+    /// Seconds between their samples.
     pub(super) probe_seconds: f64,
-    /// The temperature whose excess is timed, °C.
+    /// The temperature above which time is counted, in °C.
     pub(super) above_c: Option<f64>,
     /// The material, if its warpage is estimated.
     pub(super) warpage: Option<&'a ThermalMaterial>,
 }
 
-/// What was seen.
-pub(super) struct Seen {
+/// Results of all samples.
+pub(super) struct Sampled {
     pub(super) probes: Option<Probes>,
-    pub(super) above: Option<Excess>,
+    pub(super) above: Option<TimeAboveSummary>,
     pub(super) warpage: Option<WarpageEstimate>,
 }
 
-/// How long voxels were hotter than some temperature.
+/// Time that voxels spent above a temperature.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(super) struct Excess {
+pub(super) struct TimeAboveSummary {
+    /// The temperature in °C.
     pub(super) above_c: f64,
-    /// Of the voxel that was so for longest.
+    /// Maximum over the voxels, in s.
     pub(super) longest_s: f64,
-    /// Over all voxels of the part.
+    /// Mean over all voxels of the part, in s.
     pub(super) mean_s: f64,
 }
 
-impl Watch {
-    /// From the simulation's present on.
-    pub(super) fn new(simulation: &Simulation, wanted: Wanted<'_>) -> Self {
-        let Wanted { probes, probe_seconds, above_c, warpage } = wanted;
-        let own_s = (above_c.is_some() || warpage.is_some()).then_some(LOOK_S);
+impl Samplers {
+    /// Samplers that start at the current state of a simulation.
+    pub(super) fn new(simulation: &Simulation, requested: Requested<'_>) -> Self {
+        let Requested { probes, probe_seconds, above_c, warpage } = requested;
+        let own_s = (above_c.is_some() || warpage.is_some()).then_some(INTERVAL_S);
         let probe_s = (!probes.is_empty()).then_some(probe_seconds);
         Self {
             every_s: own_s.into_iter().chain(probe_s).reduce(f64::min),
             probes: probe_s.map(|every_s| (Rhythm::new(every_s), Probes::new(probes))),
-            rhythm: Rhythm::new(LOOK_S),
+            rhythm: Rhythm::new(INTERVAL_S),
             above: above_c.map(|above_c| TimeAbove::new(simulation, above_c)),
             warpage: warpage.map(|material| WarpageEstimator::new(simulation.part(), material)),
         }
     }
 
-    /// Runs through slots; in one piece if there is nothing to look at, as looks cut the long steps
-    /// of the fast method.
+    /// Runs deposition events and samples them.
+    /// Without samplers they run uninterrupted, since samples cut the long steps of the fast
+    /// method.
     pub(super) fn run(
         &mut self,
         simulation: &mut Simulation,
-        slots: &[DepositionEvent],
+        events: &[DepositionEvent],
         control: &Control<'_>,
     ) -> anyhow::Result<()> {
         let result = match self.every_s {
             Some(every_s) => {
-                let sample = |simulation: &Simulation| self.look(simulation);
-                simulation.run_sampled(slots, every_s, sample, control)
+                let sample = |simulation: &Simulation| self.sample(simulation);
+                simulation.run_sampled(events, every_s, sample, control)
             }
-            None => simulation.run(slots, control),
+            None => simulation.run(events, control),
         };
         result.map_err(|error| match error {
             DepositError::Interrupted(_) => stopped(),
@@ -91,7 +93,7 @@ impl Watch {
         })
     }
 
-    fn look(&mut self, simulation: &Simulation) {
+    fn sample(&mut self, simulation: &Simulation) {
         let now_s = simulation.seconds();
         if let Some((rhythm, probes)) = &mut self.probes
             && rhythm.is_due(now_s)
@@ -104,12 +106,12 @@ impl Watch {
         }
     }
 
-    /// Looks a last time.
+    /// Takes the last samples, and returns the results.
     pub(super) fn finish(
         self,
         simulation: &Simulation,
         control: &Control<'_>,
-    ) -> anyhow::Result<Seen> {
+    ) -> anyhow::Result<Sampled> {
         let probes = self.probes.map(|(_, mut probes)| {
             if probes.seconds().last() != Some(&simulation.seconds()) {
                 probes.sample(simulation);
@@ -118,11 +120,11 @@ impl Watch {
         });
         let above = self.above.map(|mut above| {
             above.sample(simulation);
-            Excess::of(&above, simulation.part())
+            TimeAboveSummary::of(&above, simulation.part())
         });
         let warpage = self.warpage.map(|warpage| warpage.finish(simulation, control)).transpose();
         let warpage = warpage.map_err(|_| stopped())?;
-        Ok(Seen { probes, above, warpage })
+        Ok(Sampled { probes, above, warpage })
     }
 }
 
@@ -130,16 +132,16 @@ fn stopped() -> anyhow::Error {
     anyhow!("stopped; nothing was written")
 }
 
-impl Excess {
+impl TimeAboveSummary {
     fn of(above: &TimeAbove, part: &Voxels) -> Self {
-        // Elsewhere in the box it is 0, which changes neither.
+        // It is 0 outside of the part, which changes neither the maximum nor the sum.
         let longest_s = above.seconds().iter().copied().fold(0.0, f64::max);
         let mean_s = above.seconds().iter().sum::<f64>() / part.count() as f64;
         Self { above_c: above.above_c(), longest_s, mean_s }
     }
 }
 
-/// Tells the first look on or after each multiple of an interval.
+/// Finds the first sample on or after each multiple of an interval.
 struct Rhythm {
     every_s: f64,
     next_s: f64,
@@ -164,7 +166,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn looks_are_due_once_an_interval() {
+    fn samples_are_due_once_per_interval() {
         let mut rhythm = Rhythm::new(1.0);
         let due: Vec<bool> = [0.5, 1.0 - 1e-12, 1.5, 2.25, 2.5, 5.5, 5.9, 6.0]
             .map(|now_s| rhythm.is_due(now_s))

@@ -1,12 +1,12 @@
-//! Numbers on a picture of pixels.
+//! A picture of pixels, with rectangles and numbers.
 
-/// Pixels of a dot of a letter.
+/// Size of a dot of a letter in pixels.
 const DOT: usize = 3;
 
 /// Height of a letter in pixels.
 pub(super) const HEIGHT: usize = 5 * DOT;
 
-/// Three dots in each of five rows, the topmost in the highest bits.
+/// Letters as five rows of three dots, the top row in the highest bits.
 const LETTERS: [(char, u16); 15] = [
     ('0', 0b111_101_101_101_111),
     ('1', 0b010_110_010_010_111),
@@ -25,7 +25,7 @@ const LETTERS: [(char, u16); 15] = [
     ('C', 0b111_100_100_100_111),
 ];
 
-/// A picture, four bytes a pixel.
+/// A picture, four bytes (RGBA) per pixel.
 pub(super) struct Canvas {
     size: [usize; 2],
     pixels: Vec<u8>,
@@ -40,7 +40,7 @@ impl Canvas {
         &self.pixels
     }
 
-    /// Fills a rectangle, as far as it lies on the picture.
+    /// Fills a rectangle, clipped to the picture.
     pub(super) fn fill(
         &mut self,
         [x, y]: [usize; 2],
@@ -56,15 +56,14 @@ impl Canvas {
         }
     }
 
-    /// Writes numbers, °C and > in black, the upper left corner at a place; other letters stay
-    /// blank.
+    /// Writes digits, °C and signs in black from an upper left corner; other letters stay blank.
     pub(super) fn write(&mut self, [x, y]: [usize; 2], text: &str) {
         for (number, letter) in text.chars().enumerate() {
             let dots =
                 LETTERS.iter().find(|(known, _)| *known == letter).map_or(0, |(_, dots)| *dots);
             for dot in (0..15).filter(|dot| dots >> (14 - dot) & 1 == 1) {
-                let place = [x + (4 * number + dot % 3) * DOT, y + dot / 3 * DOT];
-                self.fill(place, [DOT; 2], [0; 3]);
+                let corner = [x + (4 * number + dot % 3) * DOT, y + dot / 3 * DOT];
+                self.fill(corner, [DOT; 2], [0; 3]);
             }
         }
     }
