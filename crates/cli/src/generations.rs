@@ -1,4 +1,4 @@
-//! What a run of the genetic algorithm looks like.
+//! Charts of a run of the genetic algorithm.
 
 use beadwork_console::chart::{Axis, BLUE, Chart, GREEN, GREY, LineStyle, ORANGE, Series, charts};
 use beadwork_console::search::{GeneticRow, Row};
@@ -7,7 +7,7 @@ use beadwork_console::search::{GeneticRow, Row};
 pub(crate) fn chart(row: &Row, genetic: &GeneticRow) -> anyhow::Result<String> {
     let over = |value: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
         let history = genetic.history.iter().enumerate();
-        history.map(|(place, generation)| (f64::from(generation.number), value(place))).collect()
+        history.map(|(index, generation)| (f64::from(generation.number), value(index))).collect()
     };
     let line = |name: &str, colour, style, value: &dyn Fn(usize) -> f64| Series {
         name: name.to_owned(),
@@ -17,18 +17,18 @@ pub(crate) fn chart(row: &Row, genetic: &GeneticRow) -> anyhow::Result<String> {
     };
     let axis = |label| Axis { label, logarithmic: false, shown: &[0.0] };
     let mut series = vec![
-        line("best", BLUE, LineStyle::Plain, &|place| genetic.history[place].best as f64),
-        line("mean", ORANGE, LineStyle::Thin, &|place| genetic.history[place].mean),
+        line("best", BLUE, LineStyle::Plain, &|index| genetic.history[index].best as f64),
+        line("mean", ORANGE, LineStyle::Thin, &|index| genetic.history[index].mean),
     ];
     if let Some(bound) = row.bound {
         series.push(line("bound", GREY, LineStyle::Thin, &|_| bound as f64));
     }
     let diversity =
-        line("diversity", GREEN, LineStyle::Plain, &|place| genetic.history[place].diversity);
+        line("diversity", GREEN, LineStyle::Plain, &|index| genetic.history[index].diversity);
     let preset = row.preset.as_deref().unwrap_or_default();
     let crossings = Chart {
         title: format!(
-            "{} {}x{}, {preset}: {} before",
+            "{} {}x{}, {preset}: {} at the start",
             row.layout, row.width, row.height, row.initial
         ),
         x: axis("generation"),

@@ -1,4 +1,4 @@
-//! Some layers of a plan as a picture.
+//! A picture of some layers of a plan.
 
 use beadwork_console::part::Part;
 use beadwork_console::text::count;
@@ -6,10 +6,10 @@ use beadwork_part::print;
 use beadwork_part::{Panel, svg};
 use beadwork_search::plan::ToolPlan;
 
-/// Layers that are drawn, at most: two rows.
+/// Maximum number of layers drawn: two rows.
 const PANELS: usize = 6;
 
-/// Layers from bottom to top, of which neighbours differ where there are enough such.
+/// Draws layers from bottom to top; equal neighbours are drawn once.
 pub(super) fn draw(part: &Part, plan: &ToolPlan, settings: &print::Settings) -> String {
     let layers: Vec<_> = part
         .layers
@@ -42,7 +42,7 @@ pub(super) fn draw(part: &Part, plan: &ToolPlan, settings: &print::Settings) -> 
         })
         .collect();
     let colours: Vec<[u8; 3]> = settings.tools.iter().map(|tool| tool.colour).collect();
-    // The usual grey of all says nothing.
+    // If all tools have the same colour, zones get the colours of the palette.
     let differ = colours.iter().any(|colour| *colour != colours[0]);
     svg(&panels, differ.then_some(&colours[..]))
 }

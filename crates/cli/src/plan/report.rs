@@ -1,4 +1,4 @@
-//! What a plan comes to, for people and for programs.
+//! The results of a plan as JSON and as a summary.
 
 use std::fmt::Write;
 
@@ -10,10 +10,13 @@ use serde_json::{Value, json};
 
 use super::Files;
 
-/// How long the steps took.
+/// Wall-clock time of the steps, in s.
 pub(super) struct Seconds {
+    /// Reading, repairing and slicing.
     pub(super) slice: f64,
+    /// Planning.
     pub(super) plan: f64,
+    /// Writing and checking the G-code.
     pub(super) print: f64,
 }
 
@@ -26,7 +29,7 @@ pub(super) struct Report<'a> {
 }
 
 impl Report<'_> {
-    /// Everything, and nothing that differs between two runs but the seconds.
+    /// All results; only the seconds differ between two runs.
     pub(super) fn json(&self) -> Value {
         let Self { part, plan, printed, lift_cost, seconds } = self;
         let frame = &part.layers.frame;
@@ -76,10 +79,10 @@ impl Report<'_> {
         value
     }
 
-    /// A few lines.
+    /// A few lines for people.
     pub(super) fn summary(&self, files: &Files<'_>) -> String {
         let mut text = String::new();
-        self.write(&mut text, files).expect("a string takes all text");
+        self.write(&mut text, files).expect("writing to a string succeeds");
         text
     }
 
@@ -98,7 +101,7 @@ impl Report<'_> {
         )?;
         let bound = match &planned.order {
             Some(order) if u64::from(order.least_changes) == planned.tool_changes() => {
-                " (proven to be the fewest)".to_owned()
+                " (proven minimum)".to_owned()
             }
             Some(order) => format!(" (at least {})", order.least_changes),
             None => String::new(),
@@ -114,7 +117,7 @@ impl Report<'_> {
         if let Some(fixed) = planned.fixed.filter(|_| printed.settings.tools.len() > 1) {
             writeln!(
                 text,
-                "tool by tool in the same order every layer: {}",
+                "with the tools in the same order in every layer: {}",
                 count(fixed.changes.into(), "tool change")
             )?;
         }
@@ -134,7 +137,8 @@ impl Report<'_> {
                 .map_or_else(String::new, |totals| format!(" and {}", totals.display()));
             writeln!(
                 text,
-                "wrote {} (read again and checked: {cells} cells, each once, with the tool of its material){beside}",
+                "wrote {} (checked from its text: {cells} cells, each printed once with the tool of its \
+                 material){beside}",
                 gcode.display()
             )?;
         }
