@@ -1,6 +1,6 @@
-//! `gen-data` and `inspect`: same bytes however they are made, clear errors, nothing half-written.
+//! `gen-data` and `inspect`: the same bytes in every kind of run, clear errors, no partial files.
 
-#![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use std::fs;
 use std::path::Path;
@@ -28,7 +28,7 @@ fn smoke() -> TempDir {
 }
 
 #[test]
-fn smoke_is_made_shown_and_verified() {
+fn smoke_dataset_is_written_shown_and_verified() {
     let folder = tempdir().unwrap();
     let out = text(folder.path());
     let made: serde_json::Value =
@@ -56,7 +56,7 @@ fn smoke_is_made_shown_and_verified() {
 }
 
 #[test]
-fn threads_and_slices_do_not_change_a_byte() {
+fn threads_and_shard_ranges_do_not_change_a_byte() {
     let folder = tempdir().unwrap();
     let file = config(folder.path(), &SLOW.replace("count = 60", "count = 15"));
     let make = |name: &str, more: &[&str]| {
@@ -76,7 +76,7 @@ fn threads_and_slices_do_not_change_a_byte() {
 }
 
 #[test]
-fn ten_kills_and_a_resume_equal_an_unbroken_run() {
+fn ten_kills_and_a_resume_equal_an_uninterrupted_run() {
     let folder = tempdir().unwrap();
     let file = config(folder.path(), SLOW);
     let (unbroken, broken) = (folder.path().join("unbroken"), folder.path().join("broken"));
@@ -98,7 +98,7 @@ fn ten_kills_and_a_resume_equal_an_unbroken_run() {
             child.kill().unwrap();
             kills += 1;
         } else {
-            // It was done before the kill: let the next one lose something again.
+            // It was complete before the kill: remove a shard for the next one.
             finished += 1;
             assert!(finished < 10, "the work is too short to be interrupted");
             fs::remove_dir_all(&broken).unwrap();
@@ -112,7 +112,7 @@ fn ten_kills_and_a_resume_equal_an_unbroken_run() {
 
 #[cfg(unix)]
 #[test]
-fn ctrl_c_ends_cleanly_and_the_run_goes_on() {
+fn ctrl_c_ends_cleanly_and_the_run_resumes() {
     let folder = tempdir().unwrap();
     let file = config(folder.path(), SLOW);
     let out = folder.path().join("out");
@@ -122,7 +122,7 @@ fn ctrl_c_ends_cleanly_and_the_run_goes_on() {
         .stdout(Stdio::piped())
         .stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
-    // Once a shard is there, the handler is too.
+    // The signal handler is installed before the first shard.
     while child.try_wait().unwrap().is_none() && !out.join("shard-00000.bws").exists() {
         std::thread::sleep(Duration::from_millis(5));
     }
@@ -144,7 +144,7 @@ fn ctrl_c_ends_cleanly_and_the_run_goes_on() {
 }
 
 #[test]
-fn damaged_shards_are_named() {
+fn damaged_shards_are_reported() {
     let folder = smoke();
     let shard = folder.path().join("shard-00001.bws");
     let whole = fs::read(&shard).unwrap();
@@ -178,7 +178,7 @@ fn damaged_shards_are_named() {
 }
 
 #[test]
-fn a_missing_or_wrong_manifest_is_named() {
+fn missing_or_wrong_manifest_is_reported() {
     let folder = smoke();
     let manifest = folder.path().join("manifest.json");
     let whole = fs::read_to_string(&manifest).unwrap();
@@ -198,7 +198,7 @@ fn a_missing_or_wrong_manifest_is_named() {
 }
 
 #[test]
-fn a_dataset_is_never_mixed_with_another() {
+fn datasets_are_never_mixed() {
     let folder = smoke();
     let before = dataset(folder.path());
     let error = fail(&[
@@ -217,7 +217,7 @@ fn a_dataset_is_never_mixed_with_another() {
 }
 
 #[test]
-fn a_folder_that_can_not_be_made_is_named() {
+fn folder_that_cannot_be_created_is_reported() {
     let folder = tempdir().unwrap();
     let file = folder.path().join("file");
     fs::write(&file, "in the way").unwrap();
@@ -225,11 +225,10 @@ fn a_folder_that_can_not_be_made_is_named() {
     assert!(error.contains("file/out"), "{error}");
 }
 
-/// A limit on the size of files stands in for a full disk: writing fails in the middle of a shard
-/// just the same.
+/// A limit on the size of files simulates a full disk: writing fails within a shard.
 #[cfg(unix)]
 #[test]
-fn a_full_disk_leaves_nothing_half_written() {
+fn full_disk_leaves_no_partial_file() {
     let folder = tempdir().unwrap();
     let out = folder.path().join("out");
     let script = format!(
@@ -285,7 +284,7 @@ fn wrong_configurations_are_refused() {
 }
 
 #[test]
-fn the_bench_of_the_factory_cleans_up() {
+fn benchmark_of_the_factory_cleans_up() {
     let folder = tempdir().unwrap();
     let printed =
         run(&["bench", "dataset", "--count", "20", "--scratch", text(folder.path()), "--json"]);

@@ -1,6 +1,6 @@
-//! `plan`: from meshes to checked G-code, as a user would.
+//! `plan` as a user runs it: from meshes to checked G-code.
 
-#![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a panic fails the test")]
 #![allow(clippy::print_stderr, reason = "whoever runs the tests must learn what was skipped")]
 
 use std::fs;
@@ -11,7 +11,7 @@ use beadwork_gcode::{Event, Feature, Program};
 use beadwork_tests::{beadwork, fail, misused, run, text};
 use serde_json::Value;
 
-/// The real parts, or `None`, with a line that says so, where they are absent.
+/// The folder of real parts; `None`, with a message, if it is absent.
 fn parts() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/parts");
     let found = folder.canonicalize().ok().filter(|folder| folder.join("yin_yang.3mf").exists());
@@ -51,7 +51,7 @@ fn a_part_becomes_gcode_with_totals_beside_it() {
     assert_eq!(totals["layers"], 8);
     assert_eq!(totals["materials"], serde_json::json!(["white", "blue"]));
 
-    // What the file says is what the file does.
+    // The totals in the file equal those of its motions.
     let program = Program::from_bytes(&fs::read(&gcode).unwrap(), &Control::default()).unwrap();
     let (mut changes, mut part_mm) = (0, 0.0);
     for event in program.trace() {
@@ -70,14 +70,14 @@ fn a_part_becomes_gcode_with_totals_beside_it() {
     assert!((part_mm - 38_400.0).abs() < 1.0, "{part_mm}");
     assert!((totals["extrusion_mm"].as_f64().unwrap() - part_mm).abs() < 1.0);
 
-    // To a pipe goes the G-code alone.
+    // Only the G-code is written to a pipe.
     #[cfg(unix)]
     assert!(
         run(&["plan", "example:u-shape", "--objective", "tools", "--out", "/dev/stdout"])
             .starts_with("; generated")
     );
 
-    // Again, on one thread: the same bytes.
+    // One thread writes the same bytes.
     let again = folder.path().join("again.gcode");
     run(&[
         "plan",
@@ -117,7 +117,7 @@ fn modes_constraints_and_flavours_are_obeyed() {
 }
 
 #[test]
-fn profiles_are_read_and_their_faults_named() {
+fn profiles_are_read_and_their_faults_reported() {
     let folder = tempfile::tempdir().unwrap();
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../configs/plan/example.toml");
     let plan = ["plan", "example:logo-plate", "--objective", "tools", "--json", "--profile"];
@@ -143,7 +143,7 @@ fn profiles_are_read_and_their_faults_named() {
     assert!(error.contains("purge matrix covers 1 tools, the part has 2 materials"), "{error}");
 }
 
-/// A failure whose message may have several lines, as that of a TOML file has.
+/// The message of a failure, which may have several lines, as for a TOML file.
 fn fail_lines(arguments: &[&str]) -> String {
     let output = beadwork().args(arguments).output().unwrap();
     assert_eq!(output.status.code(), Some(1));
@@ -151,7 +151,7 @@ fn fail_lines(arguments: &[&str]) -> String {
 }
 
 #[test]
-fn bad_input_is_named_and_leaves_nothing_behind() {
+fn bad_input_is_reported_and_leaves_nothing_behind() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out.gcode");
     let refused = |name: &str, bytes: &[u8], more: &[&str]| {
@@ -229,7 +229,7 @@ fn bad_input_is_named_and_leaves_nothing_behind() {
     assert!(misused(&["plan", "--objective", "tools"]).contains("PART"));
     assert!(
         misused(&["plan", "x.stl", "--objective", "tools", "--rotate", "90"])
-            .contains("give 3 numbers")
+            .contains("expected 3 numbers")
     );
     assert!(
         misused(&["plan", "x.stl", "--objective", "tools", "--before", "2"])
@@ -322,7 +322,7 @@ fn real_parts_are_planned_and_broken_ones_refused() {
         let output =
             beadwork().args(["plan", text(&file), "--objective", "tools"]).output().unwrap();
         assert!(output.status.success(), "{name}");
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert!(told.contains(repair), "{told}");
+        let output = String::from_utf8_lossy(&output.stderr);
+        assert!(output.contains(repair), "{output}");
     }
 }

@@ -1,6 +1,6 @@
-//! `simulate`: how warm a part gets, as a user would ask.
+//! `simulate` as a user runs it: temperatures, measures, pictures and errors.
 
-#![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use std::fs;
 use std::path::Path;
@@ -28,14 +28,14 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// All but the time it took.
+/// The document without the wall-clock time.
 fn without_seconds(mut value: Value) -> Value {
     value.as_object_mut().unwrap().remove("seconds").unwrap();
     value
 }
 
 #[test]
-fn layers_are_told_with_their_reward() {
+fn layers_and_reward_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let plate = plate(folder.path());
     let value = json(&[&plate]);
@@ -142,10 +142,10 @@ fn measures_and_pictures_are_written() {
     let layers = json(&[&plate])["layers"].clone();
     for (line, layer) in lines[1..].iter().zip(layers.as_array().unwrap()) {
         for (name, value) in head.split(',').zip(line.split(',')) {
-            let told = layer[name].as_f64();
-            assert!(value.is_empty() == told.is_none(), "{name}: {value}");
+            let output = layer[name].as_f64();
+            assert!(value.is_empty() == output.is_none(), "{name}: {value}");
             assert!(
-                told.is_none_or(|told| (told - value.parse::<f64>().unwrap()).abs() < 1e-9),
+                output.is_none_or(|output| (output - value.parse::<f64>().unwrap()).abs() < 1e-9),
                 "{name}"
             );
         }
@@ -179,35 +179,36 @@ fn measures_and_pictures_are_written() {
 }
 
 #[test]
-fn the_print_is_watched_if_asked() {
+fn sampled_measures_are_reported_on_request() {
     let folder = tempfile::tempdir().unwrap();
     let plate = plate(folder.path());
     let usual = json(&[&plate]);
-    let watched = json(&[&plate, "--time-above", "--warpage"]);
-    // Looks cut long steps: no more than the method's error.
-    assert!((number(&watched["reward"]) / number(&usual["reward"]) - 1.0).abs() < 0.01);
+    let sampled = json(&[&plate, "--time-above", "--warpage"]);
+    // Samples cut long steps, which changes results by no more than the error of the method.
+    assert!((number(&sampled["reward"]) / number(&usual["reward"]) - 1.0).abs() < 0.01);
     let [seconds, longest, mean] = [
-        &watched["print_seconds"],
-        &watched["time_above"]["longest_s"],
-        &watched["time_above"]["mean_s"],
+        &sampled["print_seconds"],
+        &sampled["time_above"]["longest_s"],
+        &sampled["time_above"]["mean_s"],
     ]
     .map(number);
-    assert_eq!(watched["time_above"]["above_c"], watched["glass_transition_c"]);
+    assert_eq!(sampled["time_above"]["above_c"], sampled["glass_transition_c"]);
     assert!(0.0 < mean && mean < longest && longest < seconds, "{mean} {longest} {seconds}");
     let [lift, curvature] =
-        ["corner_lift_mm", "curvature_1_m"].map(|key| number(&watched["warpage"][key]));
+        ["corner_lift_mm", "curvature_1_m"].map(|key| number(&sampled["warpage"][key]));
     assert!(0.0 < lift && lift < 1.0 && curvature > 0.0, "{lift} {curvature}");
 
     let hotter = &json(&[&plate, "--time-above=150"])["time_above"];
     assert!(number(&hotter["above_c"]) > 149.0 && number(&hotter["mean_s"]) < mean, "{hotter}");
     let summary = run(&["simulate", &plate, "--time-above", "--warpage"]);
     assert!(
-        summary.contains("above 105 °C: ") && summary.contains("ranks plans, does not predict")
+        summary.contains("above 105 °C: ")
+            && summary.contains("for ranking plans, not a prediction")
     );
 }
 
 #[test]
-fn probes_tell_their_history() {
+fn probes_record_their_history() {
     let folder = tempfile::tempdir().unwrap();
     let plate = plate(folder.path());
     let history = folder.path().join("history.csv");
@@ -220,7 +221,7 @@ fn probes_tell_their_history() {
         (head.to_owned(), rows.lines().map(row).collect())
     };
 
-    // A corner at the bottom, and the middle of the top, which comes late.
+    // A corner at the bottom, and the centre of the top, which is deposited late.
     let probes = ["--probe", "0,0,0", "--probe", "6,4,1"];
     let (head, rows) = read(&[&probes[..], &["--end-seconds", "10"]].concat());
     assert_eq!(head, "seconds,x0_y0_z0_c,x6_y4_z1_c");
@@ -252,10 +253,10 @@ fn probes_need_a_voxel_of_the_part() {
         assert!(!history.exists(), "{probe}");
         error
     };
-    assert!(refused("22,5,1").ends_with("the part has no voxel at the probe 22,5,1"));
+    assert!(refused("22,5,1").ends_with("probe 22,5,1: the part has no voxel there"));
     assert!(
         refused("22,-1,1")
-            .contains("the probe 22,-1,1 lies outside of the part, which is 45 x 25 x 3 mm")
+            .contains("probe 22,-1,1 lies outside of the part, which is 45 x 25 x 3 mm")
     );
 
     let misuse = |more: &[&str]| misused(&[&["simulate", "example:u-shape"], more].concat());
@@ -268,7 +269,9 @@ fn probes_need_a_voxel_of_the_part() {
         misuse(&[&out[..], &["--probe-seconds", "0"]].concat()).contains("give seconds from 0.001")
     );
     assert!(misuse(&[&out[..], &["--csv", "x"]].concat()).contains("the same file"));
-    assert!(misuse(&["--time-above=warm"]).contains("give °C or glass-transition"));
+    assert!(
+        misuse(&["--time-above=warm"]).contains("expected a temperature in °C or glass-transition")
+    );
 }
 
 #[test]
@@ -288,7 +291,7 @@ fn a_planned_program_is_simulated_with_its_part_and_without() {
     assert_eq!(without["part"], "logo");
     assert_eq!(without["layers"], with_part["layers"]);
 
-    // What the program heats is heated, unless it is said otherwise.
+    // Temperatures come from the program unless flags override them.
     let hot = fs::read_to_string(&gcode)
         .unwrap()
         .replace("M109 S230", "M109 S215")
@@ -320,7 +323,7 @@ fn a_planned_program_is_simulated_with_its_part_and_without() {
 }
 
 #[test]
-fn bad_input_is_named_and_leaves_nothing_behind() {
+fn bad_input_is_reported_and_leaves_nothing_behind() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out.svg");
     let refused = |more: &[&str]| {
@@ -337,8 +340,7 @@ fn bad_input_is_named_and_leaves_nothing_behind() {
     assert!(refused(&["--method", "naive", "--print-mm-s", "1"]).contains("longest stable step"));
     let section = ["--section", "x=46", "--section-out", text(folder.path())];
     assert!(
-        refused(&section)
-            .ends_with("the section x=46 lies outside of the part, which ends at 45 mm")
+        refused(&section).ends_with("section x=46 lies outside of the part, which ends at 45 mm")
     );
     assert!(refused(&["--csv", text(folder.path())]).ends_with("is a folder"));
 
@@ -347,12 +349,12 @@ fn bad_input_is_named_and_leaves_nothing_behind() {
         fs::write(&file, content).unwrap();
         fail(&["simulate", "--gcode", text(&file)])
     };
-    assert!(program(b"G1 X1 F600\n").contains("does not say how wide its beads"));
+    assert!(program(b"G1 X1 F600\n").contains("no bead width and layer height"));
     let head = "; extrusion_width = 0.5\n; layer_height = 0.25\n";
     assert!(program(head.as_bytes()).ends_with("the program lays down no bead of a part"));
     assert!(program(format!("{head}G20\n").as_bytes()).contains("line 3: inches"));
     let high = format!("{head}M83\nG1 Z1 F600\nG1 X5 E1\n");
-    assert!(program(high.as_bytes()).contains("it prints nothing in layer 1"));
+    assert!(program(high.as_bytes()).contains("layer 1 is empty"));
     assert!(
         fail(&["simulate", "--gcode", "/no/such.gcode"]).contains("cannot read '/no/such.gcode'")
     );

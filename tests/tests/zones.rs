@@ -1,6 +1,6 @@
 //! `zones` on layouts and pictures, and `gen-data` on a folder of pictures.
 
-#![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use std::fs;
 use std::path::Path;
@@ -13,11 +13,11 @@ use tempfile::tempdir;
 
 /// A disc of two colours with a hole, its corners transparent.
 fn disc(side: u32) -> Vec<u8> {
-    let middle = f64::from(side) / 2.0;
+    let centre = f64::from(side) / 2.0;
     let pixel = |cell: u32| {
-        let (x, y) = (f64::from(cell % side) + 0.5 - middle, f64::from(cell / side) + 0.5 - middle);
+        let (x, y) = (f64::from(cell % side) + 0.5 - centre, f64::from(cell / side) + 0.5 - centre);
         let radius = x.hypot(y);
-        let alpha = if radius < middle && radius > middle / 4.0 { 255 } else { 0 };
+        let alpha = if radius < centre && radius > centre / 4.0 { 255 } else { 0 };
         if x + y < 0.0 { [200, 30, 30, alpha] } else { [30, 30, 200, alpha] }
     };
     (0..side * side).flat_map(pixel).collect()
@@ -58,7 +58,7 @@ fn annealing_beats_the_zigzag() {
 }
 
 #[test]
-fn the_fewest_crossings_are_proven() {
+fn minimum_of_crossings_is_proven() {
     let row = json(&["zones", "--layout", "stripes", "--size", "30x30", "--json"]);
     let expected: [(&str, Value); 4] = [
         ("method", "exact".into()),
@@ -69,9 +69,9 @@ fn the_fewest_crossings_are_proven() {
     for (key, value) in expected {
         assert_eq!(row[key], value, "{row}");
     }
-    let told =
+    let output =
         run(&["zones", "--layout", "islands", "--size", "40x40", "--shape", "disc", "--seed", "2"]);
-    assert!(told.contains("proven to be the fewest"), "{told}");
+    assert!(output.contains("proven to be the fewest"), "{output}");
     let folder = tempdir().unwrap();
     let stages = folder.path().join("stages.svg");
     run(&["zones", "--size", "16x12", "--stages", text(&stages)]);
@@ -79,12 +79,12 @@ fn the_fewest_crossings_are_proven() {
     assert!(
         ["ladders", "cheapest 2-matching", "the path"].iter().all(|step| drawing.contains(step))
     );
-    let hasty = json(&["zones", "--size", "60x60", "--zones", "40", "--time", "0", "--json"]);
-    assert_eq!((&hasty["attempts"], &hasty["pieces"]), (&1.into(), &1.into()), "{hasty}");
+    let limited = json(&["zones", "--size", "60x60", "--zones", "40", "--time", "0", "--json"]);
+    assert_eq!((&limited["attempts"], &limited["pieces"]), (&1.into(), &1.into()), "{limited}");
 }
 
 #[test]
-fn ends_and_costs_are_kept_to() {
+fn ends_and_costs_are_respected() {
     let folder = tempdir().unwrap();
     let costs = folder.path().join("purge.csv");
     fs::write(&costs, "0, 5, 2\n3, 0, 2\n\n1 1 0\n").unwrap();
@@ -99,17 +99,17 @@ fn ends_and_costs_are_kept_to() {
         fail(&["zones", "--size", "9x9", "--start-at", "3,3", "--end-at", "3,3"])
             .contains("begin and end")
     );
-    for (content, complaint) in
+    for (content, message) in
         [("0 1", "row 1 has 2"), ("0 x\n1 0", "'x' in row 1"), ("0 1\n1 0", "3"), ("1", "inside")]
     {
         fs::write(&costs, content).unwrap();
         let error = fail(&layer);
-        assert!(error.contains(complaint), "{error}");
+        assert!(error.contains(message), "{error}");
     }
 }
 
 #[test]
-fn a_picture_is_planned_and_drawn() {
+fn picture_is_planned_and_drawn() {
     let folder = tempdir().unwrap();
     let (picture, drawing) = (folder.path().join("disc.png"), folder.path().join("disc.svg"));
     write_png(&picture, 24, &disc(24));
@@ -131,7 +131,7 @@ fn a_picture_is_planned_and_drawn() {
 }
 
 #[test]
-fn a_folder_of_pictures_becomes_a_dataset() {
+fn folder_of_pictures_becomes_a_dataset() {
     let folder = tempdir().unwrap();
     let (pictures, out) = (folder.path().join("in"), folder.path().join("out"));
     fs::create_dir(&pictures).unwrap();
@@ -155,7 +155,7 @@ fn a_folder_of_pictures_becomes_a_dataset() {
     assert_eq!((&shown["records"], &shown["strata"]["disc-20/fast"]), (&12.into(), &2.into()));
     assert_eq!(shown["config"]["pictures"][0]["name"], "disc-12");
 
-    // Another picture under the same name is another dataset.
+    // Another picture under the same name makes another dataset.
     write_png(
         &pictures.join("disc-20.png"),
         20,
@@ -171,35 +171,35 @@ fn a_folder_of_pictures_becomes_a_dataset() {
 }
 
 #[test]
-fn bad_pictures_are_named() {
+fn bad_pictures_are_reported() {
     let folder = tempdir().unwrap();
     let path = folder.path().join("bad.png");
-    let complaint = |bytes: &[u8]| {
+    let message = |bytes: &[u8]| {
         fs::write(&path, bytes).unwrap();
         let error = fail(&["zones", "--image", text(&path)]);
         assert!(error.contains("bad.png"), "{error}");
         error
     };
-    complaint(b"GIF89a, not a PNG");
-    complaint(b"");
+    message(b"GIF89a, not a PNG");
+    message(b"");
     let picture = |side: u32, rgba: &[u8]| {
         let file = folder.path().join("good.png");
         write_png(&file, side, rgba);
         fs::read(file).unwrap()
     };
     let whole = picture(20, &disc(20));
-    complaint(&whole[..whole.len() / 2]);
-    assert!(complaint(&picture(2, &[0; 16])).contains("no cells"));
+    message(&whole[..whole.len() / 2]);
+    assert!(message(&picture(2, &[0; 16])).contains("no cells"));
     let colours: Vec<u8> = (0..256_u32).flat_map(|i| [i as u8, 1, 2, 255]).collect();
-    assert!(complaint(&picture(16, &colours)).contains("255"));
-    assert!(complaint(&picture(4097, &vec![255; 4097 * 4097 * 4])).contains("4096"));
+    assert!(message(&picture(16, &colours)).contains("255"));
+    assert!(message(&picture(4097, &vec![255; 4097 * 4097 * 4])).contains("4096"));
     assert!(
         fail(&["zones", "--image", text(&folder.path().join("none.png"))]).contains("none.png")
     );
 }
 
 #[test]
-fn impossible_wishes_are_refused() {
+fn impossible_requests_are_refused() {
     assert!(fail(&["zones", "--layout", "left_right", "--zones", "3"]).contains("3 zones"));
     assert!(fail(&["zones", "--layout", "islands", "--size", "9x9"]).contains("no room"));
     let folder = tempdir().unwrap();
@@ -212,8 +212,8 @@ fn impossible_wishes_are_refused() {
 }
 
 #[test]
-fn arguments_that_make_no_sense_are_named() {
-    let complaints: [(&[&str], &str); 14] = [
+fn invalid_arguments_are_reported() {
+    let messages: [(&[&str], &str); 14] = [
         (&["zones", "--size", "0x3"], "0x3"),
         (&["zones", "--layout", "spots"], "'spots'"),
         (&["zones", "--image", "x.png", "--size", "3x3"], "--size"),
@@ -235,14 +235,14 @@ fn arguments_that_make_no_sense_are_named() {
         ),
         (&["eval", "zones", "--presets", "fast"], "--presets means nothing to the table of all"),
     ];
-    for (arguments, complaint) in complaints {
+    for (arguments, message) in messages {
         let error = misused(arguments);
-        assert!(error.contains(complaint), "{arguments:?}: {error}");
+        assert!(error.contains(message), "{arguments:?}: {error}");
     }
 }
 
 #[test]
-fn the_genetic_algorithm_tells_its_generations() {
+fn genetic_algorithm_reports_its_generations() {
     let folder = tempdir().unwrap();
     let plot = folder.path().join("generations.svg");
     let arguments = [
@@ -259,12 +259,12 @@ fn the_genetic_algorithm_tells_its_generations() {
 
     let again = json(&[&arguments[..], &["--threads", "1"]].concat());
     assert_eq!((&again["history"], &again["moves"]), (&row["history"], &row["moves"]));
-    let told = run(&arguments[..arguments.len() - 1]);
-    assert!(told.contains("after 60 generations"), "{told}");
+    let output = run(&arguments[..arguments.len() - 1]);
+    assert!(output.contains("after 60 generations"), "{output}");
 }
 
 #[test]
-fn a_reader_that_leaves_early_is_no_error() {
+fn closed_pipe_is_not_an_error() {
     let mut child = beadwork()
         .args(["zones", "--json"])
         .stdout(Stdio::piped())
@@ -277,7 +277,7 @@ fn a_reader_that_leaves_early_is_no_error() {
 }
 
 #[test]
-fn the_proofs_have_a_table() {
+fn table_of_proofs_is_printed() {
     let folder = tempdir().unwrap();
     let plot = folder.path().join("growth.svg");
     let json = json(&[
@@ -298,7 +298,7 @@ fn the_proofs_have_a_table() {
 }
 
 #[test]
-fn the_tables_have_all_cells() {
+fn tables_have_all_cells() {
     let table =
         run(&["eval", "zones", "--method", "anneal", "--seeds", "1", "--presets", "paper,short"]);
     for word in ["Table 5", "Table 3", "30x100", "left_right", "voronoi"] {
@@ -310,7 +310,7 @@ fn the_tables_have_all_cells() {
 }
 
 #[test]
-fn all_methods_stand_side_by_side_and_nothing_is_made_twice() {
+fn table_of_all_methods_resumes_without_repeating_work() {
     let folder = tempdir().unwrap();
     let evaluation = ["eval", "zones", "--smoke", "--out", text(folder.path())];
     let table = run(&evaluation);

@@ -1,15 +1,14 @@
 //! The binary starts.
 //!
-//! What it does is tested in the workspace's `tests`.
-//! For their sake too this test is here: it makes cargo build the binary together with the tests,
-//! in the same profile, and so most of it once.
+//! Its commands are tested in the workspace's `tests`.
+//! This test makes cargo build the binary together with the tests, in the same profile.
 
 use std::process::Command;
 
 #[test]
-fn it_tells_its_version() {
+fn version_is_printed() {
     let output =
-        Command::new(env!("CARGO_BIN_EXE_beadwork")).arg("--version").output().expect("it starts");
+        Command::new(env!("CARGO_BIN_EXE_beadwork")).arg("--version").output().expect("it runs");
     assert!(output.status.success());
     assert_eq!(output.stdout, concat!("beadwork ", env!("CARGO_PKG_VERSION"), "\n").as_bytes());
 }

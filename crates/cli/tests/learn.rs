@@ -1,8 +1,7 @@
-//! What learns, end to end: records, a training that is killed and goes on, walks and tables by its
-//! network.
+//! Networks end to end: a dataset, a training that is killed and resumed, walks and tables.
 
 #![cfg(feature = "learn")]
-#![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use std::fs;
 use std::path::Path;
@@ -42,7 +41,7 @@ fn json(arguments: &[&str]) -> Value {
 }
 
 #[test]
-fn a_network_is_trained_and_walks() {
+fn network_is_trained_and_walks() {
     let folder = dataset();
     let (data, out) = (folder.path().join("data"), folder.path().join("run"));
     let done = json(&train(&data, &out));
@@ -100,13 +99,12 @@ fn a_network_is_trained_and_walks() {
     let model = text(&out);
     let table =
         ["eval", "fusion", "--model", model, "--sizes", "30x30", "--seeds", "1", "--runs", "2"];
-    let told = json(&[&table[..], &["--budget", "40", "--data", text(&data)]].concat());
-    assert_eq!(told["rows"].as_array().unwrap().len(), 2, "a seed of two layouts: {told}");
-    // Of each layout four trajectories are kept for the end; of each 20 moves count, or fewer if it
-    // is shorter.
+    let output = json(&[&table[..], &["--budget", "40", "--data", text(&data)]].concat());
+    assert_eq!(output["rows"].as_array().unwrap().len(), 2, "a seed of two layouts: {output}");
+    // Four trajectories of each layout are in the test split; up to 20 moves of each count.
     assert!(
-        (4..=80).contains(&told["held_out"]["islands"]["examples"].as_u64().unwrap()),
-        "{told}"
+        (4..=80).contains(&output["held_out"]["islands"]["examples"].as_u64().unwrap()),
+        "{output}"
     );
     let error = fail(&["eval", "fusion", "--model", model, "--sizes", "30x30,200x10"]);
     assert!(error.contains("128 x 128") && error.contains("200 x 10"), "{error}");
@@ -116,9 +114,9 @@ fn a_network_is_trained_and_walks() {
     let other = folder.path().join("other");
     run(&["gen-data", "--config", text(&config), "--out", text(&other)]);
     let words = [&table[..], &["--budget", "5", "--data", text(&other)]].concat();
-    let told = beadwork().args(words).output().unwrap();
-    let told = String::from_utf8(told.stderr).unwrap();
-    assert!(told.contains("not those that the network learned from"), "{told}");
+    let output = beadwork().args(words).output().unwrap();
+    let output = String::from_utf8(output.stderr).unwrap();
+    assert!(output.contains("not those that the network learned from"), "{output}");
 }
 
 /// Losses of all steps.
@@ -128,19 +126,18 @@ fn losses(out: &Path) -> Vec<String> {
 }
 
 #[test]
-fn a_training_that_was_killed_goes_on_with_the_same_losses() {
+fn killed_training_resumes_with_the_same_losses() {
     let folder = dataset();
     let data = folder.path().join("data");
     let (whole, killed) = (folder.path().join("whole"), folder.path().join("killed"));
     run(&train(&data, &whole));
-    // Lines are its head and 20 steps; evaluations, with checkpoints, come after 10 of them and
-    // after the last.
+    // The file has a header and 20 steps; evaluations with checkpoints follow step 10 and the last.
     for (resume, lines) in [(&[][..], 0), (&["--resume"], 4), (&["--resume"], 12)] {
         let mut training = beadwork().args(train(&data, &killed)).args(resume).spawn().unwrap();
-        let told =
+        let lines_written =
             || fs::read_to_string(killed.join("steps.csv")).map_or(0, |text| text.lines().count());
         let begun = || killed.join("last.checkpoint").exists();
-        while training.try_wait().unwrap().is_none() && !(begun() && told() >= lines) {
+        while training.try_wait().unwrap().is_none() && !(begun() && lines_written() >= lines) {
             sleep(Duration::from_millis(1));
         }
         training.kill().unwrap();
@@ -153,7 +150,7 @@ fn a_training_that_was_killed_goes_on_with_the_same_losses() {
 }
 
 #[test]
-fn what_is_no_model_or_no_training_is_told() {
+fn missing_models_and_bad_configurations_are_reported() {
     let folder = tempdir().unwrap();
     let nowhere = folder.path().join("nowhere");
     let error =
@@ -172,7 +169,7 @@ fn what_is_no_model_or_no_training_is_told() {
 }
 
 #[test]
-fn configurations_for_ablations_differ_from_the_first_in_what_they_leave_out() {
+fn configurations_of_ablations_differ_only_in_the_omitted_part() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../configs/train");
     let read = |name: &str| -> toml::Table {
         fs::read_to_string(folder.join(name).with_extension("toml")).unwrap().parse().unwrap()
