@@ -361,7 +361,7 @@ fn bad_input_is_reported_and_leaves_nothing_behind() {
 
     let misuse = |more: &[&str]| misused(&[&["simulate", "example:u-shape"], more].concat());
     assert!(misused(&["simulate"]).contains("PART"));
-    assert!(misuse(&["--pattern", "knots"]).contains("'knots' is no pattern"));
+    assert!(misuse(&["--pattern", "knots"]).contains("unknown pattern 'knots'"));
     assert!(misuse(&["--pattern", "zigzag-x-0", "--gcode", "x"]).contains("cannot be used with"));
     assert!(misuse(&["--print-mm-s", "20", "--gcode", "x"]).contains("cannot be used with"));
     assert!(misuse(&["--left-out", "0.1"]).contains("--gcode"));

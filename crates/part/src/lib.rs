@@ -3,8 +3,8 @@
 //! - [`mod@slice`]: cuts meshes into layers of cells; [`Voxels`](slice::Voxels) are all layers as
 //!   an array.
 //! - [`Pattern`]: the 38 named deposition orders, for any region; [`pattern_sheet`] draws them all.
-//! - [`print`]: writes planned layers as G-code for Marlin or Klipper, and checks such a program
-//!   from its text.
+//! - [`mod@print`]: writes planned layers as G-code for Marlin or Klipper, and checks such a
+//!   program from its text.
 //! - [`Picture`]: reads a PNG picture as a layer, and writes one.
 //! - [`svg()`]: draws layers with zones, paths and crossings.
 //!
@@ -59,7 +59,7 @@
 //! assert!(svg(&[panel], Some(colours)).starts_with("<svg"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-//! [`print`] has an example of its own.
+//! [`mod@print`] has an example of its own.
 //!
 //! # Guarantees
 //! Nothing here does I/O, reads a clock or starts a thread: files are bytes or text.

@@ -250,10 +250,10 @@ fn colour(zone: usize, colours: Option<&[[u8; 3]]>) -> [u8; 3] {
     PALETTE.get(zone).copied().unwrap_or_else(|| generated_colour(zone - PALETTE.len()))
 }
 
-/// A light colour for a zone beyond the palette, distinct for each number below 3600.
+/// A light colour for a zone beyond the palette.
 ///
-/// Successive hues are about a golden angle apart, so neighbouring numbers look different; three
-/// levels of lightness separate the colours whose hues are close.
+/// Successive hues are about a golden angle apart, so neighbouring numbers look different, and hues
+/// repeat only after 3600 numbers; three levels of lightness separate colours whose hues are close.
 fn generated_colour(number: usize) -> [u8; 3] {
     let hue = (number * 1_379 % 3_600) as f64 / 600.0;
     let (low, high) = [(165.0, 250.0), (130.0, 215.0), (185.0, 235.0)][number % 3];

@@ -18,9 +18,10 @@
 //!    outer corner    straight        inner corner
 //! ```
 //!
-//! At an outer corner the walk stays in A and turns left; straight on it goes to B; at an inner
-//! corner it passes B and turns right into D. The visited cells are exactly those with one of their
-//! eight neighbours outside: at an inner corner, B touches the outside only diagonally.
+//! At an outer corner the walk stays in A and turns left; on a straight stretch it goes on to B; at
+//! an inner corner it passes B, enters D and turns right.
+//! The visited cells are exactly those with one of their eight neighbours outside: at an inner
+//! corner, B touches the outside only diagonally.
 
 use beadwork_grid::{Cell, Region};
 

@@ -44,11 +44,10 @@ use super::view::View;
 ///
 /// An outline begins at its cell with the smallest Euclidean distance from the corner; of equally
 /// distant cells, at that in the line closest to the corner.
-/// The first step around a component goes across the axis.
-/// Going along it would make a contour zigzag equal to the spiral on many rectangles.
-/// This way, the outline of a rectangle ends next to the first line of the rest.
-/// For that, contour zigzags count the first line of the grid as a backward one: the second line
-/// then begins on the side of the corner.
+/// Around a component, its first step goes across the axis: a step along the axis would make a
+/// contour zigzag equal to the spiral on many rectangles.
+/// So the outline of a rectangle ends next to line 1, the first line of the rest; contour zigzags
+/// run odd lines forwards, so that line 1 begins there, on the side of the corner.
 /// The outline of a hole runs in the opposite sense, with the region on the same side.
 ///
 /// Outlines are sorted by the distance of their first cell from the corner, so an outer outline

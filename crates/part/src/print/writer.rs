@@ -7,7 +7,7 @@
 //!
 //! # State
 //! The [`Writer`] tracks the state of the printer: position, feed rate, tool, retraction.
-//! So it writes only what changes, and a travel that leads nowhere is not written at all.
+//! So it writes only what changes, and no travel that would not move the nozzle.
 //! Positions are tracked as they were rounded for the file, because the printer moves between
 //! rounded positions.
 //!
@@ -29,7 +29,7 @@ use super::text::{DECIMALS, FILAMENT_DECIMALS, comment, number};
 use crate::Frame;
 
 /// Height above the bed at which the nozzle waits until it is hot, in mm, if the printer is that
-/// high: closer to the bed, dripping filament would stick to the nozzle.
+/// high: closer to the bed, filament would ooze onto it and stick.
 const HEATING_HEIGHT_MM: f64 = 5.0;
 
 /// Speed of the move to [`HEATING_HEIGHT_MM`], in mm/s, unless the printer is slower.
@@ -58,7 +58,8 @@ pub(super) struct Writer<'a> {
     position: [Option<Number>; 3],
     /// Feed rate in mm/min; `None` if unknown.
     feed: Option<Number>,
-    /// Minimum height of the next travel in mm, left by a tool change; 0 if there is none.
+    /// Minimum height of the next travel in mm, set by heating and tool changes; 0 if there is
+    /// none.
     clearance_mm: f64,
     /// What is being printed, as the last `;TYPE:` comment says.
     feature: Feature,
