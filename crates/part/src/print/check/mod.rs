@@ -1,6 +1,6 @@
 //! Checks a print from its text alone.
 //!
-//! The check shares no code with the writer.
+//! Apart from the validation of its input, the check shares no code with the writer.
 //! It follows the motions of the program, as a printer would, and compares them with the layers
 //! that were to be printed:
 //!
