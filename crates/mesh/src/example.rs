@@ -1,29 +1,33 @@
-//! Parts that need no file: for trials, tests and tables.
+//! Example parts that need no file: for trying out commands, for tests and for tables.
 
 use std::f64::consts::TAU;
 
-use super::model::{Body, Material, Model};
-use super::shapes::Solid;
-use super::surface::Mesh;
+use crate::mesh::Mesh;
+use crate::model::{Body, Material, Model};
+use crate::solid::Solid;
 
-/// A part made by a few lines of code.
-/// All stand on z = 0.
+/// A part that is computed.
+/// All parts stand on z = 0.
+///
+/// The cells named below are those of beads 0.5 mm wide in layers 0.25 mm high.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Example {
-    /// A plate of 60 x 20 x 3 mm: with beads of 0.5 mm and layers of 0.25 mm, 120 x 40 x 12 cells.
+    /// A plate of 60 x 20 x 3 mm: 120 x 40 x 12 cells.
     Rectangular,
-    /// A plate of 45 x 25 x 3 mm without 20 x 15 mm in the middle of its front: 39,600 such cells.
+    /// A plate of 45 x 25 x 3 mm with a notch of 20 x 15 mm in the centre of its front: 39,600
+    /// cells.
     UShape,
-    /// A pyramid on a square of 30 mm, 19.25 mm high, with a top of 2 mm: 77 layers.
+    /// A pyramid on a square of 30 mm, truncated at a height of 19.25 mm to a square of 2 mm: 77
+    /// layers.
     Pyramid,
-    /// A plate of 60 x 40 x 2 mm with a letter, 1 mm deep, of a second material.
+    /// A plate of 60 x 40 x 2 mm with an inlaid letter, 1 mm deep, of a second material.
     LogoPlate,
-    /// A plate of 60 x 45 x 2 mm made of twelve squares of as many materials.
+    /// A plate of 60 x 45 x 2 mm made of twelve squares, each of its own material.
     Palette,
 }
 
 impl Example {
-    /// The part.
+    /// Creates the part.
     pub fn model(self) -> Model {
         match self {
             Self::Rectangular => single(&Solid::Cuboid { size_mm: [60.0, 20.0, 3.0] }),
@@ -58,14 +62,14 @@ fn material(name: &str, colour: [u8; 3]) -> Material {
     Material { name: name.to_owned(), colour: Some(colour) }
 }
 
-fn single(shape: &Solid) -> Model {
+fn single(solid: &Solid) -> Model {
     Model {
-        bodies: vec![body("part", shape.mesh(), 0)],
+        bodies: vec![body("part", solid.mesh(), 0)],
         materials: vec![material("grey", [170, 174, 178])],
     }
 }
 
-/// The letter b: a bar, and a ring made of a disc and of the plate's material in its middle.
+/// The letter b: a bar, and a disc with a smaller disc of the plate's material in its centre.
 fn logo_plate() -> Model {
     let inlay = [1.0, 2.0];
     let bar = [[20.0, 6.0], [25.0, 6.0], [25.0, 34.0], [20.0, 34.0]].to_vec();
@@ -88,7 +92,7 @@ fn logo_plate() -> Model {
     }
 }
 
-/// Squares of 15 mm, four in a row.
+/// Squares of 15 mm, four per row.
 fn palette() -> Model {
     let colours: [(&str, [u8; 3]); 12] = [
         ("white", [245, 245, 242]),
@@ -105,7 +109,7 @@ fn palette() -> Model {
         ("black", [54, 54, 58]),
     ];
     let square = |(number, (name, _)): (usize, &(&str, [u8; 3]))| {
-        let [x, y] = [number % 4, number / 4].map(|place| 15.0 * place as f64);
+        let [x, y] = [number % 4, number / 4].map(|index| 15.0 * index as f64);
         let outline_mm = vec![[x, y], [x + 15.0, y], [x + 15.0, y + 15.0], [x, y + 15.0]];
         body(name, Solid::Prism { outline_mm, z_mm: [0.0, 2.0] }.mesh(), number)
     };

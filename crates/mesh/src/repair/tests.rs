@@ -1,11 +1,15 @@
-//! Damaged surfaces, and what is made of them.
+//! Repairs of damaged surfaces.
 
 use std::collections::HashMap;
 
+use beadwork_base::{CancelToken, Interrupted, Progress};
 use proptest::prelude::*;
 
+use super::orientation::crossing;
+use super::ray_tree::RayTree;
 use super::*;
 use crate::Solid;
+use crate::mesh::Mesh;
 
 fn body(mesh: Mesh) -> Body {
     Body { name: String::new(), mesh, material: None, paint: Vec::new() }
@@ -23,11 +27,11 @@ fn is_closed(mesh: &Mesh) -> bool {
     balance.values().all(|&balance| balance == 0)
 }
 
-fn parts(shapes: &[(Solid, [f64; 3], bool)]) -> Mesh {
+fn combined(solids: &[(Solid, [f64; 3], bool)]) -> Mesh {
     let mut vertices = Vec::new();
     let mut triangles = Vec::new();
-    for (shape, shift, inverted) in shapes {
-        let mesh = shape.mesh();
+    for (solid, shift, inverted) in solids {
+        let mesh = solid.mesh();
         let base = vertices.len() as u32;
         vertices.extend(
             mesh.vertices().iter().map(|point| [0, 1, 2].map(|axis| point[axis] + shift[axis])),
@@ -49,19 +53,19 @@ fn a_sound_body_stays_as_it_is() {
 }
 
 #[test]
-fn a_body_inside_out_is_turned_over() {
+fn a_body_inside_out_is_flipped() {
     let mut inverted =
-        body(parts(&[(Solid::Cuboid { size_mm: [1.0, 2.0, 3.0] }, [5.0, 5.0, 5.0], true)]));
+        body(combined(&[(Solid::Cuboid { size_mm: [1.0, 2.0, 3.0] }, [5.0, 5.0, 5.0], true)]));
     assert_eq!(inverted.repair(&Control::default()).unwrap().flipped_triangles, 12);
     assert!((inverted.mesh.volume_mm3() - 6.0).abs() < 1e-9);
 }
 
 #[test]
-fn a_cavity_stays_and_a_body_in_a_cavity_is_turned() {
+fn a_cavity_stays_and_a_body_in_a_cavity_is_flipped() {
     let cube = |side: f64| Solid::Cuboid { size_mm: [side; 3] };
     let hollow =
         [(cube(10.0), [0.0; 3], false), (cube(6.0), [2.0; 3], true), (cube(2.0), [4.0; 3], true)];
-    let mut hollow = body(parts(&hollow));
+    let mut hollow = body(combined(&hollow));
     assert_eq!(hollow.repair(&Control::default()).unwrap().flipped_triangles, 12);
     assert!((hollow.mesh.volume_mm3() - (1000.0 - 216.0 + 8.0)).abs() < 1e-9);
 }
@@ -71,7 +75,7 @@ fn a_hollow_body_that_is_inside_out_stays_hollow() {
     let cube = |side: f64| Solid::Cuboid { size_mm: [side; 3] };
     let inverted =
         [(cube(10.0), [0.0; 3], true), (cube(6.0), [2.0; 3], false), (cube(2.0), [4.0; 3], true)];
-    let mut inverted = body(parts(&inverted));
+    let mut inverted = body(combined(&inverted));
     assert_eq!(inverted.repair(&Control::default()).unwrap().flipped_triangles, 36);
     assert!((inverted.mesh.volume_mm3() - (1000.0 - 216.0 + 8.0)).abs() < 1e-9);
 }
@@ -91,7 +95,7 @@ fn a_missing_triangle_is_filled() {
 }
 
 #[test]
-fn what_encloses_nothing_is_refused() {
+fn surfaces_that_enclose_nothing_are_refused() {
     let point = Mesh::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]; 12]).unwrap();
     assert_eq!(body(point).repair(&Control::default()), Err(RepairError::NoArea(12)));
     let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
@@ -100,9 +104,9 @@ fn what_encloses_nothing_is_refused() {
 }
 
 #[test]
-fn a_large_crooked_hole_is_refused() {
+fn a_large_hole_that_is_not_flat_is_refused() {
     let mut half = body(Solid::Sphere { radius_mm: 10.0, steps: 12 }.mesh());
-    // A wedge: what is left has a rim that is far from flat.
+    // Without a wedge, the boundary of the rest is far from flat.
     let vertices = half.mesh.vertices().to_vec();
     half.mesh.parts_mut().1.retain(|corners| {
         let [x, y] = [0, 1]
@@ -112,12 +116,31 @@ fn a_large_crooked_hole_is_refused() {
     assert!(matches!(half.repair(&Control::default()), Err(RepairError::Hole { .. })));
 }
 
+#[test]
+fn a_repair_can_be_cancelled_and_reports_progress() {
+    let mut sphere = body(Solid::Sphere { radius_mm: 10.0, steps: 80 }.mesh());
+    let triangles = sphere.mesh.triangles().len();
+    let seen = std::sync::Mutex::new(Vec::new());
+    let progress = |progress: Progress| seen.lock().unwrap().push(progress);
+    let control = Control { progress: Some(&progress), ..Control::default() };
+    sphere.repair(&control).unwrap();
+    let seen = seen.into_inner().unwrap();
+    assert!(seen.len() > 12 && seen.is_sorted_by_key(|progress| progress.done));
+    assert_eq!(seen.last(), Some(&Progress { done: 6 * triangles, total: 6 * triangles }));
+
+    let cancel = CancelToken::new();
+    cancel.cancel();
+    let control = Control { cancel: Some(&cancel), ..Control::default() };
+    assert_eq!(sphere.repair(&control), Err(RepairError::Interrupted(Interrupted::Cancelled)));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 1_000, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Unshared vertices, triangles turned over, missing and double: the sphere is found again.
+    /// Vertices that are not shared, flipped triangles, missing triangles: the repaired surface is
+    /// the sphere again.
     #[test]
-    fn a_damaged_sphere_is_found_again(
+    fn a_damaged_sphere_is_restored(
         steps in 6_u32..14,
         flipped in prop::collection::vec(any::<prop::sample::Index>(), 0..20),
         missing in prop::collection::vec(any::<prop::sample::Index>(), 0..3),
@@ -140,13 +163,13 @@ proptest! {
         let done = damaged.repair(&Control::default()).unwrap();
         prop_assert!(is_closed(&damaged.mesh));
         prop_assert!(done.closed_holes <= missing.len());
-        // A pole's triangle filled or a corner cut: not more than the missing triangles' share.
+        // A filled hole may cut off a corner, but no more than the share of the missing triangles.
         let error = (damaged.mesh.volume_mm3() / sphere.volume_mm3() - 1.0).abs();
         prop_assert!(error < 1e-9 || error < 0.05 * missing.len() as f64, "{}", error);
     }
 
     #[test]
-    fn any_triangles_end_closed_or_in_an_error(
+    fn any_surface_is_closed_or_refused(
         points in prop::collection::vec([-3..3_i8, -3..3_i8, -3..3_i8], 3..12),
         corners in prop::collection::vec([any::<prop::sample::Index>(), any::<prop::sample::Index>(), any::<prop::sample::Index>()], 1..40),
         painted: bool,
@@ -169,22 +192,22 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn no_triangle_above_a_point_is_missed(
+    fn the_ray_tree_misses_no_triangle_above_a_point(
         corners in prop::collection::vec(prop::array::uniform3(-8_i32..8), 60),
         points in prop::collection::vec(prop::array::uniform3(-8_i32..8), 8),
         triangles in prop::collection::vec(prop::array::uniform3(0_u32..60), 1..200),
     ) {
         let vertices: Vec<[f64; 3]> = corners.iter().map(|corner| corner.map(f64::from)).collect();
         let mesh = Mesh::new(vertices, triangles).unwrap();
-        let above = Above::new(&mesh);
+        let tree = RayTree::new(&mesh, &mut Work::new(&Control::default(), 1, 0)).unwrap();
         for point in points.iter().map(|point| point.map(|value| f64::from(value) + 0.25)) {
-            let turn = |triangle: u32| turn_above(mesh.corners(mesh.triangles()[triangle as usize]), point);
+            let crosses = |triangle: u32| crossing(mesh.corners(mesh.triangles()[triangle as usize]), point);
             let all = 0..mesh.triangles().len() as u32;
             let mut found = Vec::new();
-            prop_assert!(above.each(point, |triangle| found.push(triangle)) <= mesh.triangles().len());
-            found.retain(|&triangle| turn(triangle) != 0);
+            prop_assert!(tree.each_above(point, |triangle| found.push(triangle)) <= mesh.triangles().len());
+            found.retain(|&triangle| crosses(triangle) != 0);
             found.sort_unstable();
-            prop_assert_eq!(found, all.filter(|&triangle| turn(triangle) != 0).collect::<Vec<_>>());
+            prop_assert_eq!(found, all.filter(|&triangle| crosses(triangle) != 0).collect::<Vec<_>>());
         }
     }
 }

@@ -1,9 +1,9 @@
-//! Small archives, made here.
+//! Reads small archives that the tests create.
 
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
 
-use beadwork_base::Control;
+use beadwork_base::{CancelToken, Interrupted, Progress};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
@@ -14,9 +14,9 @@ const TETRA: &str = r#"<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" 
 <vertex x="0" y="0" z="1"/></vertices><triangles><triangle v1="0" v2="2" v3="1"/><triangle v1="0" v2="1" v3="3"/>
 <triangle v1="0" v2="3" v3="2"/><triangle v1="1" v2="2" v3="3" p1="1"/></triangles></mesh>"#;
 
-pub(crate) fn archive(parts: &[(&str, &str)]) -> Vec<u8> {
+fn archive(entries: &[(&str, &str)]) -> Vec<u8> {
     let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
-    for (name, text) in parts {
+    for (name, text) in entries {
         writer.start_file(*name, SimpleFileOptions::default()).unwrap();
         writer.write_all(text.as_bytes()).unwrap();
     }
@@ -29,12 +29,12 @@ fn model(resources: &str, build: &str) -> String {
     )
 }
 
-fn read_parts(parts: &[(&str, &str)]) -> Result<Model, ReadError> {
-    Model::read(Format::ThreeMf, &archive(parts), &ReadLimits::default(), &Control::default())
+fn read_entries(entries: &[(&str, &str)]) -> Result<Model, ReadError> {
+    Model::read(Format::ThreeMf, &archive(entries), &ReadLimits::default(), &Control::default())
 }
 
 fn read_model(resources: &str, build: &str) -> Result<Model, ReadError> {
-    read_parts(&[("3D/3dmodel.model", &model(resources, build))])
+    read_entries(&[("3D/3dmodel.model", &model(resources, build))])
 }
 
 fn refused(resources: &str, build: &str) -> String {
@@ -86,66 +86,74 @@ fn materials_come_from_groups_of_object_and_triangle() {
 }
 
 #[test]
-fn objects_may_stand_in_other_parts() {
+fn objects_may_be_in_other_documents() {
     let root = model(
         r#"<object id="1"><components><component p:path="/3D/other.model" objectid="7"/></components></object>"#,
         r#"<item objectid="1"/>"#,
     );
     let other = model(&format!(r#"<object id="7">{TETRA}</object>"#), "");
     let list = r#"<Relationships><Relationship Target="/odd/place.model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
-    let read = read_parts(&[
+    let read = read_entries(&[
         ("_rels/.rels", list),
         ("odd/place.model", &root),
         ("3D/other.model", &other),
     ])
     .unwrap();
     assert_eq!(read.triangle_count(), 4);
-    let error = read_parts(&[("_rels/.rels", list), ("odd/place.model", &root)]).unwrap_err();
-    assert_eq!(error.to_string(), "the part /3D/other.model is missing");
-    let error = read_parts(&[("_rels/.rels", list)]).unwrap_err();
-    assert_eq!(error.to_string(), "the part /odd/place.model is missing");
+    let error = read_entries(&[("_rels/.rels", list), ("odd/place.model", &root)]).unwrap_err();
+    assert_eq!(error.to_string(), "archive has no entry /3D/other.model");
+    let error = read_entries(&[("_rels/.rels", list)]).unwrap_err();
+    assert_eq!(error.to_string(), "archive has no entry /odd/place.model");
 }
 
 #[test]
-fn what_is_wrong_is_named() {
+fn errors_state_their_location() {
     let object = format!(r#"<object id="1">{TETRA}</object>"#);
     let item = r#"<item objectid="1"/>"#;
     assert_eq!(
         refused(&object, r#"<item objectid="9"/>"#),
-        "3D/3dmodel.model, byte 0: there is no object 9"
+        "3D/3dmodel.model: object 9 does not exist"
     );
-    assert_eq!(refused(&object, ""), "it holds no triangles");
+    assert_eq!(refused(&object, ""), "file contains no triangles");
     assert!(
-        refused(&object.replace("x=\"1\"", "x=\"one\""), item).ends_with("\"one\" is no number")
+        refused(&object.replace("x=\"1\"", "x=\"one\""), item).ends_with(": 'one' is not a number")
     );
-    assert!(refused(&object.replace("x=\"1\"", "x=\"nan\""), item).ends_with("the coordinate NaN"));
     assert!(
-        refused(&object.replace("x=\"1\"", ""), item)
-            .ends_with("a vertex of less than 3 coordinates")
+        refused(&object.replace("x=\"1\"", "x=\"nan\""), item)
+            .ends_with("'nan' is not a finite number")
+    );
+    assert!(
+        refused(&object.replace("x=\"1\"", ""), item).ends_with(": vertex must have x, y and z")
     );
     assert!(
         refused(&object.replace("v1=\"1\"", "v1=\"4\""), item)
-            .contains("triangle 3 has the vertex 4, of 4")
+            .contains("triangle 3: vertex 4 does not exist, mesh has 4")
     );
     assert!(
         refused(&object, r#"<item objectid="1" transform="1 0 0"/>"#)
-            .ends_with("a transform of 3 numbers, not 12")
+            .ends_with("transform has 3 numbers, expected 12")
     );
-    // 1e310 - 1e310: no vertex may become what is no number.
+    // 1e310 - 1e310: coordinates must not become NaN.
     let beyond =
         format!(r#"<item objectid="1" transform="{0} 0 0 -{0} 1 0 0 0 1 0 0 0"/>"#, "1e308");
     let large = object.replace("x=\"1\" y=\"0\"", "x=\"100\" y=\"100\"");
-    assert!(refused(&large, &beyond).ends_with("leads to coordinates beyond all numbers"));
+    assert!(
+        refused(&large, &beyond)
+            .ends_with("transform of object 1 makes coordinates that are not finite")
+    );
     let round = r#"<object id="1"><components><component objectid="1"/><component objectid="1"/></components></object>"#;
-    assert!(refused(round, item).ends_with("object 1 is made of itself, or of objects 32 deep"));
+    assert!(
+        refused(round, item)
+            .ends_with("object 1 contains itself, or nests components more than 32 deep")
+    );
     let cut = model(&object, item);
-    let error = read_parts(&[("3D/3dmodel.model", &cut[..cut.len() - 30])]).unwrap_err();
-    assert!(matches!(error, ReadError::Part { .. }), "{error}");
-    let error = read_parts(&[("3D/3dmodel.model", "<svg></svg>")]).unwrap_err();
-    assert!(error.to_string().ends_with("it is no 3MF model"));
+    let error = read_entries(&[("3D/3dmodel.model", &cut[..cut.len() - 30])]).unwrap_err();
+    assert!(matches!(error, ReadError::Entry { .. }), "{error}");
+    let error = read_entries(&[("3D/3dmodel.model", "<svg></svg>")]).unwrap_err();
+    assert!(error.to_string().ends_with("document has no <model> element"));
     assert_eq!(
-        read_parts(&[("a.txt", "")]).unwrap_err().to_string(),
-        "the part 3D/3dmodel.model is missing"
+        read_entries(&[("a.txt", "")]).unwrap_err().to_string(),
+        "archive has no entry 3D/3dmodel.model"
     );
     let error = Model::read(
         Format::ThreeMf,
@@ -154,11 +162,11 @@ fn what_is_wrong_is_named() {
         &Control::default(),
     )
     .unwrap_err();
-    assert_eq!(error.to_string(), "it is not a 3MF file, which is a ZIP archive");
+    assert_eq!(error.to_string(), "not a valid 3MF file: not a ZIP archive");
 }
 
 #[test]
-fn what_belongs_to_no_triangle_is_left_out() {
+fn unused_vertices_are_dropped() {
     let spare = TETRA
         .replace("</vertices>", &(r#"<vertex x="9" y="9" z="9"/>"#.repeat(20) + "</vertices>"));
     let spare =
@@ -181,13 +189,13 @@ fn what_belongs_to_no_triangle_is_left_out() {
 }
 
 #[test]
-fn what_unpacks_beyond_the_limit_is_stopped() {
+fn archives_that_unpack_beyond_the_limit_are_refused() {
     let spaces = " ".repeat(8 << 20);
     let bomb = archive(&[("3D/3dmodel.model", &model(&spaces, ""))]);
     assert!(bomb.len() < 20_000);
     let limits = ReadLimits { unpacked_bytes: 1 << 20, ..ReadLimits::default() };
     let error = Model::read(Format::ThreeMf, &bomb, &limits, &Control::default()).unwrap_err();
-    assert_eq!(error.to_string(), "it holds more than 1048576 bytes unpacked");
+    assert_eq!(error.to_string(), "file has more than 1048576 bytes when unpacked");
     // Objects made of two of the one before: 2^30 bodies of 4 triangles.
     let mut resources = format!(r#"<object id="1">{TETRA}</object>"#);
     for id in 2..31 {
@@ -201,4 +209,34 @@ fn what_unpacks_beyond_the_limit_is_stopped() {
         Model::read(Format::ThreeMf, &bomb, &limits, &Control::default()),
         Err(ReadError::TooLarge { .. })
     ));
+}
+
+#[test]
+fn unpacking_can_be_cancelled_and_reports_progress() {
+    let noise = |id: u32| {
+        (0..60_000).fold(String::new(), |text, at: u32| {
+            text + &format!(
+                "<metadata>{}</metadata>",
+                at.wrapping_mul(2_654_435_761).rotate_left(id)
+            )
+        })
+    };
+    let first = format!(r#"<object id="1">{TETRA}</object>{}"#, noise(1));
+    let bytes = archive(&[("3D/3dmodel.model", &model(&first, r#"<item objectid="1"/>"#))]);
+    let seen = std::sync::Mutex::new(Vec::new());
+    let cancel = CancelToken::new();
+    let progress = |progress: Progress| seen.lock().unwrap().push(progress);
+    let control =
+        Control { cancel: Some(&cancel), progress: Some(&progress), ..Control::default() };
+    let limits = ReadLimits::default();
+    Model::read(Format::ThreeMf, &bytes, &limits, &control).unwrap();
+    let total = bytes.len();
+    {
+        let seen = seen.lock().unwrap();
+        assert!(seen.len() > 10 && seen.is_sorted_by_key(|progress| progress.done));
+        assert_eq!(seen.last(), Some(&Progress { done: total, total }));
+    }
+    cancel.cancel();
+    let error = Model::read(Format::ThreeMf, &bytes, &limits, &control);
+    assert!(matches!(error, Err(ReadError::Interrupted(Interrupted::Cancelled))));
 }

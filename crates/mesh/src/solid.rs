@@ -2,35 +2,36 @@
 
 use std::f64::consts::TAU;
 
-use super::surface::Mesh;
+use crate::mesh::Mesh;
 
-/// A solid whose surface is easily written down; closed, and turned outwards.
+/// A simple solid, for examples and tests.
+/// Its surface is closed and faces outwards.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Solid {
     /// A box with one corner at the origin.
     Cuboid {
-        /// Its sides along x, y and z in mm.
+        /// Lengths along x, y and z in mm.
         size_mm: [f64; 3],
     },
-    /// An outline, raised.
+    /// An outline extruded along z.
     Prism {
-        /// Corners, counter-clockwise seen from above, in mm.
-        /// The last one is linked to the first.
+        /// Corners in mm, counter-clockwise when seen from above.
+        /// The last one is connected to the first.
         outline_mm: Vec<[f64; 2]>,
-        /// z of its bottom and top in mm.
+        /// z of the bottom and of the top in mm.
         z_mm: [f64; 2],
     },
-    /// A square pyramid without its tip, around the z axis, from z = 0.
+    /// A truncated square pyramid around the z axis, with its bottom at z = 0.
     Frustum {
         /// Sides of the bottom and of the top in mm.
         sides_mm: [f64; 2],
-        /// Its height in mm.
+        /// Height in mm.
         height_mm: f64,
     },
-    /// A sphere around the origin, drawn with 2 x `steps` meridians and `steps` rings: 4 `steps`
+    /// A sphere around the origin, made of 2 `steps` meridians and `steps` bands: 4 `steps`
     /// (`steps` - 1) triangles.
     Sphere {
-        /// Its radius in mm.
+        /// Radius in mm.
         radius_mm: f64,
         /// At least 2.
         steps: u32,
@@ -38,11 +39,11 @@ pub enum Solid {
 }
 
 impl Solid {
-    /// The surface.
+    /// Creates the surface.
     /// Linear in its triangles.
     ///
     /// # Panics
-    /// If a prism has less than 3 corners, a sphere less than 2 steps, or a length is not finite.
+    /// If a prism has fewer than 3 corners, a sphere fewer than 2 steps, or a length is not finite.
     pub fn mesh(&self) -> Mesh {
         match self {
             &Self::Cuboid { size_mm: [x, y, z] } => {
@@ -61,12 +62,14 @@ impl Solid {
     }
 }
 
-/// Between an outline and one of as many corners above it, or the same.
-/// The ends are fans: where the outline is not convex their triangles overlap, but what lies
-/// outside is covered as often from one side as from the other.
+/// The surface between two outlines of equally many corners; without `top`, both are the same.
+///
+/// Bottom and top are fans around their first corner.
+/// Fans of outlines that are not convex overlap themselves, but correctly: points outside are
+/// covered as often by triangles that face up as by triangles that face down.
 fn prism(bottom: &[[f64; 2]], top: Option<&[[f64; 2]]>, z_mm: [f64; 2]) -> Mesh {
     let count = bottom.len() as u32;
-    assert!(count >= 3, "an outline needs 3 corners");
+    assert!(count >= 3, "an outline needs at least 3 corners");
     let ring =
         |outline: &[[f64; 2]], z: f64| outline.iter().map(|&[x, y]| [x, y, z]).collect::<Vec<_>>();
     let mut vertices = ring(bottom, z_mm[0]);
@@ -85,7 +88,7 @@ fn prism(bottom: &[[f64; 2]], top: Option<&[[f64; 2]]>, z_mm: [f64; 2]) -> Mesh 
 }
 
 fn sphere(radius: f64, steps: u32) -> Mesh {
-    assert!(steps >= 2, "a sphere needs 2 steps");
+    assert!(steps >= 2, "a sphere needs at least 2 steps");
     let around = 2 * steps;
     let mut vertices = vec![[0.0, 0.0, -radius], [0.0, 0.0, radius]];
     for ring in 1..steps {
@@ -114,7 +117,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn volumes_are_those_of_the_solids() {
+    fn volumes_match_formulas() {
         let sphere = Solid::Sphere { radius_mm: 10.0, steps: 100 }.mesh();
         assert_eq!(sphere.triangles().len(), 4 * 100 * 99);
         let volume = 4.0 / 3.0 * TAU / 2.0 * 1000.0;

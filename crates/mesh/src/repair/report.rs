@@ -1,0 +1,54 @@
+//! What a repair changed, and what it refuses.
+
+use beadwork_base::Interrupted;
+use thiserror::Error;
+
+/// What a repair changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RepairReport {
+    /// Vertices that were merged into others at the same position.
+    pub merged_vertices: usize,
+    /// Triangles that were dropped because two of their corners coincide.
+    pub dropped_triangles: usize,
+    /// Triangles that were flipped because they faced the wrong side.
+    pub flipped_triangles: usize,
+    /// Holes that were filled.
+    pub closed_holes: usize,
+}
+
+impl RepairReport {
+    /// Whether nothing but merged vertices was changed: many formats cannot express that triangles
+    /// share vertices.
+    pub fn was_sound(&self) -> bool {
+        (self.dropped_triangles, self.flipped_triangles, self.closed_holes) == (0, 0, 0)
+    }
+}
+
+/// Why a body cannot be repaired.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum RepairError {
+    /// Each triangle has two corners at the same position.
+    #[error("surface has no area: all {0} triangles have coinciding corners")]
+    NoArea(usize),
+    /// The surface encloses nothing.
+    #[error("surface encloses no volume: {0} triangles")]
+    NoVolume(usize),
+    /// A hole is too large to be filled without knowing what is missing.
+    #[error(
+        "hole of {edges} edges, {length_mm:.2} mm around, at ({:.2}, {:.2}, {:.2}) \
+        is too large to be filled: it is longer than the body and not flat",
+        .at_mm[0], .at_mm[1], .at_mm[2]
+    )]
+    Hole {
+        /// Number of edges around the hole.
+        edges: usize,
+        /// Perimeter in mm.
+        length_mm: f64,
+        /// One of its corners in mm.
+        at_mm: [f64; 3],
+    },
+    /// The caller ended the call early.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
+}
