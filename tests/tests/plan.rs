@@ -192,9 +192,7 @@ fn bad_input_is_reported_and_leaves_nothing_behind() {
     assert!(
         plan(&["--layer", "nan"]).ends_with("the layer height is NaN mm: it must be more than 0")
     );
-    assert!(
-        plan(&["--scale", "10"]).contains("the part is 600.0 x 450.0 x 20.0 mm and does not fit")
-    );
+    assert!(plan(&["--scale", "10"]).contains("model of 600.0 x 450.0 x 20.0 mm does not fit"));
     assert!(plan(&["--bed", "70,60,50"]).contains("prime tower: no room beside the part"));
     assert!(plan(&["--tower", "100,80,30,30"]).ends_with("purge.tower overlaps the part"));
     assert!(

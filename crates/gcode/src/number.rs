@@ -229,7 +229,11 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { cases: 4_000, failure_persistence: None, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig {
+            cases: 4_000,
+            failure_persistence: None,
+            ..ProptestConfig::default()
+        })]
 
         #[test]
         fn a_written_number_reads_as_itself(millionths: i64, small in -2_000_000_i64..2_000_000) {
@@ -244,7 +248,8 @@ mod tests {
         #[test]
         fn any_text_is_a_number_or_an_error(text in "[-+.0-9eE ,]{0,30}") {
             if let Ok(number) = text.parse::<Number>() {
-                prop_assert!((number.to_f64() - text.parse::<f64>().unwrap()).abs() <= 1e-6 * number.to_f64().abs().max(1.0));
+                let (number, expected) = (number.to_f64(), text.parse::<f64>().unwrap());
+                prop_assert!((number - expected).abs() <= 1e-6 * number.abs().max(1.0));
             }
         }
     }

@@ -127,8 +127,8 @@ mod tests {
                 sum += profile.seconds();
                 let Event::Motion(motion) = event else { continue };
                 let length = motion.length_mm();
-                let times: Vec<f64> =
-                    (0..=20).map(|part| profile.seconds_to(length * f64::from(part) / 20.0)).collect();
+                let distances = (0..=20).map(|part| length * f64::from(part) / 20.0);
+                let times: Vec<f64> = distances.map(|mm| profile.seconds_to(mm)).collect();
                 prop_assert!(times.is_sorted(), "{times:?}");
                 prop_assert!((times[20] - profile.seconds()).abs() < 1e-8, "{profile:?} {times:?}");
             }

@@ -86,6 +86,10 @@
 //! The common STL reader stops at the first `endsolid`; the common 3MF reader reads malformed
 //! numbers as 0 and panics if a transform is too short; neither reports a location.
 //! Archives and XML are read by libraries.
+#![cfg_attr(
+    test,
+    allow(clippy::float_cmp, reason = "numbers that are exact in binary are compared exactly")
+)]
 
 mod bounds;
 mod example;

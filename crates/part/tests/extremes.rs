@@ -69,7 +69,7 @@ fn stl_of_one_line_and_of_many_solids() {
     let line = "solid ".to_owned() + &"x ".repeat(5 << 20);
     assert!(matches!(read(Format::Stl, &line), Err(ReadError::NoTriangles)));
     let digits = format!("solid\nfacet\nvertex {} 0 0\n", "1".repeat(10 << 20));
-    assert!(matches!(read(Format::Stl, &digits), Err(ReadError::Text { line: 3, .. })));
+    assert!(matches!(read(Format::Stl, &digits), Err(ReadError::Line { line: 3, .. })));
     let facet = "facet\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 1\nendfacet\n";
     let solids = format!("solid s\n{facet}endsolid\n").repeat(50_000);
     assert_eq!(read(Format::Stl, &solids).unwrap().bodies.len(), 50_000);
@@ -93,7 +93,7 @@ fn xml_of_long_attributes_and_deep_elements() {
     assert_eq!(read_package(&named, r#"<item objectid="1"/>"#).unwrap().bodies[0].name.len(), 200);
     let number =
         format!(r#"<object id="1"><mesh><vertices><vertex x="{}"/>"#, "9".repeat(10 << 20));
-    assert!(matches!(read_package(&number, ""), Err(ReadError::Part { .. })));
+    assert!(matches!(read_package(&number, ""), Err(ReadError::Entry { .. })));
     let many: String = (0..500_000).fold(String::new(), |mut text, at| {
         write!(text, " a{at}=''").unwrap();
         text
@@ -103,7 +103,7 @@ fn xml_of_long_attributes_and_deep_elements() {
         Err(ReadError::NoTriangles)
     ));
     let deep = "<a>".repeat(1 << 20);
-    assert!(matches!(read_package(&deep, ""), Err(ReadError::Part { .. })));
+    assert!(matches!(read_package(&deep, ""), Err(ReadError::Entry { .. })));
     let deep = deep + &"</a>".repeat(1 << 20);
     assert!(matches!(read_package(&deep, ""), Err(ReadError::NoTriangles)));
 }

@@ -230,7 +230,6 @@ fn commands() -> impl Strategy<Value = Command> {
         },
     );
     let wait = prop::sample::select(vec![Wait::No, Wait::Heating, Wait::HeatingOrCooling]);
-    let heat = (some_number(), prop::option::of(any::<u8>()), wait);
     let plain = prop::sample::select(vec![
         Command::AbsolutePositioning,
         Command::RelativePositioning,
@@ -240,26 +239,35 @@ fn commands() -> impl Strategy<Value = Command> {
         Command::Unretract,
         Command::Fan(None),
     ]);
+    let dwells =
+        (w(), w()).prop_map(|(seconds, milliseconds)| Command::Dwell { seconds, milliseconds });
+    let nozzles = (some_number(), prop::option::of(any::<u8>()), wait)
+        .prop_map(|(celsius, tool, wait)| Command::NozzleTemperature { celsius, tool, wait });
+    let beds = (some_number(), any::<bool>())
+        .prop_map(|(celsius, wait)| Command::BedTemperature { celsius, wait });
+    let accelerations = [w(), w(), w(), w()].prop_map(|[print, travel, retract, all]| {
+        Command::Acceleration { print, travel, retract, all }
+    });
+    let velocity_limits = [w(), w(), w()].prop_map(|[velocity, acceleration, square_corner]| {
+        Command::VelocityLimit { velocity, acceleration, square_corner }
+    });
+    let jerks = [w(), w(), w(), w(), w()].prop_map(|[x, y, z, e, junction_deviation]| {
+        Command::Jerk { x, y, z, e, junction_deviation }
+    });
     prop_oneof![
         4 => moves,
         2 => arcs,
         2 => plain,
-        1 => (w(), w()).prop_map(|(seconds, milliseconds)| Command::Dwell { seconds, milliseconds }),
+        1 => dwells,
         1 => any::<[bool; 3]>().prop_map(|[x, y, z]| Command::Home { x, y, z }),
         1 => [w(), w(), w(), w()].prop_map(|[x, y, z, e]| Command::SetPosition { x, y, z, e }),
         1 => (0..u8::MAX).prop_map(Command::Tool),
-        1 => heat.prop_map(|(celsius, tool, wait)| Command::NozzleTemperature { celsius, tool, wait }),
-        1 => (some_number(), any::<bool>()).prop_map(|(celsius, wait)| Command::BedTemperature { celsius, wait }),
+        1 => nozzles,
+        1 => beds,
         1 => some_number().prop_map(|speed| Command::Fan(Some(speed))),
-        1 => [w(), w(), w(), w()]
-            .prop_map(|[print, travel, retract, all]| Command::Acceleration { print, travel, retract, all }),
-        1 => [w(), w(), w()].prop_map(|[velocity, acceleration, square_corner]| Command::VelocityLimit {
-            velocity,
-            acceleration,
-            square_corner,
-        }),
-        1 => [w(), w(), w(), w(), w()]
-            .prop_map(|[x, y, z, e, junction_deviation]| Command::Jerk { x, y, z, e, junction_deviation }),
+        1 => accelerations,
+        1 => velocity_limits,
+        1 => jerks,
         1 => (w(), w()).prop_map(|(percent, minutes)| Command::Progress { percent, minutes }),
         4 => other(),
     ]
@@ -278,7 +286,11 @@ fn programs() -> impl Strategy<Value = Program> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 6_000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 6_000,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn parsing_an_emitted_program_returns_it(program in programs()) {
@@ -307,8 +319,11 @@ proptest! {
         if let Ok(read) = Program::from_bytes(&bytes, &Control::default()) {
             prop_assert!(read.lines.len() <= bytes.len());
             let parts = read.lines.iter().map(|line| {
-                let command = if let Some(Command::Other(text)) = line.command() { text.as_str().len() } else { 0 };
-                command + line.comment().map_or(0, str::len)
+                let verbatim = match line.command() {
+                    Some(Command::Other(text)) => text.as_str().len(),
+                    _ => 0,
+                };
+                verbatim + line.comment().map_or(0, str::len)
             });
             // A byte that is not UTF-8 takes three when replaced.
             prop_assert!(parts.sum::<usize>() <= 3 * bytes.len());
@@ -318,7 +333,10 @@ proptest! {
     }
 
     #[test]
-    fn any_bytes_are_parsed_or_refused(bytes in prop::collection::vec(any::<u8>(), 0..200), text in "[GMTN0-9XYZ(). *;\n\r-]{0,80}") {
+    fn any_bytes_are_parsed_or_refused(
+        bytes in prop::collection::vec(any::<u8>(), 0..200),
+        text in "[GMTN0-9XYZ(). *;\n\r-]{0,80}",
+    ) {
         for bytes in [&bytes[..], text.as_bytes()] {
             if let Ok(read) = Program::from_bytes(bytes, &Control::default()) {
                 prop_assert_eq!(read.emit().parse(), Ok(read));

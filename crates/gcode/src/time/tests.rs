@@ -1,6 +1,7 @@
 //! Times computed by hand, and the two passes of the planner compared with a slow search that
 //! repairs violated limits one by one.
 
+use beadwork_base::{CancelToken, Interrupted, Progress};
 use proptest::prelude::*;
 
 use super::*;
@@ -70,6 +71,23 @@ fn sharper_corners_are_slower() {
     assert!(last < 1e-9);
 }
 
+#[test]
+fn a_cancelled_call_returns_an_error() {
+    let program: Program = "G1 X1\nG1 X0\n".repeat(5_000).parse().unwrap();
+    let cancel = CancelToken::new();
+    let progress = |progress: Progress| {
+        assert_eq!(progress.total, 10_000);
+        if progress.done > 2_000 {
+            cancel.cancel();
+        }
+        assert!(progress.done < 4_000);
+    };
+    let control =
+        Control { cancel: Some(&cancel), progress: Some(&progress), ..Control::default() };
+    let error = program.print_seconds(LIMITS, &control);
+    assert_eq!(error, Err(TraceError::Interrupted(Interrupted::Cancelled)));
+}
+
 /// Lowers one speed after the other to what its neighbours allow, until none changes.
 fn slow_speeds2(chain: &[PlannedMotion]) -> Vec<f64> {
     let mut speeds: Vec<f64> = chain.iter().map(|motion| motion.junction2).chain([0.0]).collect();
@@ -105,7 +123,11 @@ fn slow_seconds(motion: &PlannedMotion, begin2: f64, end2: f64) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 500,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn a_bounded_queue_gives_the_same_time(
@@ -114,7 +136,9 @@ proptest! {
     ) {
         // From any of these speeds the nozzle brakes within a few mm, so later moves cannot change
         // the speeds of those that have left the queue.
-        let line = |(x, y, feed): (i32, i32, u32)| format!("G1 X{} Y{y} F{feed}", if x == 0 { 1 } else { x });
+        let line = |(x, y, feed): (i32, i32, u32)| {
+            format!("G1 X{} Y{y} F{feed}", if x == 0 { 1 } else { x })
+        };
         let moves: Vec<String> = moves.into_iter().map(line).collect();
         let program = format!("M204 S3000\nG91\n{}", moves.join("\n")).parse::<Program>().unwrap();
         let mut stopwatch = Stopwatch { max_queue, ..Stopwatch::new(LIMITS) };
@@ -122,28 +146,34 @@ proptest! {
             stopwatch.add(&event.unwrap());
             prop_assert!(stopwatch.queue.len() < max_queue);
         }
-        let (held, all) = (stopwatch.seconds(), program.print_seconds(LIMITS, &Control::default()).unwrap());
-        prop_assert!((held - all).abs() <= 1e-9 * all, "{held}, not {all}");
+        let bounded = stopwatch.seconds();
+        let all = program.print_seconds(LIMITS, &Control::default()).unwrap();
+        prop_assert!((bounded - all).abs() <= 1e-9 * all, "{bounded}, not {all}");
     }
 
     #[test]
     fn two_passes_find_the_maximum_speeds(
-        motions in prop::collection::vec((0.01..50.0, 100.0..3000.0, 1.0..200.0_f64, 0.0..1.0_f64), 1..30),
+        motions in prop::collection::vec(
+            (0.01..50.0, 100.0..3000.0, 1.0..200.0_f64, 0.0..1.0_f64),
+            1..30,
+        ),
     ) {
         let mut before = 0.0_f64;
-        let chain: Vec<PlannedMotion> = motions.into_iter().map(|(length, acceleration, cruise, share)| {
+        let planned = |(length, acceleration, cruise, share): (f64, f64, f64, f64)| {
             let junction = share * cruise.min(before);
             before = cruise;
             let (cruise2, junction2) = (cruise * cruise, junction * junction);
             PlannedMotion { length, acceleration, cruise2, junction2, direction: [1.0, 0.0, 0.0] }
-        }).collect();
+        };
+        let chain: Vec<PlannedMotion> = motions.into_iter().map(planned).collect();
         let (fast, slow) = (corner_speeds2(&chain, 0.0), slow_speeds2(&chain));
         for (a, b) in fast.iter().zip(&slow) {
             prop_assert!((a - b).abs() <= 1e-9 * a.max(1.0));
         }
         for (motion, ends) in chain.iter().zip(fast.windows(2)).take(3) {
-            let (exact, slow) = (motion.profile(ends[0], ends[1]).seconds(), slow_seconds(motion, ends[0], ends[1]));
-            prop_assert!((exact - slow).abs() <= 0.01 * exact, "{motion:?} {ends:?}: {exact}, {slow}");
+            let exact = motion.profile(ends[0], ends[1]).seconds();
+            let slow = slow_seconds(motion, ends[0], ends[1]);
+            prop_assert!((exact - slow).abs() <= 0.01 * exact, "{motion:?}: {exact}, {slow}");
         }
     }
 }

@@ -1,7 +1,6 @@
 //! Reads files of meshes.
 //!
-//! [`stl`], [`obj`] and [`threemf`] each read one format; [`format`](self::format) chooses among
-//! them.
+//! [`stl`], [`obj`] and [`threemf`] each read one format; [`format`] chooses among them.
 
 mod error;
 mod format;

@@ -202,8 +202,10 @@ mod tests {
     use super::*;
     use crate::Format;
 
-    const TWO: &str = "# two bodies\nmtllib none.mtl\no first\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0 # a corner\nv 0 0 1\nvt 0 0\n\
-        usemtl red\nf 1/1 2/1 3/1 \\\n  4/1\nf 1 2 5\no second\nf -5//1 -4//1 -1//1\nusemtl blue\nf 1 3 5\n";
+    const TWO: &str = "# two bodies\nmtllib none.mtl\no first\n\
+        v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0 # a corner\nv 0 0 1\nvt 0 0\n\
+        usemtl red\nf 1/1 2/1 3/1 \\\n  4/1\nf 1 2 5\n\
+        o second\nf -5//1 -4//1 -1//1\nusemtl blue\nf 1 3 5\n";
 
     fn refused(text: &str) -> String {
         Model::read(Format::Obj, text.as_bytes(), &ReadLimits::default(), &Control::default())
@@ -245,7 +247,8 @@ mod tests {
 
     #[test]
     fn groups_are_not_bodies_and_names_may_contain_a_hash() {
-        let text = "g front\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl paint#1\nf 1 2 3\ng back\nusemtl paint#2 # the other\nf 1 3 2\n";
+        let text = "g front\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl paint#1\nf 1 2 3\n\
+            g back\nusemtl paint#2 # the other\nf 1 3 2\n";
         let model = read(text.as_bytes(), &ReadLimits::default(), &Control::default()).unwrap();
         assert_eq!((model.bodies.len(), model.bodies[0].name.as_str()), (1, "front"));
         assert_eq!(model.bodies[0].paint, [0, 1]);

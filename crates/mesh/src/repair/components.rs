@@ -9,8 +9,8 @@ use crate::work::Work;
 /// Disjoint sets of triangles (union-find), each set stored as a tree.
 ///
 /// Every triangle also knows whether it faces the same side as its parent.
-/// Adding these bits up along the path to the root (their exclusive or) tells whether it faces the
-/// same side as the root.
+/// The exclusive or of these bits along the path to the root is whether it faces the same side as
+/// the root.
 pub(super) struct Components {
     /// The parent of each triangle; roots are their own parents.
     parents: Vec<u32>,

@@ -135,7 +135,11 @@ fn a_repair_can_be_cancelled_and_reports_progress() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1_000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 1_000,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     /// Vertices that are not shared, flipped triangles, missing triangles: the repaired surface is
     /// the sphere again.
@@ -149,13 +153,21 @@ proptest! {
     ) {
         let sphere = Solid::Sphere { radius_mm: 10.0, steps }.mesh();
         let shift = f64::from(offset);
-        let points: Vec<[f64; 3]> = sphere.vertices().iter().map(|&[x, y, z]| [x + shift, y, z - shift]).collect();
+        let moved = |&[x, y, z]: &[f64; 3]| [x + shift, y, z - shift];
+        let points: Vec<[f64; 3]> = sphere.vertices().iter().map(moved).collect();
         let mut triangles = sphere.triangles().to_vec();
-        flipped.iter().for_each(|at| { let at = at.index(triangles.len()); triangles[at].swap(0, 1); });
-        missing.iter().for_each(|at| { let at = at.index(triangles.len()); triangles.swap_remove(at); });
+        for index in flipped {
+            let triangle = index.index(triangles.len());
+            triangles[triangle].swap(0, 1);
+        }
+        for index in &missing {
+            let triangle = index.index(triangles.len());
+            triangles.swap_remove(triangle);
+        }
         let (points, triangles) = if apart {
-            let points: Vec<[f64; 3]> = triangles.iter().flatten().map(|&vertex| points[vertex as usize]).collect();
-            (points, (0..triangles.len() as u32).map(|at| [3 * at, 3 * at + 1, 3 * at + 2]).collect())
+            let corners = triangles.iter().flatten().map(|&vertex| points[vertex as usize]);
+            let own = |triangle: u32| [3 * triangle, 3 * triangle + 1, 3 * triangle + 2];
+            (corners.collect::<Vec<_>>(), (0..triangles.len() as u32).map(own).collect())
         } else {
             (points, triangles)
         };
@@ -171,12 +183,13 @@ proptest! {
     #[test]
     fn any_surface_is_closed_or_refused(
         points in prop::collection::vec([-3..3_i8, -3..3_i8, -3..3_i8], 3..12),
-        corners in prop::collection::vec([any::<prop::sample::Index>(), any::<prop::sample::Index>(), any::<prop::sample::Index>()], 1..40),
+        corners in prop::collection::vec(any::<[prop::sample::Index; 3]>(), 1..40),
         painted: bool,
     ) {
         let vertices: Vec<[f64; 3]> = points.iter().map(|point| point.map(f64::from)).collect();
+        let vertex = |index: prop::sample::Index| index.index(vertices.len()) as u32;
         let triangles: Vec<[u32; 3]> =
-            corners.iter().map(|corners| corners.map(|at| at.index(vertices.len()) as u32)).collect();
+            corners.iter().map(|corners| corners.map(vertex)).collect();
         let mut any = body(Mesh::new(vertices, triangles).unwrap());
         if painted {
             any.paint = vec![3; any.mesh.triangles().len()];
@@ -189,7 +202,11 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 200,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn the_ray_tree_misses_no_triangle_above_a_point(
@@ -201,13 +218,16 @@ proptest! {
         let mesh = Mesh::new(vertices, triangles).unwrap();
         let tree = RayTree::new(&mesh, &mut Work::new(&Control::default(), 1, 0)).unwrap();
         for point in points.iter().map(|point| point.map(|value| f64::from(value) + 0.25)) {
-            let crosses = |triangle: u32| crossing(mesh.corners(mesh.triangles()[triangle as usize]), point);
+            let crosses = |triangle: u32| {
+                crossing(mesh.corners(mesh.triangles()[triangle as usize]), point) != 0
+            };
             let all = 0..mesh.triangles().len() as u32;
             let mut found = Vec::new();
-            prop_assert!(tree.each_above(point, |triangle| found.push(triangle)) <= mesh.triangles().len());
-            found.retain(|&triangle| crosses(triangle) != 0);
+            let visited = tree.each_above(point, |triangle| found.push(triangle));
+            prop_assert!(visited <= mesh.triangles().len());
+            found.retain(|&triangle| crosses(triangle));
             found.sort_unstable();
-            prop_assert_eq!(found, all.filter(|&triangle| crosses(triangle) != 0).collect::<Vec<_>>());
+            prop_assert_eq!(found, all.filter(|&triangle| crosses(triangle)).collect::<Vec<_>>());
         }
     }
 }

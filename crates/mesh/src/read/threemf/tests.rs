@@ -10,9 +10,13 @@ use zip::write::SimpleFileOptions;
 use super::*;
 use crate::{Format, MaterialRule};
 
-const TETRA: &str = r#"<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/><vertex x="0" y="1" z="0"/>
-<vertex x="0" y="0" z="1"/></vertices><triangles><triangle v1="0" v2="2" v3="1"/><triangle v1="0" v2="1" v3="3"/>
-<triangle v1="0" v2="3" v3="2"/><triangle v1="1" v2="2" v3="3" p1="1"/></triangles></mesh>"#;
+const TETRA: &str = r#"<mesh><vertices>
+    <vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>
+    <vertex x="0" y="1" z="0"/><vertex x="0" y="0" z="1"/>
+    </vertices><triangles>
+    <triangle v1="0" v2="2" v3="1"/><triangle v1="0" v2="1" v3="3"/>
+    <triangle v1="0" v2="3" v3="2"/><triangle v1="1" v2="2" v3="3" p1="1"/>
+    </triangles></mesh>"#;
 
 fn archive(entries: &[(&str, &str)]) -> Vec<u8> {
     let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
@@ -25,7 +29,8 @@ fn archive(entries: &[(&str, &str)]) -> Vec<u8> {
 
 fn model(resources: &str, build: &str) -> String {
     format!(
-        r#"<?xml version="1.0"?><model unit="inch" xmlns:p="prod" xmlns:m="mat"><resources>{resources}</resources><build>{build}</build></model>"#
+        r#"<?xml version="1.0"?><model unit="inch" xmlns:p="prod" xmlns:m="mat">
+        <resources>{resources}</resources><build>{build}</build></model>"#
     )
 }
 
@@ -45,10 +50,12 @@ fn refused(resources: &str, build: &str) -> String {
 fn units_transforms_and_components_are_applied() {
     let resources = format!(
         r#"<object id="1" type="model" name="tetra">{TETRA}</object><object id="2"><components>
-        <component objectid="1" transform="2 0 0 0 2 0 0 0 2 0 0 0"/><component objectid="1"/></components></object>
+        <component objectid="1" transform="2 0 0 0 2 0 0 0 2 0 0 0"/><component objectid="1"/>
+        </components></object>
         <object id="3" type="support">{TETRA}</object>"#
     );
-    let build = r#"<item objectid="2" transform="1 0 0 0 1 0 0 0 1 10 0 0"/><item objectid="1"/><item objectid="3"/>"#;
+    let build = r#"<item objectid="2" transform="1 0 0 0 1 0 0 0 1 10 0 0"/>
+        <item objectid="1"/><item objectid="3"/>"#;
     let mut model = read_model(&resources, build).unwrap();
     assert_eq!(model.bodies.len(), 3);
     let sixth = 25.4_f64.powi(3) / 6.0;
@@ -68,10 +75,12 @@ fn units_transforms_and_components_are_applied() {
 #[test]
 fn materials_come_from_groups_of_object_and_triangle() {
     let resources = format!(
-        r##"<basematerials id="5"><base name="PLA &amp; co" displaycolor="#FF0000FF"/><base name="ABS" displaycolor="#00FF00"/></basematerials>
+        r##"<basematerials id="5"><base name="PLA &amp; co" displaycolor="#FF0000FF"/>
+        <base name="ABS" displaycolor="#00FF00"/></basematerials>
         <m:colorgroup id="6"><m:color color="#0000FF"/></m:colorgroup>
         <object id="1" pid="5" pindex="0">{TETRA}</object><object id="2" pid="6">{}</object>
-        <object id="3" pid="5" pindex="1"><components><component objectid="4"/></components></object><object id="4">{}</object>"##,
+        <object id="3" pid="5" pindex="1"><components><component objectid="4"/></components>
+        </object><object id="4">{}</object>"##,
         TETRA.replace(" p1=\"1\"", ""),
         TETRA.replace(" p1=\"1\"", "")
     );
@@ -88,11 +97,13 @@ fn materials_come_from_groups_of_object_and_triangle() {
 #[test]
 fn objects_may_be_in_other_documents() {
     let root = model(
-        r#"<object id="1"><components><component p:path="/3D/other.model" objectid="7"/></components></object>"#,
+        r#"<object id="1"><components><component p:path="/3D/other.model" objectid="7"/>
+        </components></object>"#,
         r#"<item objectid="1"/>"#,
     );
     let other = model(&format!(r#"<object id="7">{TETRA}</object>"#), "");
-    let list = r#"<Relationships><Relationship Target="/odd/place.model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
+    let list = r#"<Relationships><Relationship Target="/odd/place.model"
+        Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
     let read = read_entries(&[
         ("_rels/.rels", list),
         ("odd/place.model", &root),
@@ -141,7 +152,8 @@ fn errors_state_their_location() {
         refused(&large, &beyond)
             .ends_with("transform of object 1 makes coordinates that are not finite")
     );
-    let round = r#"<object id="1"><components><component objectid="1"/><component objectid="1"/></components></object>"#;
+    let round = r#"<object id="1"><components><component objectid="1"/>
+        <component objectid="1"/></components></object>"#;
     assert!(
         refused(round, item)
             .ends_with("object 1 contains itself, or nests components more than 32 deep")
@@ -180,7 +192,8 @@ fn unused_vertices_are_dropped() {
         },
     );
     let resources = format!(
-        r#"<object id="1">{TETRA}</object><object id="2">{shifted}</object><object id="3"><mesh></mesh></object>"#
+        r#"<object id="1">{TETRA}</object><object id="2">{shifted}</object>
+        <object id="3"><mesh></mesh></object>"#
     );
     let build = r#"<item objectid="1"/><item objectid="2"/><item objectid="3"/>"#;
     let model = read_model(&resources, build).unwrap();
