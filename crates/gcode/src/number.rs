@@ -19,7 +19,7 @@ pub struct Number(i64);
 pub enum NumberError {
     /// The text is not an optional sign, digits and at most one point.
     #[error("not a number")]
-    Junk,
+    Malformed,
     /// The value is not finite, or beyond ±9.2 · 10¹².
     #[error("too large")]
     TooLarge,
@@ -105,7 +105,7 @@ impl Number {
             at += 1;
         }
         if digits == 0 {
-            return Err(NumberError::Junk);
+            return Err(NumberError::Malformed);
         }
         let missing = DECIMALS.saturating_sub(decimals.unwrap_or(0)) as u32;
         below = below.checked_mul(10_i64.pow(missing)).ok_or(NumberError::TooLarge)?;
@@ -169,7 +169,7 @@ impl FromStr for Number {
     fn from_str(text: &str) -> Result<Self, NumberError> {
         match Self::scan(text.as_bytes())? {
             (number, length) if length == text.len() => Ok(number),
-            _ => Err(NumberError::Junk),
+            _ => Err(NumberError::Malformed),
         }
     }
 }
@@ -206,7 +206,7 @@ mod tests {
     #[test]
     fn texts_that_are_not_numbers() {
         for text in ["", "-", "+", ".", "-.", "1.2.3", "1,5", "1e5", "x", "--1", " 1", "1 ", "٣"] {
-            assert_eq!(text.parse::<Number>(), Err(NumberError::Junk), "{text}");
+            assert_eq!(text.parse::<Number>(), Err(NumberError::Malformed), "{text}");
         }
         for text in ["9223372036854.775808", "-9223372036854.7758085", "99999999999999999999999999"]
         {

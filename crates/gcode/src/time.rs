@@ -53,11 +53,12 @@ pub struct MotionLimits {
 
 /// Sums up the time of events that are added one by one.
 ///
-/// Heating, macros and tool changes take no time, but the nozzle stops for them.
+/// The nozzle stops for tool changes and for heaters that are waited for, but these take no time.
 ///
 /// Linear in the number of events.
-/// Holds the motions since the last stop, at most about 65,000: beyond that, the speeds of the
-/// first ones are fixed, which is exact unless no motion among them was long enough to brake in.
+/// Holds the motions since the last stop, at most about 65,000.
+/// Beyond that, the speeds of the first ones are fixed; this is exact unless none of them is long
+/// enough to brake in.
 #[derive(Clone, Debug)]
 pub struct Stopwatch {
     limits: MotionLimits,

@@ -93,14 +93,14 @@ impl Words {
                     // means that it is malformed, such as `1.2.3`.
                     let next = value[length..].chars().next().unwrap_or(' ');
                     let ends = is_blank(next) || next.is_ascii_alphabetic() || next == '(';
-                    if ends { Ok((number, length)) } else { Err(NumberError::Junk) }
+                    if ends { Ok((number, length)) } else { Err(NumberError::Malformed) }
                 });
                 let (number, length) = scanned.map_err(|error| (first_word(rest), error.into()))?;
                 words.numbered |= bit(letter);
                 words.values[usize::from(letter - b'A')] = number;
                 rest = &value[length..];
             } else if bit(letter) & known & !flags != 0 {
-                return Err((first_word(rest), NumberError::Junk.into()));
+                return Err((first_word(rest), NumberError::Malformed.into()));
             } else {
                 rest = &rest[1..];
             }

@@ -52,7 +52,7 @@ impl Body {
     /// Nearly linear in the triangles; takes about as much memory again as the mesh.
     /// Progress counts triangles, each of them six times.
     ///
-    /// After an error the body is valid, but only some of the steps are done.
+    /// After an error the mesh is still valid, but only some of the steps are done.
     pub fn repair(&mut self, control: &Control<'_>) -> Result<RepairReport, RepairError> {
         let mut report = RepairReport::default();
         let triangles = self.mesh.triangles().len();
