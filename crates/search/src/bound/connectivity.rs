@@ -1,9 +1,9 @@
-//! The bound by what no cheapest 2-matching connects.
+//! The bound by connectivity: a path may need links that no cheapest 2-matching has.
 //!
 //! Take all links that occur in some cheapest 2-matching of the required size.
 //! If these links together do not connect all cells, every cheapest 2-matching leaves the same
 //! components unconnected, so none of them is a path, and a path costs more.
-//! How much more is at least the cost of inserting a link that leaves such a component.
+//! The difference is at least the cost of inserting a link that leaves such a component.
 
 use crate::matching::{Board, ComponentGraph, Dir, Node, ShortestPaths, TightClasses, TwoMatching};
 
@@ -13,7 +13,7 @@ const MAX_SEARCHES: u32 = 200;
 /// The minimum by which one cost exceeds another: costs are whole numbers.
 pub(crate) const MIN_EXTRA_COST: u32 = 1;
 
-/// What all cheapest 2-matchings of one size leave unconnected.
+/// The components that all cheapest 2-matchings of one size leave unconnected.
 pub(crate) struct Separation {
     /// The components that all links of all cheapest 2-matchings form.
     components: ComponentGraph,
@@ -24,7 +24,7 @@ pub(crate) struct Separation {
 }
 
 impl Separation {
-    /// Finds what is unconnected; `None` if there is no closed component ([`closed_components`]).
+    /// Finds the components; `None` if none of them is closed ([`closed_components`]).
     /// Linear in the cells.
     pub(crate) fn find(matching: &TwoMatching<'_>, pieces: u32) -> Option<Self> {
         let board = matching.board;

@@ -6,8 +6,9 @@
 //! (These are the subtour constraints of Dantzig, Fulkerson and Johnson 1954 for the travelling
 //! salesman; Held and Karp 1970 charge violations of constraints by multipliers.)
 //!
-//! Choose a multiplier m >= 0 for S. Add m to the cost of every link inside S, as a surcharge, and
-//! subtract m (|S| - 1) from the total.
+//! Choose a multiplier m >= 0 for this set.
+//! Add m to the cost of every link inside S, as a surcharge, and subtract m (|S| - 1) from the
+//! total.
 //! The cost of a cover does not rise, as it has at most |S| - 1 such links.
 //! So the cheapest 2-matching under the changed costs is still a lower bound; and if it left S
 //! closed before, it is now higher by m, or leaves S in another way.

@@ -1,7 +1,7 @@
 //! Bounds by counting segments.
 //!
-//! A *segment* is a maximal stretch of a path inside one zone component. p pieces with s segments
-//! in all have s - p crossings.
+//! A *segment* is a maximal stretch of a path inside one zone component.
+//! If p pieces have s segments, they have s - p crossings.
 //!
 //! Both bounds take for each zone component a lower bound on its segments: 1, or a higher one from
 //! the maximum 2-matching inside it ([`min_segments`](super::flow::min_segments)), because a
@@ -9,12 +9,12 @@
 
 use crate::matching::ComponentGraph;
 
-/// Crossings that the number of segments requires: segments minus pieces.
+/// Lower bound on the crossings by the number of segments: segments minus pieces.
 pub(crate) fn count(min_segments: &[u32], pieces: u32) -> u32 {
     min_segments.iter().sum::<u32>().saturating_sub(pieces)
 }
 
-/// Crossings that are required because the graph of zone components falls apart when some
+/// Lower bound on the crossings where the graph of zone components falls apart when some
 /// components, the *hubs*, are removed.
 ///
 /// ```text

@@ -144,8 +144,8 @@ enum BoundLevel {
     Flow,
     /// Counts in the graph of zone components: segments, scattering, shortest walks.
     Zones,
-    /// The cost of connecting what no cheapest 2-matching connects, and cuts on the sets of cells
-    /// that all of them close.
+    /// The cost of connecting components that no cheapest 2-matching connects, and cuts on the sets
+    /// of cells that all of them close.
     Connectivity,
     /// Cuts on further sets, weighted by subgradient steps.
     Subgradient,

@@ -16,7 +16,7 @@ pub(super) struct Cover {
     pub(super) cost: u64,
 }
 
-/// What the ends of a component's cover have to satisfy.
+/// Constraints on the ends of a component's cover.
 #[derive(Clone, Copy)]
 pub(super) struct CoverEnds {
     /// The cell at which the first piece begins, if it is given.

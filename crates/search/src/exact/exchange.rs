@@ -136,7 +136,7 @@ impl Search<'_, '_> {
             let cell = cells[(index + offset) % cells.len()];
             for dir in dirs(board.neighbours[cell as usize]) {
                 let other = board.neighbour(cell, dir);
-                if self.strands.strand[other as usize] == self.strands.strand[cell as usize] {
+                if self.strands.strand_of[other as usize] == self.strands.strand_of[cell as usize] {
                     continue;
                 }
                 for (first, dir) in [(cell, dir), (other, opposite(dir))] {

@@ -42,7 +42,7 @@ impl Outcome {
 #[non_exhaustive]
 pub enum SolveError {
     /// The zones belong to a grid of another size.
-    #[error("zones: {got} cells given, the region's grid has {expected}")]
+    #[error("zones: grid has {got} cells, the region's has {expected}")]
     Zones {
         /// Number of cells of the region's grid.
         expected: usize,
@@ -52,15 +52,15 @@ pub enum SolveError {
     /// A cell of the region has no zone.
     #[error("cell ({x}, {y}) belongs to the region but has no zone")]
     NoZone {
-        /// Its column.
+        /// Column of the cell.
         x: u32,
-        /// Its row.
+        /// Row of the cell.
         y: u32,
     },
     /// There are more zones than the costs cover.
-    #[error("crossing costs: {got} zones given, the region has {expected}")]
+    #[error("crossing costs: given for {got} zones, the layer has {expected}")]
     Costs {
-        /// Number of zones of the region.
+        /// Number of zones of the layer.
         expected: u32,
         /// Number of zones that have costs.
         got: usize,

@@ -25,8 +25,8 @@ pub struct Settings<'a> {
     /// Alternating it from layer to layer makes the paths of successive layers cross each other.
     pub columns_first: bool,
     /// Path of the layer below, on a grid of the same width and height.
-    /// The first four attempts at each component start from its links inside the zones, as far as
-    /// both layers have the cells, and only search for the rest.
+    /// The first four attempts at each component start from its links inside the zones, where both
+    /// layers have the cells, instead of ladders.
     pub below: Option<&'a Path>,
     /// Callbacks for diagnostics and pictures.
     pub observers: Observers<'a>,

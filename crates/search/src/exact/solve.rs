@@ -106,8 +106,8 @@ fn check(region: &Region, zones: &Zones, settings: &Settings<'_>) -> Result<(), 
     }
 }
 
-/// The number of a component, and whether the path begins and ends in it: what its search depends
-/// on.
+/// The inputs that the search of a component depends on: the component's number, and whether the
+/// path begins and ends in it.
 type Key = (usize, bool, bool);
 
 /// The components of a region, each solved at most once for each [`Key`].

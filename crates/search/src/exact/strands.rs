@@ -6,7 +6,7 @@
 //! only the ends matter.
 //! Then join segments at the links to be inserted, each of which leads from one segment end to
 //! another.
-//! What hangs together afterwards are the strands after the exchange:
+//! The segments that are joined to each other are the strands after the exchange:
 //!
 //! ```text
 //!   before:     A=====B-C=====F       a path from A to F
@@ -15,8 +15,7 @@
 //!   inserted:   B-G and H-C           joins all three: A=====B-G=====H-C=====F
 //! ```
 //!
-//! The segments are found by sorting the cuts by position, and disjoint sets count what hangs
-//! together.
+//! Sorting the cuts by position gives the segments, and disjoint sets count those joined.
 //! So judging k links takes O(k^2) time, whatever the lengths of the strands; only an exchange that
 //! is made renumbers the strands that it touches.
 
@@ -36,7 +35,7 @@ pub(super) struct Strand {
 /// All strands of a 2-matching.
 pub(super) struct Strands {
     /// For each node the number of its strand.
-    pub(super) strand: Vec<u32>,
+    pub(super) strand_of: Vec<u32>,
     /// For each node its position on the strand, from 0.
     position: Vec<u32>,
     /// The strands by their numbers.
@@ -93,7 +92,7 @@ impl Strands {
     pub(super) fn new(matching: &TwoMatching<'_>, separate_ends: Option<[Node; 2]>) -> Self {
         let nodes = matching.board.node_count();
         let mut strands = Self {
-            strand: vec![Self::NONE; nodes],
+            strand_of: vec![Self::NONE; nodes],
             position: vec![0; nodes],
             list: Vec::new(),
             cycles: 0,
@@ -103,7 +102,7 @@ impl Strands {
         // Paths have to be walked from an end, so ends come first; what is left then are cycles.
         let is_end = |&&node: &&Node| matching.links[node as usize].count_ones() < 2;
         for &first in matching.board.cells.iter().filter(is_end).chain(&matching.board.cells) {
-            if strands.strand[first as usize] == Self::NONE {
+            if strands.strand_of[first as usize] == Self::NONE {
                 let number = strands.list.len() as u32;
                 let strand = strands.walk(matching, first, number);
                 strands.cycles += u32::from(strand.is_cycle);
@@ -120,7 +119,7 @@ impl Strands {
         let mut from: Option<Dir> = None;
         let mut position = 0;
         loop {
-            self.strand[node as usize] = number;
+            self.strand_of[node as usize] = number;
             self.position[node as usize] = position;
             position += 1;
             let mut ahead = matching.links[node as usize];
@@ -146,7 +145,7 @@ impl Strands {
 
     /// The path that has both of the ends that must be separate, if there is one.
     pub(super) fn joined_ends(&self) -> Option<u32> {
-        let [a, b] = self.separate_ends?.map(|node| self.strand[node as usize]);
+        let [a, b] = self.separate_ends?.map(|node| self.strand_of[node as usize]);
         (a == b).then_some(a)
     }
 
@@ -158,7 +157,7 @@ impl Strands {
     /// O(k^2) for k steps.
     pub(super) fn change(&mut self, matching: &TwoMatching<'_>, steps: &[(Node, Dir)]) -> i32 {
         self.cut(matching, steps);
-        let Self { strand, judgement, separate_ends, .. } = self;
+        let Self { strand_of, judgement, separate_ends, .. } = self;
         let Judgement { strands, segments, sets, .. } = judgement;
         sets.reset(segments.len());
         let mut after = segments.len() as i32;
@@ -172,9 +171,9 @@ impl Strands {
         }
         let mut before = strands.len() as i32;
         if let Some(ends) = *separate_ends
-            && ends.iter().any(|&end| strands.contains(&strand[end as usize]))
+            && ends.iter().any(|&end| strands.contains(&strand_of[end as usize]))
         {
-            before += i32::from(strand[ends[0] as usize] == strand[ends[1] as usize]);
+            before += i32::from(strand_of[ends[0] as usize] == strand_of[ends[1] as usize]);
             // A reserved cell has one link at most, so it is the end of a segment, if its strand is
             // touched at all.
             let segment_of =
@@ -190,7 +189,7 @@ impl Strands {
 
     /// Cuts the strands that an exchange touches at the links that it removes, into segments.
     fn cut(&mut self, matching: &TwoMatching<'_>, steps: &[(Node, Dir)]) {
-        let Self { strand, position, list, judgement, .. } = self;
+        let Self { strand_of, position, list, judgement, .. } = self;
         let Judgement { cuts, strands, segments, .. } = judgement;
         cuts.clear();
         strands.clear();
@@ -198,7 +197,7 @@ impl Strands {
         for &(node, dir) in steps {
             let other = matching.board.neighbour(node, dir);
             for cell in [node, other] {
-                let number = strand[cell as usize];
+                let number = strand_of[cell as usize];
                 if !strands.contains(&number) {
                     strands.push(number);
                 }
@@ -212,7 +211,7 @@ impl Strands {
                 if position[after as usize] - position[before as usize] > 1 {
                     std::mem::swap(&mut before, &mut after);
                 }
-                let (strand, position) = (strand[node as usize], position[before as usize]);
+                let (strand, position) = (strand_of[node as usize], position[before as usize]);
                 cuts.push(Cut { strand, position, cells: [before, after] });
             }
         }
@@ -248,7 +247,7 @@ impl Strands {
         let mut numbers: Vec<u32> = Vec::new();
         for &(node, dir) in steps {
             for cell in [node, matching.board.neighbour(node, dir)] {
-                let number = self.strand[cell as usize];
+                let number = self.strand_of[cell as usize];
                 if !numbers.contains(&number) {
                     numbers.push(number);
                 }
@@ -273,12 +272,12 @@ impl Strands {
         // Every strand after the exchange contains one of these cells.
         // Ends of paths come first, as in `new`.
         for &cell in &firsts {
-            self.strand[cell as usize] = Self::NONE;
+            self.strand_of[cell as usize] = Self::NONE;
         }
         let is_end = |node: &Node| matching.links[*node as usize].count_ones() < 2;
         firsts.sort_by_key(|node| !is_end(node));
         for first in firsts {
-            if self.strand[first as usize] == Self::NONE {
+            if self.strand_of[first as usize] == Self::NONE {
                 let number = numbers.pop().unwrap_or(self.list.len() as u32);
                 let strand = self.walk(matching, first, number);
                 self.cycles += u32::from(strand.is_cycle);
@@ -294,7 +293,7 @@ impl Strands {
     /// separate; named by their black cells.
     pub(super) fn links_to_settle(&self, matching: &TwoMatching<'_>) -> Vec<(Node, Dir)> {
         let board = matching.board;
-        let strand = |node: Node| self.strand[node as usize];
+        let strand = |node: Node| self.strand_of[node as usize];
         let joined = self.joined_ends();
         let is_unsettled =
             |node: Node| self.list[strand(node) as usize].is_cycle || joined == Some(strand(node));

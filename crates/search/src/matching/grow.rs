@@ -30,7 +30,7 @@
 //! A phase is linear in the cells, apart from the searches for its paths.
 //! These run from a single cell towards the nearest goals (A*), and mostly look at a narrow strip
 //! of cells between two with room.
-//! What a failed search has seen is not visited again in the same phase.
+//! Nodes visited by a failed search are skipped for the rest of the phase.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -64,7 +64,7 @@ impl TwoMatching<'_> {
     }
 }
 
-/// What a phase knows about a node.
+/// State of a node in a phase.
 #[derive(Clone, Copy, Default)]
 struct Label {
     /// The phase that set the label.
@@ -84,7 +84,7 @@ impl Label {
     }
 }
 
-/// What the search for one path knows about a node.
+/// State of a node in the search for one path.
 #[derive(Clone, Copy, Default)]
 struct Visit {
     /// The search that visited the node last; [`Phases::dead`] if no sink can be reached from it in
@@ -211,8 +211,9 @@ impl Phases {
             let label = &mut self.labels[other as usize];
             let is_labelled = label.phase == self.phase;
             if is_labelled && (!label.is_tentative() || label.length <= length + cost) {
-                // The arc is not needed, but if it lies on another shortest path it will have
-                // reduced cost 0, and connects two sinks.
+                // No shorter path.
+                // But if this one is as short, the arc's reduced cost becomes 0, and it connects
+                // two sinks.
                 let other_sink = label.sink & !Label::TENTATIVE;
                 if other_sink != sink && label.length == length + cost {
                     self.sink_groups.union(other_sink, sink);
@@ -250,10 +251,11 @@ impl Phases {
     ///
     /// Any such path will do, but short ones leave more of the ladders intact.
     ///
-    /// Nodes visited by a failed search are dead for the rest of the phase.
-    /// No arc of reduced cost 0 leads out of them to a sink or to a node not visited.
-    /// An arc out of them could only appear when a path runs into them, which is reversed; but such
-    /// a path would have to lead on to a sink.
+    /// Nodes visited by a failed search are *dead* for the rest of the phase: no arc of reduced
+    /// cost 0 leads from them to a node not visited, and no sink is among them.
+    /// This stays so, because a new arc from a dead node to another one could only appear by
+    /// reversing an augmenting path that enters the dead nodes; but from there the path could not
+    /// reach a sink.
     fn augment_from(&mut self, matching: &mut TwoMatching<'_>, source: Node) -> bool {
         if !self.choose_goals(matching, source) {
             return false;

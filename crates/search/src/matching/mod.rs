@@ -8,7 +8,8 @@
 //!
 //! # Minimum-cost flow
 //! Colour the cells like a chessboard: every link joins a black cell and a white one.
-//! So a 2-matching is a flow in this network, where each link carries one unit:
+//! So a 2-matching is a flow in this network, where each link carries one unit (a cell at which the
+//! path has to begin or end has capacity 1 instead of 2):
 //!
 //! ```text
 //!           capacity 2          capacity 1          capacity 2
@@ -17,8 +18,8 @@
 //! ```
 //!
 //! The number of links is the value of the flow.
-//! How to change a flow is described by its *residual graph*, with an arc for every change by one
-//! unit, and its cost:
+//! The changes that a flow allows form its *residual graph*, with an arc for every change by one
+//! unit:
 //!
 //! | arc | exists if | meaning | cost |
 //! |---|---|---|---|
@@ -35,12 +36,12 @@
 //! A flow is the cheapest of its value exactly if its residual graph has no cycle of negative cost.
 //!
 //! # Potentials
-//! That there is no such cycle is proven by a **potential** for each node.
+//! A **potential** for each node proves that there is no such cycle.
 //! The *reduced cost* of an arc from u to v is cost + potential(u) - potential(v).
 //! Around a cycle the potentials cancel, so the reduced costs sum to the cost.
 //! If no arc has a negative reduced cost, no cycle has a negative cost, and the flow is optimal.
 //! Such potentials are the *dual certificate* of the flow.
-//! They also make shortest paths easy to find, because Dijkstra's method needs costs that are not
+//! They also allow shortest paths to be found by Dijkstra's method, which needs costs that are not
 //! negative.
 //!
 //! # Files

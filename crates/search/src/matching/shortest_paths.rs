@@ -62,7 +62,7 @@ pub(crate) struct ShortestPaths {
     goal: Node,
 }
 
-/// What a search knows about a node.
+/// State of a node in a search.
 #[derive(Clone, Copy, Default)]
 struct Label {
     /// The search that set the label.
@@ -130,8 +130,8 @@ impl ShortestPaths {
 
     /// Makes room at one of some cells, where it is cheapest, and reserves it for the end of a path
     /// by reducing the cell's capacity.
-    /// Returns what that adds to the cost, and the cell; `None` if no cell can have room, and then
-    /// nothing changes.
+    /// Returns by how much that raises the cost, and the cell; `None`, and changes nothing, if no
+    /// cell can have room.
     ///
     /// A cell without room gives up a link, which moves on along a shortest path to a cell of its
     /// colour that has room.
@@ -242,8 +242,9 @@ impl ShortestPaths {
                 }
             }
         }
-        // These potentials of source and sink make the arcs by which a cell gets one link less cost
-        // at least 0. The opposite arcs may have negative costs: the cells with room use them.
+        // With these potentials of source and sink, the arcs by which cells get one link less have
+        // reduced costs of 0 or more.
+        // The opposite arcs may have negative ones: then cells with room use them.
         matching.source_potential =
             blacks().map(|node| matching.potential[node as usize]).min().unwrap_or(0);
         matching.sink_potential =
@@ -265,8 +266,8 @@ impl ShortestPaths {
 
     /// Finds a shortest path from some starts, each with an initial length, to the goal.
     ///
-    /// The goal is reached from the nodes for which `closing_cost` returns what that adds to the
-    /// length.
+    /// The goal is reached from each node for which `closing_cost` returns a cost, which is added
+    /// to the length.
     /// Returns `None` if the length is not below `limit`; otherwise it is in [`Self::length`], and
     /// the labels lead back from the goal.
     fn shortest_path(

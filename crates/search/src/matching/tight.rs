@@ -1,4 +1,4 @@
-//! What all cheapest 2-matchings of one size have in common.
+//! Links that occur in some cheapest 2-matching of one size.
 //!
 //! An arc of the residual graph is *tight* if its reduced cost is 0. By complementary slackness,
 //! two cheapest 2-matchings with as many links differ by cycles of tight arcs: the cycles' reduced

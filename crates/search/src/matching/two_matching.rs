@@ -33,8 +33,8 @@ pub(crate) struct TwoMatching<'a> {
     /// For each node the set of directions of its locked links, whose arcs are not part of the
     /// residual graph.
     pub(crate) locked: Vec<u8>,
-    /// For each node what its links to the right and down cost in addition to the board's costs;
-    /// empty if nothing.
+    /// For each node the surcharges of its links to the right and down, which are added to the
+    /// board's costs; empty if there are none.
     surcharge: Vec<[i32; 2]>,
 }
 
