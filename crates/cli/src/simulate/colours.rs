@@ -1,7 +1,5 @@
 //! The colour scale of temperatures.
 
-use super::map::Map;
-
 /// The colour map `plasma` of matplotlib (CC0) at equal steps.
 /// It is perceptually uniform with any colour vision, and its lightness rises, so that it also
 /// works in greyscale.
@@ -36,9 +34,9 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// A scale for all of these maps.
-    pub(super) fn of<'a>(maps: impl Iterator<Item = &'a Map>) -> Self {
-        let mut all: Vec<f32> = maps.flat_map(Map::celsius).collect();
+    /// A scale for all of these temperatures in °C.
+    pub(super) fn of(celsius: impl Iterator<Item = f32>) -> Self {
+        let mut all: Vec<f32> = celsius.collect();
         all.sort_unstable_by(f32::total_cmp);
         let (Some(&low), Some(&last)) = (all.first(), all.last()) else {
             return Self { low_c: 0.0, high_c: 1.0, is_exceeded: false };
@@ -88,10 +86,6 @@ pub(super) fn ticks(low: f64, high: f64, about: f64) -> (Vec<f64>, usize) {
 
 #[cfg(test)]
 mod tests {
-    use beadwork_part::Frame;
-    use beadwork_thermal::section::{Plane, Section};
-    use ndarray::Array2;
-
     use super::*;
 
     #[test]
@@ -120,23 +114,11 @@ mod tests {
 
     #[test]
     fn a_few_hot_voxels_do_not_stretch_the_scale() {
-        let frame = Frame {
-            left_mm: 0.0,
-            back_mm: 0.0,
-            cell_mm: 1.0,
-            layer_mm: 1.0,
-            width: 1000,
-            height: 1,
-        };
-        let map = |hot: f64| {
-            let value = |(_, x)| if x == 0 { hot } else { 80.0 + x as f64 / 100.0 };
-            let temperatures_c = Array2::from_shape_fn((1, 1000), value);
-            let section = Section { plane: Plane::Layer(0), temperatures_c };
-            Map::of(&section, &frame, String::new())
-        };
-        let hot = Scale::of([map(230.0)].iter());
+        let temperatures =
+            |hot: f32| (0..1000).map(move |x| if x == 0 { hot } else { 80.0 + x as f32 / 100.0 });
+        let hot = Scale::of(temperatures(230.0));
         assert!(hot.is_exceeded && hot.high_c < 90.0);
-        let even = Scale::of([map(90.0)].iter());
+        let even = Scale::of(temperatures(90.0));
         assert!(!even.is_exceeded && even.high_c >= 89.9);
         assert_eq!(hot.colour(230.0), STOPS[8]);
     }

@@ -66,7 +66,7 @@ pub(super) fn draw(title: &str, layers: &[LayerMeasures], maps: &[Map]) -> anyho
         COLUMNS,
         (map::WIDTH / COLUMNS as u32, HEIGHT),
     )?;
-    let below = map::svg(maps, COLUMNS, Scale::of(maps.iter()));
+    let below = map::svg(maps, COLUMNS, Scale::of(maps.iter().flat_map(Map::celsius)));
     let begin = HEAD + height(&above);
     let (width, whole) = (map::WIDTH, begin + height(&below));
     let title = map::escaped(title);

@@ -338,7 +338,7 @@ mod tests {
     #[test]
     fn voxels_become_blocks_of_pixels_and_the_rest_stays_white() {
         let map = map();
-        let bytes = png(&map, Scale::of([&map].into_iter()));
+        let bytes = png(&map, Scale::of(map.celsius()));
         let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
         let info = reader.next_frame(&mut pixels).unwrap();
@@ -352,9 +352,9 @@ mod tests {
     #[test]
     fn drawings_are_whole() {
         let maps = [map(), map(), map()];
-        let text = svg(&maps, 2, Scale::of(maps.iter()));
+        let text = svg(&maps, 2, Scale::of(maps.iter().flat_map(Map::celsius)));
         assert!(text.starts_with("<svg") && text.ends_with("</svg>\n"));
         assert!(text.contains("a &lt; b") && text.matches("<image").count() == 3);
-        assert!(svg(&[], 3, Scale::of([].iter())).ends_with("</svg>\n"));
+        assert!(svg(&[], 3, Scale::of([].into_iter())).ends_with("</svg>\n"));
     }
 }

@@ -115,7 +115,7 @@ impl Target {
 
     /// Writes the picture of each section, all with the same colour scale.
     pub(super) fn write(&self, sections: &[(Section, Map)]) -> anyhow::Result<()> {
-        let scale = Scale::of(sections.iter().map(|(_, map)| map));
+        let scale = Scale::of(sections.iter().flat_map(|(_, map)| map.celsius()));
         for (section, map) in sections {
             match self {
                 Self::File(path) if has_extension(path, "png") => {

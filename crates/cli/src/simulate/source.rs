@@ -16,7 +16,7 @@ use beadwork_part::{Frame, Pattern};
 use beadwork_thermal::Simulation;
 use beadwork_thermal::program::{self, ProgramEvents, program_events, program_voxels};
 
-use super::Args;
+use super::args::{Args, Temperatures};
 use super::sampling::Samplers;
 
 /// A part and its deposition order.
@@ -25,10 +25,8 @@ pub(super) struct Source {
     pub(super) name: String,
     pub(super) part: Arc<Voxels>,
     pub(super) order: Order,
-    /// Temperature of the nozzle that a program sets, in °C.
-    pub(super) nozzle_c: Option<f64>,
-    /// Temperature of the plate that a program sets, in °C.
-    pub(super) plate_c: Option<f64>,
+    /// Temperatures that the program sets.
+    pub(super) temperatures: Temperatures,
 }
 
 /// The deposition order of all voxels.
@@ -43,7 +41,12 @@ impl Source {
         let Some(path) = &args.gcode else {
             let (name, part) = load_part(args, &settings)?;
             let order = Order::Pattern(args.pattern);
-            return Ok(Self { name, part: Arc::new(part), order, nozzle_c: None, plate_c: None });
+            return Ok(Self {
+                name,
+                part: Arc::new(part),
+                order,
+                temperatures: Temperatures::default(),
+            });
         };
         let in_file = || format!("cannot use '{}'", path.display());
         let bytes = fs::read(path).with_context(|| format!("cannot read '{}'", path.display()))?;
@@ -73,8 +76,8 @@ impl Source {
                 bail!("'{}' prints no voxel of the part", path.display());
             }
         }
-        let [nozzle_c, plate_c] = temperatures(&program);
-        Ok(Self { name, part: Arc::new(part), order: Order::Program(events), nozzle_c, plate_c })
+        let temperatures = temperatures(&program);
+        Ok(Self { name, part: Arc::new(part), order: Order::Program(events), temperatures })
     }
 
     /// Prints all layers and samples them; calls `complete` at the end of each layer with its
@@ -195,12 +198,14 @@ fn explain(error: anyhow::Error, program: &Program, part: &Voxels) -> anyhow::Er
 }
 
 /// The last temperatures of nozzle and bed before the first bead, in °C.
-fn temperatures(program: &Program) -> [Option<f64>; 2] {
-    let mut found = [None; 2];
+fn temperatures(program: &Program) -> Temperatures {
+    let mut found = Temperatures::default();
     for event in program.trace().map_while(Result::ok) {
         match event {
             Event::Heat { heater, celsius, .. } if celsius > 0.0 => {
-                found[usize::from(heater == Heater::Bed)] = Some(celsius);
+                let kept =
+                    if heater == Heater::Bed { &mut found.plate_c } else { &mut found.nozzle_c };
+                *kept = Some(celsius);
             }
             Event::Motion(motion) if motion.is_extrusion() => break,
             _ => {}
