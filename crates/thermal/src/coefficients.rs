@@ -55,8 +55,8 @@ pub(crate) mod face {
 /// - An inactive voxel has θ = 0, so it adds nothing to the sum; and the diagonal of the voxel does
 ///   not contain the conductance towards it.
 ///   Together this is exactly a face without conduction.
-/// - The build plate lies half a voxel below the centres of layer 0. The usual ghost value for such
-///   a Dirichlet boundary is 2 θ(plate) - θ.
+/// - The build plate lies half a voxel below the centres of the lowest layer.
+///   The usual ghost value for such a Dirichlet boundary is 2 θ(plate) - θ.
 ///   Its constant part, 2 θ(plate), is stored in a layer of ghost voxels; its other part, -θ, adds
 ///   one more `vertical` to the diagonal, which so contains twice the vertical conductance.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 /// A stretch of time in which at most one voxel is held at its birth temperature.
 ///
-/// [`crate::Simulation`] turns its checked deposition events into these; a stepper may split them
+/// [`crate::Simulation`] turns checked deposition events into these; a stepper may split them
 /// further.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Interval {
@@ -13,8 +13,8 @@ pub(crate) struct Interval {
     pub(crate) born: bool,
     /// Length, s, more than 0.
     pub(crate) seconds: f64,
-    /// How many events of the call are complete at the interval's end; `None` if an event ends
-    /// later.
+    /// Number of the call's events that are complete at the end of the interval; `None` if its
+    /// event goes on after it.
     pub(crate) completes: Option<usize>,
 }
 

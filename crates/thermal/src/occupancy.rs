@@ -1,76 +1,89 @@
-//! Which voxels are active, and which of their faces are covered.
+//! Which voxels are deposited, and which of their faces are covered.
 
 use crate::aligned::LINE_LEN;
 use crate::block_grid::BlockGrid;
 use crate::coefficients::{Coefficients, VoxelCoefficients, face};
-use crate::patch::{LineCode, Shape};
+use crate::line_code::LineCode;
+use crate::shape::Shape;
 
-/// A voxel whose numbers a birth has changed.
+/// New coefficients of one voxel after a birth: those of the new voxel itself, or of a neighbour
+/// whose face it covers.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Change {
-    /// x, y and z, halo counted.
-    pub(crate) at: [usize; 3],
+pub(crate) struct VoxelChange {
+    /// x, y and z in the part's patch, with the halo counted.
+    pub(crate) position: [usize; 3],
     pub(crate) voxel: VoxelCoefficients,
+    /// Code of the cache line in which the voxel lies.
     pub(crate) line: LineCode,
-    /// Whether it is the one that was born.
+    /// Whether this is the new voxel.
     pub(crate) born: bool,
 }
 
-/// The faces of all voxels, in the flat order of the part's patch.
+/// The covered faces of all voxels of the part, in the flat order of its patch.
 #[derive(Clone, Debug)]
 pub(crate) struct Occupancy {
     shape: Shape,
     faces: Vec<u8>,
-    /// The same in blocks.
+    /// The same counted in blocks.
     block_grid: BlockGrid,
-    /// Temperature above the air of what a voxel was laid on, just before it was; NaN where that
-    /// was nothing.
+    /// Substrate temperature of each voxel: θ of the voxel below just before this one was deposited
+    /// on it, K; NaN without one.
     substrate_theta: Vec<f32>,
 }
 
 impl Occupancy {
-    /// Nothing is active.
-    pub(crate) fn none(shape: Shape, coefficients: &Coefficients) -> Self {
+    /// Occupancy of a part of which nothing is printed yet.
+    pub(crate) fn unprinted(shape: Shape, coefficients: &Coefficients) -> Self {
         let len = shape.len();
-        let block_grid =
-            BlockGrid::none(shape, f64::from(coefficients.vertical / coefficients.lateral).sqrt());
-        Self { shape, faces: vec![0; len], block_grid, substrate_theta: vec![f32::NAN; len] }
+        // Conductances are inverse squares of lengths.
+        let width_by_height = f64::from(coefficients.vertical / coefficients.lateral).sqrt();
+        Self {
+            shape,
+            faces: vec![0; len],
+            block_grid: BlockGrid::unprinted(shape, width_by_height),
+            substrate_theta: vec![f32::NAN; len],
+        }
     }
 
-    /// What is active, in blocks.
+    /// Deposited voxels and faces, counted in blocks.
     pub(crate) fn block_grid(&self) -> &BlockGrid {
         &self.block_grid
     }
 
-    /// Whether a voxel is active.
+    /// Whether the voxel at a flat index is deposited.
     pub(crate) fn is_active(&self, index: usize) -> bool {
         self.faces[index] & face::ACTIVE != 0
     }
 
-    /// Temperature above the air of the voxel below, just before this one was laid on it; NaN if
-    /// there was none.
+    /// Substrate temperature of a voxel: θ of the voxel below just before this one was deposited on
+    /// it, K; NaN if there was none.
     pub(crate) fn substrate_theta(&self, index: usize) -> f32 {
         self.substrate_theta[index]
     }
 
-    /// The faces of all voxels, each a set of the bits of [`face`].
+    /// The [`face`] bits of all voxels, by flat index.
     pub(crate) fn faces(&self) -> &[u8] {
         &self.faces
     }
 
-    /// Makes a voxel active and tells what changes by it: the voxel itself first, then its active
-    /// neighbours.
-    /// What lies below has the temperature `below` above the air.
+    /// Activates a voxel and appends all changes that follow: the voxel itself first, then its
+    /// active neighbours.
+    ///
+    /// `below` is θ of the voxel below, which is recorded as substrate temperature if that voxel is
+    /// active.
     pub(crate) fn birth(
         &mut self,
-        at: [usize; 3],
+        position: [usize; 3],
         below: f32,
         coefficients: &Coefficients,
-        changes: &mut Vec<Change>,
+        changes: &mut Vec<VoxelChange>,
     ) {
-        let [x, y, z] = at;
-        let index = self.shape.index(at);
+        let [x, y, z] = position;
+        let index = self.shape.index(position);
         let [left, right, back, front] = face::SIDES;
+        // For each neighbour: the face of the new voxel towards it, its own face towards the new
+        // voxel, and its position.
+        // They come in pairs for each axis, the lower neighbour first.
         let neighbours = [
             (left, right, [x - 1, y, z]),
             (right, left, [x + 1, y, z]),
@@ -86,89 +99,34 @@ impl Occupancy {
         if z == 1 {
             faces |= face::PLATE;
         }
-        for (towards, from, neighbour) in neighbours {
+        for (own_face, their_face, neighbour) in neighbours {
             let other = &mut self.faces[self.shape.index(neighbour)];
             if *other & face::ACTIVE != 0 {
-                *other |= from;
-                faces |= towards;
+                *other |= their_face;
+                faces |= own_face;
             }
         }
         self.faces[index] = faces;
         let active =
-            neighbours.iter().enumerate().filter(|(_, (towards, ..))| faces & towards != 0);
-        self.block_grid.birth(at, active.clone().map(|(place, _)| (place / 2, place % 2 == 1)));
-        changes.push(self.change(at, coefficients, true));
+            neighbours.iter().enumerate().filter(|(_, (own_face, ..))| faces & own_face != 0);
+        self.block_grid.birth(position, active.clone().map(|(i, _)| (i / 2, i % 2 == 1)));
+        changes.push(self.change(position, coefficients, true));
         changes.extend(
             active.map(|(_, &(_, _, neighbour))| self.change(neighbour, coefficients, false)),
         );
     }
 
-    /// The numbers of a voxel whose faces have changed.
-    fn change(&self, at: [usize; 3], coefficients: &Coefficients, born: bool) -> Change {
-        let index = self.shape.index(at);
+    /// The change that follows from the present [`face`] bits of a voxel.
+    fn change(&self, position: [usize; 3], coefficients: &Coefficients, born: bool) -> VoxelChange {
+        let index = self.shape.index(position);
         let line = self.faces[index / LINE_LEN * LINE_LEN..]
             .first_chunk()
-            .expect("a patch has whole lines");
-        Change {
-            at,
+            .expect("patches consist of whole lines");
+        VoxelChange {
+            position,
             voxel: coefficients.by_faces[usize::from(self.faces[index])],
-            line: LineCode::of(*line),
+            line: LineCode::from_faces(*line),
             born,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use rand::{RngExt, SeedableRng};
-    use rand_xoshiro::Xoshiro256PlusPlus;
-
-    use super::*;
-    use crate::material::ThermalMaterial;
-    use crate::patch::{LineKind, Patch};
-    use crate::process::ProcessParameters;
-
-    #[test]
-    fn changes_leave_every_line_and_number_as_the_faces_have_them() {
-        let mut random = Xoshiro256PlusPlus::seed_from_u64(0);
-        let coefficients = Coefficients::new(
-            &ThermalMaterial::abs(),
-            &ProcessParameters::default(),
-            0.5e-3,
-            0.25e-3,
-        );
-        let mut uniform = 0;
-        for _ in 0..300 {
-            let size = [90, 6, 6].map(|most| random.random_range(1..most));
-            let shape = Shape::around(size[0], size[1], size[2]);
-            let (mut occupancy, mut patch) =
-                (Occupancy::none(shape, &coefficients), Patch::empty(shape, &coefficients));
-            let filled = if random.random_bool(0.5) { 1.0 } else { 0.9 };
-            let mut changes = Vec::new();
-            for z in 1..=size[2] {
-                for y in 1..=size[1] {
-                    for x in (1..=size[0]).filter(|_| random.random_bool(filled)) {
-                        occupancy.birth([x, y, z], 0.0, &coefficients, &mut changes);
-                    }
-                }
-                // As several at once are taken up, too.
-                patch.apply(&changes, &coefficients);
-                changes.clear();
-            }
-            for (i, &faces) in occupancy.faces.iter().enumerate() {
-                let known = coefficients.by_faces[usize::from(faces)].diagonal;
-                assert_eq!(patch.arrays.diagonal[i].to_bits(), known.to_bits());
-            }
-            let lines = shape.row / LINE_LEN;
-            for (i, (faces, &line)) in
-                occupancy.faces.chunks_exact(LINE_LEN).zip(&patch.arrays.lines).enumerate()
-            {
-                let known = LineCode::of(*faces.first_chunk().unwrap());
-                let end = [0, lines - 1].contains(&(i % lines));
-                assert_eq!(line, if end { known.cut() } else { known });
-                uniform += u32::from(matches!(line.kind(), LineKind::Uniform(_)));
-            }
-        }
-        assert!(uniform > 500, "{uniform} lines are uniform");
     }
 }

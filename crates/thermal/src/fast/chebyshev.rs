@@ -1,40 +1,88 @@
-//! Explicit steps that are longer than explicit steps may be.
+//! Stabilised explicit steps: Runge-Kutta-Chebyshev methods in factored form.
 //!
-//! A step of s stages multiplies each mode of the temperature, which decays at rate λ, by a
-//! polynomial P of degree s at z = -λ dt.
-//! Of all polynomials with P(z) = 1 + z + z² / 2 + ..., which makes the step second-order accurate,
-//! shifted Chebyshev ones stay below 1 farthest: to about 2/3 s² (Sommeijer, Shampine and Verwer
-//! 1997, RKC; damping 2/13).
-//! They are used in factors here: the roots of P come in conjugate pairs, and each pair is one
-//! [`crate::kernel::Pair`], which needs no memory of earlier stages.
+//! # The problem
+//!
+//! An explicit step of length dt multiplies each mode of the temperature, which decays at the rate
+//! λ, by a polynomial P(z) at z = -λ dt; the exact factor is e^z.
+//! The step is stable if |P| ≤ 1 for all modes.
+//! Euler's and Heun's method are stable for λ dt ≤ 2 only, so the fastest mode of the voxels
+//! dictates dt, even where it has long decayed and only slow modes are left.
+//!
+//! # The method
+//!
+//! With s stages, P may be any polynomial of degree s.
+//! Second order needs P(z) = 1 + z + z² / 2 + O(z³).
+//! Of these, a shifted and scaled Chebyshev polynomial is stable nearly as far as possible:
+//!
+//! ```text
+//! P(z) = 1 - b T(w0) + b T(w0 + w1 z),        T = Chebyshev polynomial of degree s
+//! w0 = 1 + ε / s²,  w1 = T'(w0) / T''(w0),  b = T''(w0) / T'(w0)²
+//! ```
+//!
+//! It is stable for λ dt up to about 2/3 s², so twice the stages allow a step four times as long
+//! (RKC: Sommeijer, Shampine and Verwer, J. Comput. Appl. Math. 88 (1998) 315-326, which is also
+//! the source of ε = 2/13).
+//! The cost of a step therefore grows with the square root of its length.
+//! The price is accuracy for fast modes: |P| oscillates between 1/3 and 0.95 where e^z is nearly 0.
+//! A fast mode that contains much heat would take several steps to disappear, which is why shorter
+//! steps are taken wherever heat is new (`stepper.rs`).
+//!
+//! # In factors
+//!
+//! The usual implementation of RKC is a recurrence over stages, which stores several of them.
+//! Here P is split into quadratic factors 1 + a z + b z², one for each conjugate pair of its roots,
+//! and each factor is one sweep in place ([`crate::kernel::TwoStageSweep`] with
+//! [`crate::kernel::Quadratic`]) that needs no earlier stage.
+//! The DUMKA methods of Lebedev and Medovikov are products of such factors too (Medovikov, BIT 38
+//! (1998) 372-390).
+//!
+//! For the linear part of the equation the product of the factors is P itself.
+//! For radiation, which is not linear, the order stays two: there is only one condition of second
+//! order, and it is the coefficient of z².
+//!
+//! The limit of this form is **internal stability**: the whole product is at most 1, but a partial
+//! product need not be.
+//! Partial products from the left let temperatures grow in between, partial products from the right
+//! amplify rounding errors (about 1e-5 K).
+//! The order of the factors keeps both small for the degrees that are used here, up to 12; from 16
+//! stages on, rounding reaches 0.1 K.
 
 use std::f64::consts::PI;
 
-/// Two stages, for a step of one second: θ + a f(θ) + b J f(θ).
+/// One factor 1 + a z + b z² of a stability polynomial: θ + a f(θ) + b J f(θ) for a step of one
+/// second.
+///
+/// For a step of dt seconds, `a` is multiplied by dt and `b` by dt².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Factor {
     pub(crate) a: f64,
     pub(crate) b: f64,
 }
 
-/// A step of an even number of stages.
+/// A stability polynomial of even degree, as the sequence of its quadratic factors.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Polynomial {
+    /// In the order in which they are applied.
     pub(crate) factors: Vec<Factor>,
-    /// The largest λ dt for which no mode grows.
-    pub(crate) reach: f64,
+    /// Largest λ dt for which no mode grows.
+    pub(crate) stable_to: f64,
 }
 
-/// How far |P| stays below 1 in the middle of its range.
-const DAMPING: f64 = 2.0 / 13.0;
+/// ε of the formula above: keeps |P| below about 1 - ε / 3 inside the stable range, where it would
+/// otherwise reach 1 at many points.
+const EPSILON: f64 = 2.0 / 13.0;
 
-/// The largest λ dt of the fitted step.
-const FITTED_REACH: f64 = 73.0;
+/// Largest stable λ dt of the fitted polynomial.
+const FITTED_STABLE_TO: f64 = 73.0;
 
-/// A step of twelve stages that is as near to what modes really do as it can be: see
-/// `docs/bench/step_polynomial.py`, which prints these numbers.
-/// Its weighed error is less than a fifth of that of the shifted Chebyshev polynomial with the same
-/// reach.
+/// The fitted polynomial: of all second-order polynomials of degree 12 that are stable to 73, the
+/// nearest to e^z in a weighted maximum norm.
+///
+/// The weight of a mode is how much of it is left where such a step is used, around births of a
+/// quarter of a step ago, times the number of steps for which an error lasts.
+/// `docs/bench/step_polynomial.py` computes it by Lawson's algorithm and prints these numbers.
+/// Its weighted error is less than a fifth of that of the shifted Chebyshev polynomial that is
+/// stable equally far.
 const FITTED: [Factor; 6] = [
     Factor { a: 0.032_481_318_962_853_38, b: 0.000_262_927_252_372_502_5 },
     Factor { a: 0.303_614_845_656_898_8, b: 0.018_614_776_388_940_425 },
@@ -45,60 +93,73 @@ const FITTED: [Factor; 6] = [
 ];
 
 impl Polynomial {
-    /// Of as few stages as reach to a λ dt.
-    pub(crate) fn reaching(z: f64) -> Self {
+    /// The shifted Chebyshev polynomial of lowest even degree that is stable up to a λ dt of `z`.
+    pub(crate) fn for_stability(z: f64) -> Self {
         let mut stages = 2;
-        // Below what is left after the damping, for any number of stages.
+        // 0.65 (s² - 1) is slightly less than the exact limit 2/3 (s² - 1) (1 - 2/15 ε); a test
+        // compares the two.
         while stages == 2 && z > 2.0 || stages > 2 && z > 0.65 * (stages * stages - 1) as f64 {
             stages += 2;
         }
-        Self::of_stages(stages)
+        Self::with_stages(stages)
     }
 
-    /// The fitted step, which reaches to a λ dt of 73.
+    /// The fitted polynomial of degree 12, which is stable up to a λ dt of 73.
     pub(crate) fn fitted() -> Self {
-        Self { factors: FITTED.to_vec(), reach: FITTED_REACH }
+        Self { factors: FITTED.to_vec(), stable_to: FITTED_STABLE_TO }
     }
 
-    /// How many stages it has.
+    /// Number of stages, which is the degree.
     pub(crate) fn stages(&self) -> usize {
         2 * self.factors.len()
     }
 
-    /// Of so many stages.
+    /// The shifted Chebyshev polynomial of a degree.
     ///
     /// # Panics
-    /// If the number is odd or 0.
-    pub(crate) fn of_stages(stages: usize) -> Self {
+    /// If the degree is odd or 0.
+    pub(crate) fn with_stages(stages: usize) -> Self {
         assert!(stages > 0 && stages.is_multiple_of(2), "stages come in pairs");
         if stages == 2 {
-            return Self { factors: vec![Factor { a: 1.0, b: 0.5 }], reach: 2.0 };
+            // There is only one second-order polynomial of degree two: Heun's method.
+            return Self { factors: vec![Factor { a: 1.0, b: 0.5 }], stable_to: 2.0 };
         }
         let s = stages as f64;
-        let w0 = 1.0 + DAMPING / (s * s);
+        let w0 = 1.0 + EPSILON / (s * s);
+        // T(w) = cosh(s u) with w = cosh u, for w > 1; hence T'(w) = s sinh(s u) / sinh u, and so
+        // on.
         let u = libm::acosh(w0);
-        // T(w0) and its derivatives, T = cosh(s acosh(w)).
         let (sinh_u, cosh_u) = (libm::sinh(u), libm::cosh(u));
         let value = libm::cosh(s * u);
         let first = s * libm::sinh(s * u) / sinh_u;
         let second = (s * s * value - first * cosh_u) / (sinh_u * sinh_u);
         let (w1, b) = (first / second, second / (first * first));
-        // P(z) = 1 - b T(w0) + b T(w0 + w1 z) is 0 where T = -c, c > 1: at w = cosh(A + iB).
+        // The roots.
+        // P(z) = 0 where T(w) = T(w0) - 1 / b = -c, with w = w0 + w1 z.
+        // Since c > 1, these w are complex: w = cosh(A + iB) with s A = acosh(c) and s B an odd
+        // multiple of π, for then T(w) = cosh(s A + i s B) = -cosh(s A) = -c.
         let c = 1.0 / b - value;
         let a_part = libm::acosh(c) / s;
         let mut factors: Vec<Factor> = (0..stages / 2)
             .map(|j| {
                 let b_part = PI * (2.0 * j as f64 + 1.0) / s;
+                // z = (w - w0) / w1, with cosh(A + iB) = cosh A cos B + i sinh A sin B.
                 let re = (libm::cosh(a_part) * libm::cos(b_part) - w0) / w1;
                 let im = libm::sinh(a_part) * libm::sin(b_part) / w1;
+                // (1 - z / r) (1 - z / r*) = 1 - 2 Re(r) / |r|² z + z² / |r|².
                 let square = re * re + im * im;
                 Factor { a: -2.0 * re / square, b: 1.0 / square }
             })
             .collect();
-        // Each factor alone lets some modes grow: those that damp the fastest modes go between the
-        // others.
-        // What grew on the way would be so hot that radiation runs away with it, so the one that
-        // lets modes grow most comes last.
+        // The order of the factors.
+        // They are sorted by now: the roots of the first are nearest to 0, so it damps slow modes
+        // and lets fast ones grow most; the roots of the last are at the far end of the stable
+        // range, so it damps the fastest modes.
+        // Factors from the far end alternate with those from the near end, so that modes that one
+        // of them lets grow are damped by the next.
+        // The first factor comes last: by then, little is left of the modes that it lets grow.
+        // Otherwise temperatures in between would be so high that radiation, a cubic polynomial,
+        // diverges.
         let last = factors.remove(0);
         let fast = factors.split_off(factors.len().div_ceil(2));
         let mut mixed = Vec::with_capacity(stages / 2);
@@ -108,7 +169,8 @@ impl Polynomial {
             mixed.push(slow);
         }
         mixed.push(last);
-        Self { factors: mixed, reach: (w0 + 1.0) / w1 }
+        // The stable range ends where w = -1.
+        Self { factors: mixed, stable_to: (w0 + 1.0) / w1 }
     }
 }
 
@@ -116,17 +178,18 @@ impl Polynomial {
 mod tests {
     use super::*;
 
+    /// P(z).
     fn value(polynomial: &Polynomial, z: f64) -> f64 {
         polynomial.factors.iter().map(|f| 1.0 + f.a * z + f.b * z * z).product()
     }
 
     #[test]
-    fn the_fitted_step_is_near_to_the_exponential() {
-        let (fitted, other) = (Polynomial::fitted(), Polynomial::reaching(FITTED_REACH));
+    fn fitted_polynomial_is_near_the_exponential() {
+        let (fitted, other) = (Polynomial::fitted(), Polynomial::for_stability(FITTED_STABLE_TO));
         assert_eq!(fitted.stages(), other.stages());
         let errors = [&fitted, &other].map(|p| {
             let error = |i: i32| {
-                let z = -FITTED_REACH * f64::from(i) / 10_000.0;
+                let z = -FITTED_STABLE_TO * f64::from(i) / 10_000.0;
                 let weight = (z / 4.0).exp() / (1.0 - z.exp()).max(1e-3);
                 (value(p, z) - z.exp()).abs() * weight.max(0.1)
             };
@@ -136,8 +199,8 @@ mod tests {
     }
 
     #[test]
-    fn nothing_grows_far_within_a_step() {
-        let [four, ten] = [4, 10].map(Polynomial::of_stages);
+    fn partial_products_stay_small() {
+        let [four, ten] = [4, 10].map(Polynomial::with_stages);
         let steps = [
             (four, 0.9, 1.0, 25.0),
             (ten, 0.75, 1.0, 700.0),
@@ -146,14 +209,14 @@ mod tests {
         for (p, fill, growth, rounding) in steps {
             let stages = p.stages();
             for i in 0..=1000 {
-                let z = -fill * p.reach * f64::from(i) / 1000.0;
+                let z = -fill * p.stable_to * f64::from(i) / 1000.0;
                 let each: Vec<f64> =
                     p.factors.iter().map(|f| 1.0 + f.a * z + f.b * z * z).collect();
                 for split in 0..=each.len() {
                     let (before, after): (f64, f64) =
                         (each[..split].iter().product(), each[split..].iter().product());
                     assert!(before.abs() <= growth + 1e-9, "{stages} stages at {z}: {before}");
-                    // So much more than rounding is what comes out of rounding, of about 1e-5 K.
+                    // Factor by which rounding errors, of about 1e-5 K, are amplified.
                     assert!(after.abs() < rounding, "{stages} stages at {z}: {after}");
                 }
             }
@@ -161,18 +224,19 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_second_order_and_stable_to_their_reach() {
-        let shifted = (2..=64).step_by(2).map(Polynomial::of_stages);
+    fn polynomials_are_second_order_and_stable() {
+        let shifted = (2..=64).step_by(2).map(Polynomial::with_stages);
         for (i, p) in shifted.chain([Polynomial::fitted()]).enumerate() {
             let stages = if i < 32 { 2 * (i + 1) } else { 12 };
             assert_eq!(p.factors.len() * 2, stages);
             let sum: f64 = p.factors.iter().map(|f| f.a).sum();
             assert!((sum - 1.0).abs() < 1e-9, "{stages}: {sum}");
-            // The coefficient of z² from the factors' own.
+            // P = exp(Σ ln(1 + a z + b z²)), so the coefficient of z² is Σ (b - a² / 2) + (Σ a)²
+            // / 2.
             let squares: f64 = p.factors.iter().map(|f| f.b - f.a * f.a / 2.0).sum();
             assert!((squares + 0.5 * sum * sum - 0.5).abs() < 1e-9, "{stages}");
             for i in 0..=10_000 {
-                let z = -p.reach * f64::from(i) / 10_000.0;
+                let z = -p.stable_to * f64::from(i) / 10_000.0;
                 assert!(
                     value(&p, z).abs() <= 1.0 + 1e-9,
                     "{stages} stages at {z}: {}",
@@ -181,9 +245,9 @@ mod tests {
             }
             let s = stages as f64;
             assert!(
-                stages == 2 || i == 32 || p.reach > 0.65 * (s * s - 1.0),
+                stages == 2 || i == 32 || p.stable_to > 0.65 * (s * s - 1.0),
                 "{stages}: {}",
-                p.reach
+                p.stable_to
             );
         }
     }

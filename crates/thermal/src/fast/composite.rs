@@ -1,36 +1,48 @@
-//! Steps of a large part: of its blocks, and of the voxels of a region around recent births.
+//! Composite steps of large parts: all blocks of the far field, and the voxels of a region around
+//! recent births.
+//!
+//! `far/mod.rs` explains the method.
+//! One step is:
+//!
+//! 1. Copy the region's voxels into a window, and add the pending change to make them current.
+//! 2. Step the blocks, with the births as sources of heat, and record what crosses the border of
+//!    the region.
+//! 3. Step the window on voxels, by the next lower level, with just these fluxes across its border.
+//! 4. Restrict the window: the blocks of the region take over the result of the voxels.
+//! 5. Subtract the pending change again and write the voxels back.
 
 use crate::block_grid::BlockGrid;
 use crate::coefficients::Coefficients;
 use crate::interval::{self, Interval};
 use crate::patch::Patch;
-use crate::state::Voxels;
+use crate::state::OccupancyMut;
 
-use super::FastStepper;
 use super::far::{BorderFluxes, FarField, FluxHalo, Region};
 use super::nested::{HaloSource, NestedPatch};
+use super::stepper::FastStepper;
 use super::window::Window;
 
-/// How many of the longest steps of the voxels the blocks take in one: what crosses the border is
-/// the mean over that time.
-const STEPS_IN_ONE: f64 = 2.0;
+/// Length of the blocks' partial steps, in the longest steps on voxels.
+///
+/// The fluxes across the border are constant within one of them.
+const VOXEL_STEPS_PER_PART: f64 = 2.0;
 
 impl FastStepper {
-    /// Takes the whole part through intervals that fit into one step of a level on blocks; through
-    /// those around the window, if there is one, in steps of the voxels.
-    pub(super) fn composite(
+    /// Steps the whole part through intervals that fit into one step of a level on blocks.
+    /// The voxels of a region around `window`, if there is one, are stepped by the level below.
+    pub(super) fn step_composite(
         &mut self,
         whole: &mut NestedPatch<'_>,
-        voxels: &mut Voxels<'_>,
+        occupancy: &mut OccupancyMut<'_>,
         coefficients: &Coefficients,
         level: usize,
         intervals: &[Interval],
         window: Option<Window>,
     ) {
-        whole.apply(&self.memory.changes, coefficients);
+        whole.apply(&self.buffers.changes, coefficients);
         let seconds = interval::total_seconds(intervals);
-        let (block_grid, top) = (voxels.block_grid(), voxels.top());
-        let far = &mut self.memory.far;
+        let (block_grid, top) = (occupancy.block_grid(), occupancy.top());
+        let far = &mut self.buffers.far;
         far.begin(whole.patch, block_grid, coefficients, top);
         let Some(window) = window else {
             far.step(seconds, &[], block_grid, coefficients, top);
@@ -38,41 +50,46 @@ impl FastStepper {
             return;
         };
         let region = Region::around(window, block_grid);
-        let mut near = self.memory.windows.pop().unwrap_or_default();
+        let mut near = self.buffers.windows.pop().unwrap_or_default();
         near.copy_window(region.window(block_grid, whole.patch.shape), whole.patch);
-        far.add(1.0, &mut near, region, block_grid, coefficients);
+        far.add_change(1.0, &mut near, region, block_grid, coefficients);
         let halo = FluxHalo::close(&mut near, whole.patch, region, block_grid, coefficients);
-        let parts = (seconds / (STEPS_IN_ONE * self.levels[level - 1].seconds)).ceil() as usize;
-        let flows = flows(far, intervals, seconds, parts, region, block_grid, coefficients, top);
-        let outer = HaloSource::Far { halo: &halo, flows: &flows };
-        let mut finer = NestedPatch::new(&mut near, whole.known, outer, seconds);
-        self.advance(&mut finer, voxels, coefficients, level - 1, intervals)
+        let part_s = VOXEL_STEPS_PER_PART * self.levels[level - 1].seconds;
+        let parts = (seconds / part_s).ceil() as usize;
+        let fluxes =
+            step_blocks(far, intervals, seconds, parts, region, block_grid, coefficients, top);
+        let source = HaloSource::Fluxes { halo: &halo, parts: &fluxes };
+        let mut finer = NestedPatch::new(&mut near, whole.applied, source, seconds);
+        self.advance(&mut finer, occupancy, coefficients, level - 1, intervals)
             .expect("a window is not interrupted");
-        finer.apply(&self.memory.changes, coefficients);
-        whole.apply(&self.memory.changes, coefficients);
+        finer.apply(&self.buffers.changes, coefficients);
+        whole.apply(&self.buffers.changes, coefficients);
+        // The halo holds fluxes, which must not be summed up as temperatures.
         halo.clear(&mut near);
-        let (block_grid, far) = (voxels.block_grid(), &mut self.memory.far);
-        far.restrict(&near, region, block_grid, coefficients, voxels.top());
-        far.add(-1.0, &mut near, region, block_grid, coefficients);
-        near.put_back(whole.patch);
-        self.memory.windows.push(near);
+        // Births have changed the block grid.
+        let (block_grid, far) = (occupancy.block_grid(), &mut self.buffers.far);
+        far.restrict(&near, region, block_grid, coefficients, occupancy.top());
+        far.add_change(-1.0, &mut near, region, block_grid, coefficients);
+        near.write_back(whole.patch);
+        self.buffers.windows.push(near);
     }
 
-    /// Gives the voxels of the whole part what the far field has in stock for them.
-    pub(super) fn end_composite(
+    /// Adds the pending change of the far field to the voxels of the whole part, and deactivates
+    /// the far field.
+    pub(super) fn end_far_field(
         &mut self,
         whole: &mut Patch,
-        voxels: &Voxels<'_>,
+        occupancy: &OccupancyMut<'_>,
         coefficients: &Coefficients,
     ) {
-        self.memory.far.end(whole, voxels.block_grid(), coefficients, voxels.top());
+        self.buffers.far.end(whole, occupancy.block_grid(), coefficients, occupancy.top());
     }
 }
 
-/// Takes the blocks through some intervals of so many seconds together, in equal parts, and gives
-/// what crosses a region's border in each.
-#[expect(clippy::too_many_arguments, reason = "a step's own, and what all steps on blocks need")]
-fn flows(
+/// Steps the blocks through some intervals, which take `seconds` together, in equal parts, and
+/// returns the fluxes across a region's border in each part.
+#[expect(clippy::too_many_arguments, reason = "the step, and what all steps on blocks need")]
+fn step_blocks(
     far: &mut FarField,
     mut intervals: &[Interval],
     seconds: f64,
@@ -85,11 +102,11 @@ fn flows(
     let border: Vec<_> = region.border(block_grid).collect();
     let part_s = seconds / parts as f64;
     let mut time = 0.0;
-    let mut part = |end: usize| {
-        // The middle of a interval tells where it belongs, however many parts it lasts.
+    let mut step_part = |end: usize| {
+        // An interval belongs to the part that contains its midpoint, even if it is longer.
         let now = intervals.iter().take_while(|interval| {
-            let middle = time + interval.seconds / 2.0;
-            let within = end == parts || middle < end as f64 * part_s;
+            let midpoint = time + interval.seconds / 2.0;
+            let within = end == parts || midpoint < end as f64 * part_s;
             time += if within { interval.seconds } else { 0.0 };
             within
         });
@@ -97,21 +114,22 @@ fn flows(
         intervals = later;
         let births = now.iter().filter(|interval| interval.born);
         let sources: Vec<_> = births
-            .filter_map(|birth| source(far, birth, part_s, block_grid, coefficients))
+            .filter_map(|birth| birth_source(far, birth, part_s, block_grid, coefficients))
             .collect();
-        sources.iter().for_each(|&(block, rate)| far.heat(block, rate));
-        let flows = far.step(part_s, &border, block_grid, coefficients, top);
-        sources.iter().for_each(|&(block, rate)| far.heat(block, -rate));
-        flows
+        sources.iter().for_each(|&(block, rate)| far.add_source(block, rate));
+        let fluxes = far.step(part_s, &border, block_grid, coefficients, top);
+        sources.iter().for_each(|&(block, rate)| far.add_source(block, -rate));
+        fluxes
     };
-    (1..=parts).map(&mut part).collect()
+    (1..=parts).map(&mut step_part).collect()
 }
 
-/// What a birth is to the blocks: which of them it heats, and by how much in a time, K/s in voxels.
+/// The source of heat that a birth is to the blocks: which block, and its rate over a time, K
+/// voxels/s.
 ///
-/// That is its own block, or the one below if its own is empty yet; one on the empty plate heats
-/// none.
-fn source(
+/// The block is the voxel's own, or the one below if its own has no voxels yet.
+/// `None` if neither has voxels, as on the empty plate.
+fn birth_source(
     far: &FarField,
     birth: &Interval,
     seconds: f64,
@@ -122,11 +140,12 @@ fn source(
     let (block, theta) = [z, z - 1]
         .into_iter()
         .filter(|&z| z > 0)
-        .map(|z| block_grid.block([x, y, z]))
-        .find_map(|block| Some((block, far.theta(block)?)))?;
-    // While it is held, it gives heat without getting colder: to the voxel below, and to one or two
-    // beside it.
-    let held = 1.0 + (coefficients.vertical + 1.5 * coefficients.lateral) * birth.seconds as f32;
+        .map(|z| block_grid.block_of([x, y, z]))
+        .find_map(|block| Some((block, far.mean_theta(block)?)))?;
+    // A held voxel gives heat without getting colder: during the interval about its conductance to
+    // the voxel below and to one or two neighbours in the layer, in addition to its own heat.
+    let conductance = coefficients.vertical + 1.5 * coefficients.lateral;
+    let held = 1.0 + conductance * birth.seconds as f32;
     Some((block, held * (coefficients.birth_theta - theta) / seconds as f32))
 }
 
@@ -135,33 +154,28 @@ mod tests {
     use super::*;
     use crate::fast::level::{Accuracy, levels};
     use crate::material::ThermalMaterial;
-    use crate::patch::Shape;
     use crate::process::ProcessParameters;
+    use crate::shape::Shape;
     use crate::state::State;
 
-    /// A step is as long for the blocks as for the voxels, wherever its intervals begin and end.
     #[test]
-    fn blocks_take_all_of_the_time() {
+    fn blocks_are_stepped_through_the_whole_time_however_intervals_are_cut() {
         let coefficients = Coefficients::new(
             &ThermalMaterial::abs(),
             &ProcessParameters::default(),
             0.5e-3,
             0.25e-3,
         );
-        let mut state = State::empty(Shape::around(30, 20, 12), &coefficients);
+        let mut state = State::unprinted(Shape::with_halo(30, 20, 12), &coefficients);
         let (state_mut, mut changes) = (state.make_mut(), Vec::new());
-        let (patch, mut voxels) = (state_mut.patch, state_mut.voxels);
+        let (patch, mut occupancy) = (state_mut.patch, state_mut.occupancy);
         for i in 0..30 * 20 * 12 {
-            voxels.birth(
-                [i % 30 + 1, i / 30 % 20 + 1, i / 600 + 1],
-                patch,
-                &coefficients,
-                &mut changes,
-            );
+            let position = [i % 30 + 1, i / 30 % 20 + 1, i / 600 + 1];
+            occupancy.birth(position, patch, &coefficients, &mut changes);
             patch.apply(&changes, &coefficients);
             changes.clear();
         }
-        let (block_grid, top) = (voxels.block_grid(), voxels.top());
+        let (block_grid, top) = (occupancy.block_grid(), occupancy.top());
         let region = Region { low: [1, 2, 1], high: [16, 5, 4] };
         let seconds = levels(Accuracy::High, &coefficients)[4].seconds;
         let pause = |seconds| Interval { held: None, born: false, seconds, completes: None };
@@ -174,7 +188,7 @@ mod tests {
             let ends = [&many].into_iter().chain(&cases).map(|intervals| {
                 let mut far = FarField::default();
                 far.begin(patch, block_grid, &coefficients, top);
-                let flows = flows(
+                let fluxes = step_blocks(
                     &mut far,
                     intervals,
                     seconds,
@@ -184,8 +198,9 @@ mod tests {
                     &coefficients,
                     top,
                 );
-                assert_eq!(flows.len(), parts);
-                (0..block_grid.shape.len()).map(|block| far.theta(block)).collect::<Vec<_>>()
+                assert_eq!(fluxes.len(), parts);
+                let blocks = 0..block_grid.shape.len();
+                blocks.map(|block| far.mean_theta(block)).collect::<Vec<_>>()
             });
             let ends: Vec<_> = ends.collect();
             assert!(ends.iter().all(|end| *end == ends[0]), "in {parts} parts");

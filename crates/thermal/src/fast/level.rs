@@ -1,123 +1,129 @@
-//! How long steps are, and how far from the nozzle.
+//! The levels of time steps: how long steps are, and where shorter ones take over.
+//!
+//! All lengths are relative to the material and the voxels.
+//! Times are in units of 1 / λ, where λ is the fastest decay rate ([`Coefficients::max_rate`]): a
+//! forward Euler step is stable up to 2 of these units.
+//! Distances are in units of √(2 D t), the standard deviation by which heat spreads in a time t at
+//! a diffusivity D. So one table of numbers serves all materials, voxel sizes and speeds.
 
 use crate::coefficients::Coefficients;
 
 use super::chebyshev::Polynomial;
 
-/// How exact the fast stepper is.
+/// Accuracy of the fast method.
 ///
-/// Both are checked against a second-order stepper with four steps a birth, on the paper's three
-/// kinds of parts and a block; `docs/results/thermal.md` has the errors.
+/// Both settings are checked against a second-order method with four steps per voxel, on the
+/// paper's three kinds of parts and a block; `docs/results/thermal.md` lists the errors.
 /// They were tuned on the rectangular part and the block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Accuracy {
-    /// More exact than the plain scheme, in a fraction of its time.
+    /// More accurate than the naive method, in a fraction of its time.
     #[default]
     Standard,
-    /// Errors several times smaller.
+    /// Errors several times smaller, for about 1.3 times the time.
     High,
 }
 
-/// A length of steps, and where the next shorter steps take over.
+/// A level: the length of its steps, and where steps of the next lower level are needed.
 #[derive(Clone, Debug)]
 pub(super) struct Level {
-    pub(super) step: StepMethod,
-    /// The longest step, s.
+    pub(super) method: StepMethod,
+    /// Length of the longest step, s.
     pub(super) seconds: f64,
-    /// Shorter steps are taken wherever a voxel was born within this time before the step, s, or
-    /// will be in it, ...
+    /// Shorter steps are taken around all voxels that were born within this time before the step,
+    /// s, or are born in it, ...
     pub(super) age_s: f64,
-    /// ... and so many voxels around, in x and y, and in z: at least two around steps on blocks, so
-    /// that births change no voxel at the border.
+    /// ... in a box with this margin in voxels, in x and y, and in z.
+    /// On blocks at least two, so that births do not change the voxels at the border.
     pub(super) margins: [usize; 2],
 }
 
-impl Level {
-    /// The age up to which births count in a pause: at least two of the longest steps.
-    ///
-    /// In a print, new births keep a window around those before them.
-    /// In a pause nothing does, and a long step would leave up to the whole of the sharpest
-    /// differences standing.
-    pub(super) fn pause_age_s(&self) -> f64 {
-        self.age_s.max(2.0 * self.seconds)
-    }
-}
-
-/// How a step is taken.
+/// How a step is computed.
 #[derive(Clone, Debug)]
 pub(super) enum StepMethod {
-    /// On the voxels, in stages.
+    /// On voxels, by a stability polynomial.
     Voxels(Polynomial),
     /// On blocks of voxels.
     Blocks,
 }
 
-/// What a step on blocks costs: in sweeps of the voxels.
+/// Cost of a step on blocks, in sweeps over the voxels.
 const BLOCK_STAGES: f64 = 1.0;
 
 impl Level {
-    /// What a step costs: sweeps of the voxels.
+    /// Age up to which births count as recent in a pause, s: at least two of the longest steps.
+    ///
+    /// While voxels are deposited, each new birth keeps a window around those shortly before it, so
+    /// a short age suffices.
+    /// In a pause nothing does, and the first long step would meet differences of temperature that
+    /// it hardly damps.
+    pub(super) fn pause_age_s(&self) -> f64 {
+        self.age_s.max(2.0 * self.seconds)
+    }
+
+    /// Cost of a step, in sweeps over the voxels.
     pub(super) fn stages(&self) -> f64 {
-        match &self.step {
+        match &self.method {
             StepMethod::Voxels(polynomial) => polynomial.stages() as f64,
             StepMethod::Blocks => BLOCK_STAGES,
         }
     }
 
-    /// The same for each second of the longest steps.
+    /// Cost of a second in steps of full length, in sweeps over the voxels.
     pub(super) fn stages_per_second(&self) -> f64 {
         self.stages() / self.seconds
     }
 }
 
-/// A level in units of what it stands on.
+/// A level in relative units.
 #[derive(Clone, Copy)]
 struct LevelSpec {
-    /// Longest step, times the fastest rate of the voxels.
-    length: f64,
-    /// What it is taken as.
     kind: StepKind,
-    /// Age, in longest steps.
+    /// Length of the longest step times the fastest decay rate.
+    length: f64,
+    /// [`Level::age_s`] in longest steps.
     age: f64,
-    /// Margins, in lengths by which heat spreads within a longest step.
+    /// [`Level::margins`] in standard deviations of the spread of heat within a longest step.
     spreads: f64,
 }
 
-/// What steps are taken as.
+/// How the steps of a [`LevelSpec`] are computed.
 #[derive(Clone, Copy)]
 enum StepKind {
-    /// A polynomial of as few stages as make the length stable.
-    Voxels,
+    /// The shifted Chebyshev polynomial of the lowest degree that is stable.
+    Chebyshev,
     /// The fitted polynomial.
     Fitted,
-    /// A step on blocks.
+    /// On blocks.
     Blocks,
 }
 
-const fn level(kind: StepKind, length: f64, age: f64, spreads: f64) -> LevelSpec {
-    LevelSpec { length, kind, age, spreads }
+const fn spec(kind: StepKind, length: f64, age: f64, spreads: f64) -> LevelSpec {
+    LevelSpec { kind, length, age, spreads }
 }
 
-/// The shortest steps first.
-/// A birth of the paper's ABS lasts 0.38 in these units: so these are steps of one, 5, 22, 188 and
-/// 564 births.
+/// Levels of [`Accuracy::Standard`], shortest steps first.
+///
+/// The birth of a voxel of the paper's ABS lasts 0.38 units, so these are steps of 1, 5, 22, 188
+/// and 564 births.
 const STANDARD: [LevelSpec; 5] = [
-    level(StepKind::Voxels, 0.4, 0.0, 0.0),
-    level(StepKind::Voxels, 1.93, 1.5, 2.0),
-    level(StepKind::Voxels, 8.5, 1.0, 1.5),
-    level(StepKind::Fitted, 71.4, 0.25, 2.5),
-    level(StepKind::Blocks, 214.4, 2.0, 2.0),
-];
-/// One, 4, 22, 125 and 1,000 births.
-const HIGH: [LevelSpec; 5] = [
-    level(StepKind::Voxels, 0.4, 0.0, 0.0),
-    level(StepKind::Voxels, 1.54, 3.0, 2.5),
-    level(StepKind::Voxels, 8.5, 2.0, 2.5),
-    level(StepKind::Voxels, 47.8, 1.5, 3.0),
-    level(StepKind::Blocks, 381.0, 1.5, 3.0),
+    spec(StepKind::Chebyshev, 0.4, 0.0, 0.0),
+    spec(StepKind::Chebyshev, 1.93, 1.5, 2.0),
+    spec(StepKind::Chebyshev, 8.5, 1.0, 1.5),
+    spec(StepKind::Fitted, 71.4, 0.25, 2.5),
+    spec(StepKind::Blocks, 214.4, 2.0, 2.0),
 ];
 
-/// The levels of an accuracy, the shortest steps first.
+/// Levels of [`Accuracy::High`]: steps of 1, 4, 22, 125 and 1,000 births, and larger windows.
+const HIGH: [LevelSpec; 5] = [
+    spec(StepKind::Chebyshev, 0.4, 0.0, 0.0),
+    spec(StepKind::Chebyshev, 1.54, 3.0, 2.5),
+    spec(StepKind::Chebyshev, 8.5, 2.0, 2.5),
+    spec(StepKind::Chebyshev, 47.8, 1.5, 3.0),
+    spec(StepKind::Blocks, 381.0, 1.5, 3.0),
+];
+
+/// The levels of an accuracy, shortest steps first.
 pub(super) fn levels(accuracy: Accuracy, coefficients: &Coefficients) -> Vec<Level> {
     let specs = match accuracy {
         Accuracy::Standard => STANDARD,
@@ -129,17 +135,18 @@ pub(super) fn levels(accuracy: Accuracy, coefficients: &Coefficients) -> Vec<Lev
 impl LevelSpec {
     fn level(self, coefficients: &Coefficients) -> Level {
         let seconds = self.length / coefficients.max_rate;
-        let step = match self.kind {
-            StepKind::Voxels => StepMethod::Voxels(Polynomial::reaching(self.length)),
+        let method = match self.kind {
+            StepKind::Chebyshev => StepMethod::Voxels(Polynomial::for_stability(self.length)),
             StepKind::Fitted => StepMethod::Voxels(Polynomial::fitted()),
             StepKind::Blocks => StepMethod::Blocks,
         };
-        let least = if matches!(self.kind, StepKind::Blocks) { 2 } else { 0 };
-        let margin = |rate: f32| {
-            let spread = (2.0 * f64::from(rate) * seconds).sqrt();
-            ((self.spreads * spread).ceil() as usize).max(least)
+        let min_margin = if matches!(self.kind, StepKind::Blocks) { 2 } else { 0 };
+        // The conductance is D / length², so this is √(2 D t) in voxels.
+        let margin = |conductance: f32| {
+            let spread = (2.0 * f64::from(conductance) * seconds).sqrt();
+            ((self.spreads * spread).ceil() as usize).max(min_margin)
         };
         let margins = [margin(coefficients.lateral), margin(coefficients.vertical)];
-        Level { step, seconds, age_s: self.age * seconds, margins }
+        Level { method, seconds, age_s: self.age * seconds, margins }
     }
 }

@@ -1,104 +1,124 @@
-//! Two stages of small patches, one after the other.
+//! Two-stage sweeps of small patches, as one flat range.
 
-#![expect(clippy::inline_always, reason = "see the module above")]
+#![expect(clippy::inline_always, reason = "see kernel/lanes.rs")]
 
 use pulp::{Simd, WithSimd};
 
-use super::pair::Sweep;
-use super::stages::Stages;
-use super::{HeatEquation, PlaneNeighbours};
+use super::equation::{HeatEquation, PlaneNeighbours};
+use super::stages::{SweepParameters, TwoStageScheme};
 use crate::aligned::AlignedBuffer;
-use crate::patch::Shape;
+use crate::shape::Shape;
 
-/// Numbers that are swept like this: with what is kept of them they fit into the fastest memory.
+/// Most elements of a patch that is swept like this: together with their intermediate values they
+/// fit into the first-level cache.
 pub(super) const MAX_FLAT_LEN: usize = 1 << 12;
 
-/// What [`super::TwoStageSweep`] does, for patches so small that to begin with a plane or a run of
-/// lines takes as long as to go through with it: the numbers of all planes are kept, and all lines
-/// are taken as mixed.
-pub(super) struct Flat<'a, T> {
-    pub(super) all: Sweep<'a, T>,
+/// A two-stage sweep that runs each stage over the whole patch.
+///
+/// Windows near the nozzle have a few dozen cache lines.
+/// There, starting a plane or a run of lines takes longer than computing its voxels, so this sweep
+/// has neither: the intermediate values of all planes are stored, and all lines are treated as
+/// mixed.
+/// The result has the same bits as that of [`super::slab::Slab`]: the coefficients in memory are
+/// those that a uniform line shares, an exposed area of 0 takes exactly 0 off the diagonal, and
+/// masks do not change active voxels.
+pub(super) struct FlatSweep<'a, T> {
+    pub(super) parameters: SweepParameters<'a, T>,
     pub(super) theta: &'a mut [f32],
-    pub(super) kept: &'a mut [f32],
+    /// From [`FlatBuffer::prepare`].
+    pub(super) intermediate: &'a mut [f32],
 }
 
-/// Memory for [`Flat`].
+/// Intermediate values of a [`FlatSweep`], kept from one to the next.
 #[derive(Debug, Default)]
-pub(super) struct SweepBuffers {
-    kept: AlignedBuffer,
-    /// The shape, the top and the below_plate of the last sweep.
-    last: (Shape, usize, f32),
+pub(super) struct FlatBuffer {
+    intermediate: AlignedBuffer,
+    /// For which shape, first empty row and ghost value the halo is set up.
+    prepared_for: (Shape, usize, f32),
 }
 
-impl SweepBuffers {
-    /// A number for each voxel of a patch: wherever no sweep of it has written, that of the
-    /// below_plate in the first row of each plane, and else 0.
-    pub(super) fn of(&mut self, shape: Shape, top: usize, below_plate: f32) -> &mut [f32] {
-        if self.last != (shape, top, below_plate) {
-            self.kept.reset(shape.len());
-            self.kept
-                .chunks_exact_mut(shape.plane())
-                .for_each(|plane| plane[..shape.row].fill(below_plate));
-            self.last = (shape, top, below_plate);
+impl FlatBuffer {
+    /// Intermediate values for a patch, with a valid halo: the ghost value in row 0 of each plane,
+    /// 0 elsewhere.
+    ///
+    /// Sweeps never write the halo, so as long as the patch keeps its size nothing needs to be
+    /// done.
+    /// They do write the voxels, but compute them before they read them.
+    pub(super) fn prepare(&mut self, shape: Shape, top: usize, ghost: f32) -> &mut [f32] {
+        if self.prepared_for != (shape, top, ghost) {
+            self.intermediate.reset(shape.len());
+            self.intermediate
+                .chunks_exact_mut(shape.plane_len())
+                .for_each(|plane| plane[..shape.row_len].fill(ghost));
+            self.prepared_for = (shape, top, ghost);
         }
-        &mut self.kept
+        &mut self.intermediate
     }
 }
 
-impl<T: Stages> WithSimd for Flat<'_, T> {
+impl<T: TwoStageScheme> WithSimd for FlatSweep<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, s: S) {
-        if self.all.coefficients.resistance.is_some() {
-            self.sweep::<S, true>(s)
+        if self.parameters.coefficients.resistance.is_some() {
+            self.sweep::<S, true>(s);
         } else {
-            self.sweep::<S, false>(s)
+            self.sweep::<S, false>(s);
         }
     }
 }
 
-impl<T: Stages> Flat<'_, T> {
+impl<T: TwoStageScheme> FlatSweep<'_, T> {
     #[inline(always)]
     fn sweep<S: Simd, const RESISTANCE: bool>(self, s: S) {
-        let Self { all: Sweep { coefficients, shape, arrays, stages, held, top }, theta, kept } =
-            self;
-        let (row, plane) = (shape.row, shape.plane());
-        // From the first voxel to the last, over what halo lies between.
-        let (start, len) = (plane + row, shape.len() - 2 * (plane + row));
-        let behind = [0, plane, 2 * plane];
-        let [step, swept] = [plane, (top - 1) * row].map(|numbers| numbers / S::F32_LANES);
-        let around = PlaneNeighbours::of(behind.map(|i| &theta[i..]), len, row);
+        let Self { parameters, theta, intermediate } = self;
+        let SweepParameters { coefficients, shape, arrays, scheme, held, top } = parameters;
+        let (row_len, plane_len) = (shape.row_len, shape.plane_len());
+        // One range from row 1 of plane 1 to the last row but one of the last plane but one.
+        // It runs through the halo rows between planes; the loops below skip these.
+        let (start, len) = (plane_len + row_len, shape.len() - 2 * (plane_len + row_len));
+        let offsets = [0, plane_len, 2 * plane_len];
+        // In vectors: from one plane to the next, and the printed rows of each plane.
+        let [stride, swept] =
+            [plane_len, (top - 1) * row_len].map(|numbers| numbers / S::F32_LANES);
+        // First stage: intermediate values from temperatures.
+        let planes = offsets.map(|offset| &theta[offset..]);
+        let planes = PlaneNeighbours::from_planes(planes, len, row_len);
         let equation =
-            HeatEquation::<S, RESISTANCE>::new(s, coefficients, arrays, around, start, false);
+            HeatEquation::<S, RESISTANCE>::new(s, coefficients, arrays, planes, start, false);
         let n = equation.len();
-        let lanes = &mut S::as_mut_simd_f32s(&mut kept[start..start + len]).0[..n];
-        for plane in (0..n).step_by(step) {
+        let inside = &mut intermediate[start..start + len];
+        let inside = &mut S::as_mut_simd_f32s(inside).0[..n];
+        for plane in (0..n).step_by(stride) {
             let run = plane..(plane + swept).min(n);
             for i in run {
-                let here = equation.here(i);
-                lanes[i] = stages.first(s, here, equation.mixed(i, here));
+                let theta = equation.here(i);
+                inside[i] = scheme.first(s, theta, equation.rate_masked(i, theta));
             }
         }
         if let Some(held) = held {
-            kept[held] = T::held(coefficients);
+            intermediate[held] = T::held_intermediate(coefficients);
         }
-        let around = PlaneNeighbours::of(behind.map(|i| &kept[i..]), len, row);
+        // Second stage: temperatures from intermediate values.
+        let planes = offsets.map(|offset| &intermediate[offset..]);
+        let planes = PlaneNeighbours::from_planes(planes, len, row_len);
         let equation = HeatEquation::<S, RESISTANCE>::new(
             s,
             coefficients,
             arrays,
-            around,
+            planes,
             start,
             T::LINEARIZED,
         );
         let theta = &mut S::as_mut_simd_f32s(&mut theta[start..start + len]).0[..n];
-        for plane in (0..n).step_by(step) {
+        for plane in (0..n).step_by(stride) {
             let run = plane..(plane + swept).min(n);
             for i in run {
-                let kept = equation.here(i);
-                let rate = equation.mixed(i, T::surface::<S>(theta[i], kept));
-                theta[i] = stages.second(s, theta[i], kept, rate);
+                let intermediate = equation.here(i);
+                let surface = T::surface_theta::<S>(theta[i], intermediate);
+                let rate = equation.rate_masked(i, surface);
+                theta[i] = scheme.second(s, theta[i], intermediate, rate);
             }
         }
     }

@@ -1,53 +1,63 @@
-//! What is done in two stages at once.
-
-#![expect(clippy::inline_always, reason = "see the module above")]
+//! The explicit methods that a two-stage sweep can take.
+//!
+//! Every method here has two evaluations of the equation per sweep.
+//! The first turns temperatures and their rates into one **intermediate value** per voxel; the
+//! second evaluates the equation, or its linearisation, over the intermediate values and turns the
+//! result into new temperatures.
 
 use pulp::Simd;
 
 use crate::coefficients::Coefficients;
+use crate::patch::CoefficientArrays;
+use crate::shape::Shape;
 
-/// Two stages that a sweep takes together: what each makes of the rates of change that it finds.
-/// Between them, each voxel keeps a number.
-pub(crate) trait Stages: Copy + Send + Sync {
-    /// Whether the second stage takes the derivative of the heat equation, of the numbers kept, or
-    /// the equation itself.
+/// A method of two stages.
+pub(crate) trait TwoStageScheme: Copy + Send + Sync {
+    /// Whether the second stage evaluates the linearised equation J f over intermediate values that
+    /// are rates; otherwise it evaluates the equation over intermediate temperatures.
     const LINEARIZED: bool;
 
-    /// The number kept where a voxel is held at the temperature of its birth.
-    fn held(coefficients: &Coefficients) -> f32;
+    /// Intermediate value of a voxel that is held at its birth temperature.
+    fn held_intermediate(coefficients: &Coefficients) -> f32;
 
-    /// The number kept below the part, by the ghosts of the build plate.
-    fn below_plate(coefficients: &Coefficients) -> f32;
+    /// Intermediate value of the ghosts of the build plate below layer 0.
+    fn ghost_intermediate(coefficients: &Coefficients) -> f32;
 
-    /// The numbers kept, given temperatures and their rates.
+    /// The intermediate values, given temperatures and their rates.
     fn first<S: Simd>(self, s: S, theta: S::f32s, rate: S::f32s) -> S::f32s;
 
-    /// The temperatures at which surfaces lose heat in the second stage.
-    fn surface<S: Simd>(theta: S::f32s, kept: S::f32s) -> S::f32s;
+    /// The temperatures at which the second stage evaluates surface losses.
+    fn surface_theta<S: Simd>(theta: S::f32s, intermediate: S::f32s) -> S::f32s;
 
-    /// The temperatures after both stages, given those before them, the numbers kept and the rates
-    /// that follow from these.
-    fn second<S: Simd>(self, s: S, theta: S::f32s, kept: S::f32s, rate: S::f32s) -> S::f32s;
+    /// The temperatures after both stages, given those before them, the intermediate values, and
+    /// the rates that the second stage computed from these.
+    fn second<S: Simd>(self, s: S, theta: S::f32s, intermediate: S::f32s, rate: S::f32s)
+    -> S::f32s;
 }
 
-/// θ + a f(θ) + b J f(θ), where f is the rate of change and J its derivative; f(θ) is kept.
+/// θ + a f(θ) + b J f(θ), where f is the right-hand side of the heat equation and J its Jacobian at
+/// θ; the intermediate values are the rates f(θ).
 ///
-/// With a = dt and b = dt² / 2 that is Heun's method; steps of more stages are products of such
-/// pairs.
+/// With a = dt and b = dt² / 2 this is the second-order Taylor method.
+/// It equals Heun's method wherever the equation is linear; for radiation the two differ in third
+/// order.
+/// Steps of more stages are products of such factors with other a and b (`fast/chebyshev.rs`).
 #[derive(Clone, Copy)]
 pub(crate) struct Quadratic {
     pub(crate) a: f32,
     pub(crate) b: f32,
 }
 
-impl Stages for Quadratic {
+impl TwoStageScheme for Quadratic {
     const LINEARIZED: bool = true;
 
-    fn held(_: &Coefficients) -> f32 {
+    // What is held constant has the rate 0: the voxel under the nozzle, and the plate.
+
+    fn held_intermediate(_: &Coefficients) -> f32 {
         0.0
     }
 
-    fn below_plate(_: &Coefficients) -> f32 {
+    fn ghost_intermediate(_: &Coefficients) -> f32 {
         0.0
     }
 
@@ -57,31 +67,39 @@ impl Stages for Quadratic {
     }
 
     #[inline(always)]
-    fn surface<S: Simd>(theta: S::f32s, _: S::f32s) -> S::f32s {
+    fn surface_theta<S: Simd>(theta: S::f32s, _: S::f32s) -> S::f32s {
         theta
     }
 
     #[inline(always)]
-    fn second<S: Simd>(self, s: S, theta: S::f32s, kept: S::f32s, rate: S::f32s) -> S::f32s {
+    fn second<S: Simd>(
+        self,
+        s: S,
+        theta: S::f32s,
+        intermediate: S::f32s,
+        rate: S::f32s,
+    ) -> S::f32s {
         let [a, b] = [self.a, self.b].map(|number| s.splat_f32s(number));
-        s.mul_add_f32s(b, rate, s.mul_add_f32s(a, kept, theta))
+        s.mul_add_f32s(b, rate, s.mul_add_f32s(a, intermediate, theta))
     }
 }
 
-/// Two explicit steps of so many seconds; the temperatures after the first are kept.
+/// Two forward Euler steps of equal length; the intermediate values are the temperatures after the
+/// first.
 #[derive(Clone, Copy)]
 pub(crate) struct TwoSteps {
+    /// Length of each step, s.
     pub(crate) seconds: f32,
 }
 
-impl Stages for TwoSteps {
+impl TwoStageScheme for TwoSteps {
     const LINEARIZED: bool = false;
 
-    fn held(coefficients: &Coefficients) -> f32 {
+    fn held_intermediate(coefficients: &Coefficients) -> f32 {
         coefficients.birth_theta
     }
 
-    fn below_plate(coefficients: &Coefficients) -> f32 {
+    fn ghost_intermediate(coefficients: &Coefficients) -> f32 {
         coefficients.plate_ghost
     }
 
@@ -91,12 +109,25 @@ impl Stages for TwoSteps {
     }
 
     #[inline(always)]
-    fn surface<S: Simd>(_: S::f32s, kept: S::f32s) -> S::f32s {
-        kept
+    fn surface_theta<S: Simd>(_: S::f32s, intermediate: S::f32s) -> S::f32s {
+        intermediate
     }
 
     #[inline(always)]
-    fn second<S: Simd>(self, s: S, _: S::f32s, kept: S::f32s, rate: S::f32s) -> S::f32s {
-        self.first(s, kept, rate)
+    fn second<S: Simd>(self, s: S, _: S::f32s, intermediate: S::f32s, rate: S::f32s) -> S::f32s {
+        self.first(s, intermediate, rate)
     }
+}
+
+/// Parameters of a two-stage sweep, apart from the temperatures: shared by all of its threads.
+#[derive(Clone, Copy)]
+pub(super) struct SweepParameters<'a, T> {
+    pub(super) coefficients: &'a Coefficients,
+    pub(super) shape: Shape,
+    pub(super) arrays: &'a CoefficientArrays,
+    pub(super) scheme: T,
+    /// Flat index of a voxel that is held at its birth temperature.
+    pub(super) held: Option<usize>,
+    /// First row of each plane without a voxel: rows from here on are left alone.
+    pub(super) top: usize,
 }

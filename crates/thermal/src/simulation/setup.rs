@@ -11,9 +11,10 @@ use crate::explicit::{ExplicitStepper, Scheme};
 use crate::fast::FastStepper;
 use crate::material::ThermalMaterial;
 use crate::method::Method;
-use crate::patch::{Patch, Shape};
+use crate::patch::Patch;
 use crate::process::ProcessParameters;
 use crate::property::PropertyError;
+use crate::shape::Shape;
 use crate::state::State;
 
 /// Why a simulation cannot be set up.
@@ -113,8 +114,8 @@ impl Simulation {
                 Stepper::Fast(Box::new(FastStepper::new(accuracy, &coefficients)))
             }
         };
-        let shape = Shape::around(frame.width as usize, frame.height as usize, part.depth);
-        let state = State::empty(shape, &coefficients);
+        let shape = Shape::with_halo(frame.width as usize, frame.height as usize, part.depth);
+        let state = State::unprinted(shape, &coefficients);
         let voxel_j_k = material.heat_capacity_j_m3k() * frame.cell_mm3() / 1e9;
         let (process, coefficients) = (Arc::new(process.clone()), Arc::new(coefficients));
         Ok(Self {

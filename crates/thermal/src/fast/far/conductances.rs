@@ -1,20 +1,23 @@
-//! How differences between blocks even out.
+//! Conductances of the coarse heat equation between blocks.
 //!
-//! Blocks at the part's border may be filled in part: each has the heat capacity of its voxels, and
-//! is linked to the next by as many faces as their voxels share (`block_grid.rs` counts them).
+//! Blocks at the surface of a part may contain fewer voxels than others.
+//! A block has the heat capacity of its voxels, and conducts to the next block through as many
+//! faces as their voxels share (`block_grid.rs` counts both).
 
 use crate::aligned::AlignedBuffer;
 use crate::block_grid::{Block, BlockGrid};
 use crate::coefficients::Coefficients;
 
-use super::Region;
+use super::region::Region;
 
-/// How far a block's voxels reach from a face that it shares with so many of them: in voxels.
-fn reach(block: &Block, faces: u16, axis: usize, block_grid: &BlockGrid) -> f32 {
-    (f32::from(block.voxels) / f32::from(faces)).clamp(1.0, block_grid.coarsening[axis] as f32)
+/// Mean thickness of a block's voxels behind some of its faces along an axis, in voxels.
+fn thickness(block: &Block, faces: u16, axis: usize, block_grid: &BlockGrid) -> f32 {
+    let max = block_grid.coarsening[axis] as f32;
+    (f32::from(block.voxels) / f32::from(faces)).clamp(1.0, max)
 }
 
-/// The conductance between a block and the next along an axis, 1/s in voxels.
+/// Conductance between a block and the next along an axis, voxels/s: that of their shared faces
+/// over the distance of their centres.
 fn link(
     block: &Block,
     next: &Block,
@@ -26,37 +29,39 @@ fn link(
     if faces == 0 {
         return 0.0;
     }
-    let distance =
-        0.5 * (reach(block, faces, axis, block_grid) + reach(next, faces, axis, block_grid));
+    let distance = 0.5
+        * (thickness(block, faces, axis, block_grid) + thickness(next, faces, axis, block_grid));
     f32::from(faces) * coefficients.conductance(axis) / distance
 }
 
-/// Conductances of blocks.
+/// Coefficients of all blocks, as one array each.
+///
+/// Conductances are in voxels/s: times a difference of temperatures they are heat in K voxels/s.
 #[derive(Debug, Default)]
 pub(super) struct BlockConductances {
-    /// To the next blocks along x, y and z, 1/s in voxels.
+    /// To the next block along x, y and z.
     pub(super) links: [AlignedBuffer; 3],
-    /// To plate and air, 1/s in voxels.
+    /// To plate and air, linearised.
     pub(super) losses: AlignedBuffer,
     /// 1 over the number of voxels; 0 for blocks without any.
-    pub(super) share: AlignedBuffer,
-    /// A bound on the rates at which differences between blocks die out, 1/s.
+    pub(super) inverse_voxels: AlignedBuffer,
+    /// Upper bound on the decay rates of the coarse equation, 1/s, of all blocks so far.
     pub(super) max_rate: f32,
 }
 
 impl BlockConductances {
-    /// Of so many blocks without any voxels.
+    /// Resets all coefficients to those of blocks without voxels.
     pub(super) fn reset(&mut self, len: usize) {
-        let Self { links: [x, y, z], losses, share, max_rate } = self;
-        for numbers in [x, y, z, losses, share] {
+        let Self { links: [x, y, z], losses, inverse_voxels, max_rate } = self;
+        for numbers in [x, y, z, losses, inverse_voxels] {
             numbers.reset(len);
         }
         *max_rate = 0.0;
     }
 
-    /// Takes the conductances of a region from what its blocks hold, and from their mean
+    /// Recomputes the coefficients of a region from the contents of its blocks and from their mean
     /// temperatures above the air.
-    pub(super) fn weigh(
+    pub(super) fn update(
         &mut self,
         region: Region,
         block_grid: &BlockGrid,
@@ -64,63 +69,100 @@ impl BlockConductances {
         theta: &[f32],
     ) {
         let strides = block_grid.strides();
+        let blocks = &block_grid.blocks;
         let link_at = |i: usize, axis: usize| {
-            link(
-                &block_grid.blocks[i],
-                &block_grid.blocks[i + strides[axis]],
-                axis,
-                block_grid,
-                coefficients,
-            )
+            link(&blocks[i], &blocks[i + strides[axis]], axis, block_grid, coefficients)
         };
-        let whole = block_grid.whole();
-        // Most blocks are whole, and so are those around them.
-        let inner =
-            [0, 1, 2].map(|axis: usize| link(&whole, &whole, axis, block_grid, coefficients));
-        let inner_share = 1.0 / f32::from(whole.voxels);
-        let inner_fastest = 4.0 * inner.iter().sum::<f32>() * inner_share;
+        let interior = block_grid.interior_block();
+        // Most blocks are full and have full neighbours, so their coefficients are computed once.
+        let interior_links =
+            [0, 1, 2].map(|axis: usize| link(&interior, &interior, axis, block_grid, coefficients));
+        let interior_inverse = 1.0 / f32::from(interior.voxels);
+        // Gershgorin's bound, twice the sum of the six links of a block per voxel.
+        let interior_rate = 4.0 * interior_links.iter().sum::<f32>() * interior_inverse;
         for line in region.lines(block_grid) {
             for i in line {
-                let block = &block_grid.blocks[i];
-                if *block == whole
-                    && strides.iter().all(|&stride| block_grid.blocks[i + stride] == whole)
+                let block = &blocks[i];
+                if *block == interior
+                    && strides.iter().all(|&stride| blocks[i + stride] == interior)
                 {
-                    (0..3).for_each(|axis| self.links[axis][i] = inner[axis]);
-                    (self.share[i], self.losses[i]) = (inner_share, 0.0);
-                    self.max_rate = self.max_rate.max(inner_fastest);
+                    (0..3).for_each(|axis| self.links[axis][i] = interior_links[axis]);
+                    (self.inverse_voxels[i], self.losses[i]) = (interior_inverse, 0.0);
+                    self.max_rate = self.max_rate.max(interior_rate);
                     continue;
                 }
                 if block.voxels == 0 {
                     (0..3).for_each(|axis| self.links[axis][i] = 0.0);
-                    (self.share[i], self.losses[i]) = (0.0, 0.0);
+                    (self.inverse_voxels[i], self.losses[i]) = (0.0, 0.0);
                     continue;
                 }
                 (0..3).for_each(|axis| self.links[axis][i] = link_at(i, axis));
-                self.share[i] = 1.0 / f32::from(block.voxels);
-                let plate = if coefficients.plate_conducts && block.plate > 0 {
-                    2.0 * coefficients.vertical * f32::from(block.plate)
-                        / reach(block, block.plate, 2, block_grid)
+                self.inverse_voxels[i] = 1.0 / f32::from(block.voxels);
+                // The plate is half the block's thickness away from its centre.
+                let plate = if coefficients.plate_conducts && block.plate_faces > 0 {
+                    2.0 * coefficients.vertical * f32::from(block.plate_faces)
+                        / thickness(block, block.plate_faces, 2, block_grid)
                 } else {
                     0.0
                 };
-                self.losses[i] = plate
-                    + coefficients.surface_loss_slope(
-                        theta[i],
-                        f32::from(block.sides),
-                        f32::from(block.top_bottom),
-                    );
+                let (sides, top_bottom) = (f32::from(block.sides), f32::from(block.top_bottom));
+                self.losses[i] =
+                    plate + coefficients.surface_loss_slope(theta[i], sides, top_bottom);
             }
         }
+        // A link is stored at the lower block of its pair, so those across the lower sides of the
+        // region belong to blocks outside.
         for (axis, _, sheet) in region.sides(block_grid).filter(|&(_, side, _)| side == 0) {
             for i in sheet.blocks(block_grid).map(|i| i - strides[axis]) {
                 self.links[axis][i] = link_at(i, axis);
             }
         }
-        let part = |i: &usize| block_grid.blocks[*i].voxels > 0 && block_grid.blocks[*i] != whole;
-        for i in region.blocks(block_grid).filter(part) {
+        let other = |i: &usize| blocks[*i].voxels > 0 && blocks[*i] != interior;
+        for i in region.blocks(block_grid).filter(other) {
             let out: f32 =
                 (0..3).map(|axis| self.links[axis][i] + self.links[axis][i - strides[axis]]).sum();
-            self.max_rate = self.max_rate.max((2.0 * out + self.losses[i]) * self.share[i]);
+            let rate = (2.0 * out + self.losses[i]) * self.inverse_voxels[i];
+            self.max_rate = self.max_rate.max(rate);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    use super::super::testing::{insulated, printed, random_region, random_state};
+    use super::*;
+
+    #[test]
+    fn conductances_do_not_depend_on_the_region_that_is_updated() {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
+        for i in 0..200 {
+            let (state, coefficients) = if i % 4 == 0 {
+                let coefficients = insulated();
+                (printed([30, 12, 16], &coefficients, |_| Some(50.0)), coefficients)
+            } else {
+                random_state(&mut random)
+            };
+            let block_grid = state.occupancy.block_grid();
+            let theta = vec![40.0; block_grid.shape.len()];
+            let [mut whole, mut part] = [(); 2].map(|()| BlockConductances::default());
+            whole.reset(block_grid.shape.len());
+            part.reset(block_grid.shape.len());
+            whole.update(Region::whole(block_grid, state.top), block_grid, &coefficients, &theta);
+            let (region, _) = random_region(&mut random, &state);
+            part.update(region, block_grid, &coefficients, &theta);
+            for i in region.blocks(block_grid) {
+                assert_eq!(whole.inverse_voxels[i].to_bits(), part.inverse_voxels[i].to_bits());
+                assert_eq!(whole.losses[i].to_bits(), part.losses[i].to_bits());
+                for (axis, stride) in block_grid.strides().into_iter().enumerate() {
+                    let links = |conductances: &BlockConductances| {
+                        [i, i - stride].map(|i| conductances.links[axis][i].to_bits())
+                    };
+                    assert_eq!(links(&whole), links(&part));
+                }
+            }
         }
     }
 }

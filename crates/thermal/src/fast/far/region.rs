@@ -1,22 +1,24 @@
-//! Boxes of whole blocks.
+//! Regions: boxes of whole blocks.
 
 use std::ops::Range;
 
 use crate::block_grid::BlockGrid;
-use crate::patch::Shape;
+use crate::shape::Shape;
 
 use super::super::window::Window;
 
-/// A box of blocks, the halo counted; along x it begins and ends where cache lines of voxels do.
+/// A box of blocks, given by their positions in the block grid with its halo counted.
+///
+/// Along x it begins and ends at cache lines of voxels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Region {
-    /// The first block along x, y and z.
+    /// First block along x, y and z.
     pub(crate) low: [usize; 3],
-    /// Where it ends: one more than the last.
+    /// One more than the last block along x, y and z.
     pub(crate) high: [usize; 3],
 }
 
-/// Two blocks beside each other on both sides of a region's border.
+/// Two neighbouring blocks on both sides of a region's border, as flat indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct BorderPair {
     pub(super) axis: usize,
@@ -25,45 +27,46 @@ pub(crate) struct BorderPair {
 }
 
 impl BorderPair {
-    /// The first of the two blocks.
-    pub(super) fn first(self) -> usize {
+    /// The block with the smaller coordinate, at whose index links and shared faces of the pair are
+    /// stored.
+    pub(super) fn lower(self) -> usize {
         self.inside.min(self.outside)
     }
 }
 
 impl Region {
-    /// All blocks with a voxel below row `top`.
-    pub(crate) fn whole(block_grid: &BlockGrid, top: usize) -> Self {
+    /// The region of all blocks with a voxel below row `top`.
+    pub(super) fn whole(block_grid: &BlockGrid, top: usize) -> Self {
         let [x, y, z] = ends(block_grid);
-        Self { low: [1; 3], high: [x, y, z.min(block_grid.layers(top) + 1)] }
+        Self { low: [1; 3], high: [x, y, z.min(block_grid.layers_below(top) + 1)] }
     }
 
-    /// All blocks of which something lies in a window.
+    /// The region of all blocks that lie, at least in part, inside the halo of a window.
     pub(crate) fn around(window: Window, block_grid: &BlockGrid) -> Self {
-        let Shape { row, rows, planes } = window.shape;
-        let ends = ends(block_grid);
+        let (sizes, ends) = (window.shape.sizes(), ends(block_grid));
         let (mut low, mut high) = ([0; 3], [0; 3]);
-        for (axis, size) in [row, planes, rows].into_iter().enumerate() {
-            let (first, end) = (window.origin[axis], window.origin[axis] + size - 2);
-            low[axis] = first / block_grid.coarsening[axis] + 1;
-            high[axis] = (end.div_ceil(block_grid.coarsening[axis]) + 1).min(ends[axis]);
+        for axis in 0..3 {
+            let factor = block_grid.coarsening[axis];
+            // The first voxel inside is origin + 1; voxel v belongs to block (v - 1) / factor + 1.
+            let (origin, last) = (window.origin[axis], window.origin[axis] + sizes[axis] - 2);
+            low[axis] = origin / factor + 1;
+            high[axis] = (last.div_ceil(factor) + 1).min(ends[axis]);
         }
         Self { low, high }
     }
 
-    /// The window into a part whose inside is all these blocks' voxels.
+    /// The window whose inside is all voxels of these blocks, in a part of the given shape.
     pub(crate) fn window(self, block_grid: &BlockGrid, part: Shape) -> Window {
-        let ends = [part.row, part.planes, part.rows];
-        let origin =
-            [0, 1, 2].map(|axis: usize| (self.low[axis] - 1) * block_grid.coarsening[axis]);
-        let end = [0, 1, 2].map(|axis: usize| {
-            ((self.high[axis] - 1) * block_grid.coarsening[axis] + 2).min(ends[axis])
-        });
-        let [row, planes, rows] = [0, 1, 2].map(|axis: usize| end[axis] - origin[axis]);
-        Window { origin, shape: Shape { row, rows, planes } }
+        let (factors, part_ends) = (block_grid.coarsening, part.sizes());
+        // One voxel of halo before the first voxel, (low - 1) factor + 1, and one behind the last.
+        let origin = [0, 1, 2].map(|axis: usize| (self.low[axis] - 1) * factors[axis]);
+        let end = [0, 1, 2]
+            .map(|axis: usize| ((self.high[axis] - 1) * factors[axis] + 2).min(part_ends[axis]));
+        let [row_len, planes, rows] = [0, 1, 2].map(|axis: usize| end[axis] - origin[axis]);
+        Window { origin, shape: Shape { row_len, rows, planes } }
     }
 
-    /// With so many blocks more on each side, as far as there are any.
+    /// The region grown by some blocks on each side, as far as the block grid goes.
     pub(super) fn grown(self, by: usize, block_grid: &BlockGrid) -> Self {
         let ends = ends(block_grid);
         let low = self.low.map(|low| low.saturating_sub(by).max(1));
@@ -77,19 +80,19 @@ impl Region {
         y.flat_map(move |y| z.clone().map(move |z| (y, z)))
     }
 
-    /// The indices of the blocks of each row.
+    /// The range of flat indices of each row of blocks.
     pub(super) fn lines(self, block_grid: &BlockGrid) -> impl Iterator<Item = Range<usize>> {
         let (shape, [first, end]) = (block_grid.shape, [self.low[0], self.high[0]]);
         self.rows().map(move |(y, z)| shape.index([first, y, z])..shape.index([end, y, z]))
     }
 
-    /// The indices of all blocks.
+    /// The flat indices of all blocks.
     pub(super) fn blocks(self, block_grid: &BlockGrid) -> impl Iterator<Item = usize> {
         self.lines(block_grid).flatten()
     }
 
-    /// The sides beyond which there are more blocks, 0 the lower, 1 the upper one of an axis; each
-    /// with the layer of the region's blocks on it.
+    /// The sides of the region beyond which there are more blocks: axis, 0 for the lower or 1 for
+    /// the upper side, and the outermost blocks of the region on that side.
     pub(super) fn sides(
         self,
         block_grid: &BlockGrid,
@@ -108,7 +111,8 @@ impl Region {
         })
     }
 
-    /// All pairs of blocks on both sides of the border, in an order of their own.
+    /// All pairs of neighbouring blocks across the border: side by side in the order of
+    /// [`Region::sides`], and on each side in the order of [`Region::blocks`].
     pub(crate) fn border(self, block_grid: &BlockGrid) -> impl Iterator<Item = BorderPair> {
         let strides = block_grid.strides();
         self.sides(block_grid).flat_map(move |(axis, side, sheet)| {
@@ -121,7 +125,7 @@ impl Region {
     }
 }
 
-/// Where the blocks of a part end along x, y and z.
+/// One more than the last block of a part along x, y and z.
 fn ends(block_grid: &BlockGrid) -> [usize; 3] {
-    [block_grid.shape.row, block_grid.shape.planes, block_grid.shape.rows].map(|n| n - 1)
+    block_grid.shape.sizes().map(|size| size - 1)
 }

@@ -1,0 +1,327 @@
+//! The recursion over levels of time steps.
+//!
+//! Each level divides a time into groups of births that fit into one of its steps, and takes for
+//! each group, on a given patch:
+//!
+//! 1. The **window** around all births of the group, and around recent ones that are still too
+//!    sharp for this step, is copied.
+//! 2. The **long step** is taken on the whole patch, as if nothing were born in it.
+//!    Far from all births this is accurate; inside the window it is not.
+//! 3. The copy is taken through the same time by the **next lower level**, in shorter steps, while
+//!    its halo follows the long step.
+//!    This recursion ends at level 0, where each birth is a step of its own.
+//! 4. The temperatures inside the window **replace** those of the long step.
+//!
+//! ```text
+//! level 2   |----------------------- long step --------------------------|  patch
+//! level 1   |------ step ------|------ step ------|------ step ----------|  window
+//! level 0   |-birth-|-birth-|..|-birth-|-birth-|..|                         window of the window
+//! ```
+//!
+//! A window that would not save time is left out: the level below then steps the whole patch.
+//! So every order of births is computed with the same steps near the nozzle, and only the cost
+//! depends on how far apart they are.
+//!
+//! Patches learn of births by a list of changes, from which each applies what it does not have yet
+//! (`crate::occupancy`).
+//! A patch around a window applies them after its long step.
+
+use beadwork_base::Interrupted;
+
+use crate::coefficients::Coefficients;
+use crate::interval::{self, Interval};
+use crate::kernel::{Quadratic, SweepBuffers, TwoStageSweep};
+use crate::occupancy::VoxelChange;
+use crate::patch::Patch;
+use crate::run_control::RunControl;
+use crate::state::{OccupancyMut, StateMut};
+
+use super::far::FarField;
+use super::level::{Accuracy, Level, StepMethod, levels};
+use super::nested::{HaloSource, NestedPatch};
+use super::window::Window;
+
+/// Most intervals that share one list of changes, which bounds its length.
+const INTERVALS_PER_RUN: usize = 4096;
+
+/// Cost of copying a window and writing it back, in sweeps over its voxels.
+const COPY_STAGES: f64 = 3.0;
+
+/// The same for a region of the far field, whose blocks have to be restricted and interpolated too.
+const REGION_STAGES: f64 = 20.0;
+
+/// Fewest voxels, halo included, for which steps on blocks are worth their error: for smaller parts
+/// they save a negligible time.
+const MIN_BLOCK_VOXELS: usize = 1 << 18;
+
+/// Fraction of the time without a window that the time with it must stay below: each window costs
+/// some accuracy.
+const MAX_WINDOW_COST: f64 = 0.8;
+
+/// Steps a part in several levels of time steps.
+///
+/// Clones share no buffers.
+#[derive(Debug)]
+pub(crate) struct FastStepper {
+    /// Shortest steps first.
+    pub(super) levels: Vec<Level>,
+    /// Recent births, oldest first: position, and time at which each was complete, s.
+    history: Vec<([usize; 3], f64)>,
+    /// Time since the stepper was created, s.
+    pub(super) now: f64,
+    /// Voxels, halo included, from which on steps on blocks are taken.
+    pub(super) min_block_voxels: usize,
+    pub(super) buffers: Buffers,
+}
+
+/// Memory that is reused from step to step.
+#[derive(Debug, Default)]
+pub(super) struct Buffers {
+    /// Patches for windows that are not in use at present.
+    pub(super) windows: Vec<Patch>,
+    sweep: SweepBuffers,
+    pub(super) far: FarField,
+    /// Changes of the births since the start of the run, in their order.
+    pub(super) changes: Vec<VoxelChange>,
+}
+
+impl Clone for FastStepper {
+    fn clone(&self) -> Self {
+        let Self { levels, history, now, min_block_voxels, .. } = self;
+        Self {
+            levels: levels.clone(),
+            history: history.clone(),
+            now: *now,
+            min_block_voxels: *min_block_voxels,
+            buffers: Buffers::default(),
+        }
+    }
+}
+
+impl FastStepper {
+    /// A stepper for a part of which nothing is printed yet.
+    pub(crate) fn new(accuracy: Accuracy, coefficients: &Coefficients) -> Self {
+        Self {
+            levels: levels(accuracy, coefficients),
+            history: Vec::new(),
+            now: 0.0,
+            min_block_voxels: MIN_BLOCK_VOXELS,
+            buffers: Buffers::default(),
+        }
+    }
+
+    /// Steps a state through some intervals.
+    ///
+    /// Sweeps may use `threads` threads of the current pool.
+    /// The call can be interrupted whenever all voxels of the part have reached the same time; the
+    /// state is then that at this time.
+    pub(crate) fn run(
+        &mut self,
+        state: StateMut<'_>,
+        coefficients: &Coefficients,
+        intervals: &[Interval],
+        threads: usize,
+        run: &RunControl<'_>,
+    ) -> Result<(), Interrupted> {
+        self.buffers.sweep.threads = threads;
+        let StateMut { patch, mut occupancy } = state;
+        let mut result = Ok(());
+        for intervals in intervals.chunks(INTERVALS_PER_RUN) {
+            let mut whole = NestedPatch::whole(patch, run);
+            let shape = whole.patch.shape;
+            let voxels = shape.row_len * shape.planes * occupancy.top();
+            let blocks = voxels >= self.min_block_voxels;
+            // The last level is the one on blocks.
+            let level = self.levels.len() - if blocks { 1 } else { 2 };
+            result = self.advance(&mut whole, &mut occupancy, coefficients, level, intervals);
+            whole.apply(&self.buffers.changes, coefficients);
+            self.buffers.changes.clear();
+            if result.is_err() {
+                break;
+            }
+        }
+        self.end_far_field(patch, &occupancy, coefficients);
+        let max_age_s = self.levels.iter().map(Level::pause_age_s).fold(0.0, f64::max);
+        let oldest = self.now - max_age_s;
+        let past = self.history.partition_point(|&(_, time)| time < oldest);
+        self.history.drain(..past);
+        result
+    }
+
+    /// Steps a patch through some intervals, in steps of a level or lower ones.
+    /// Returns an error only for the whole part, never for a window.
+    pub(super) fn advance(
+        &mut self,
+        nested: &mut NestedPatch<'_>,
+        occupancy: &mut OccupancyMut<'_>,
+        coefficients: &Coefficients,
+        level: usize,
+        mut intervals: &[Interval],
+    ) -> Result<(), Interrupted> {
+        if level == 0 {
+            return self.step_births(nested, occupancy, coefficients, intervals);
+        }
+        let max_s = self.levels[level].seconds;
+        while let Some((&first, rest)) = intervals.split_first() {
+            if first.seconds > max_s {
+                for part in first.split(max_s) {
+                    self.step_group(nested, occupancy, coefficients, level, &[part])?;
+                }
+                intervals = rest;
+                continue;
+            }
+            // As many intervals as fit into one step: at least the first.
+            let mut seconds = 0.0;
+            let fits = |interval: &&Interval| {
+                seconds += interval.seconds;
+                seconds <= max_s
+            };
+            let (group, rest) = intervals.split_at(intervals.iter().take_while(fits).count());
+            self.step_group(nested, occupancy, coefficients, level, group)?;
+            intervals = rest;
+        }
+        Ok(())
+    }
+
+    /// Steps a patch through intervals that together fit into one step of a level.
+    fn step_group(
+        &mut self,
+        nested: &mut NestedPatch<'_>,
+        occupancy: &mut OccupancyMut<'_>,
+        coefficients: &Coefficients,
+        level: usize,
+        intervals: &[Interval],
+    ) -> Result<(), Interrupted> {
+        // A step on blocks does much less work than this counts, but is long enough to poll.
+        nested.poll(self.levels[level].stages() as usize, occupancy.top())?;
+        let on_blocks = matches!(self.levels[level].method, StepMethod::Blocks);
+        let seconds = interval::total_seconds(intervals);
+        let window = self.window(nested.patch, occupancy.top(), level, intervals, seconds);
+        if window.is_some_and(|window| !self.saves_time(window, nested.patch, level, seconds)) {
+            if on_blocks {
+                self.end_far_field(nested.patch, occupancy, coefficients);
+            }
+            return self.advance(nested, occupancy, coefficients, level - 1, intervals);
+        }
+        if on_blocks {
+            self.step_composite(nested, occupancy, coefficients, level, intervals, window);
+            nested.pass(intervals);
+            return Ok(());
+        }
+        // All births so far, before the window is copied and the long step is taken.
+        nested.apply(&self.buffers.changes, coefficients);
+        let inner = window.map(|window| {
+            let mut inner = self.buffers.windows.pop().unwrap_or_default();
+            inner.copy_window(window, nested.patch);
+            inner
+        });
+        nested.advance_halo(seconds, occupancy.top());
+        self.step(nested.patch, occupancy, coefficients, level, seconds, None);
+        // Only one of the two advances `now`: the recursion does it at its lowest level.
+        if let Some(mut inner) = inner {
+            let source = HaloSource::Patch(&*nested.patch);
+            let mut finer = NestedPatch::new(&mut inner, nested.applied, source, seconds);
+            self.advance(&mut finer, occupancy, coefficients, level - 1, intervals)
+                .expect("a window is not interrupted");
+            nested.apply(&self.buffers.changes, coefficients);
+            inner.write_back(nested.patch);
+            self.buffers.windows.push(inner);
+        } else {
+            self.now += seconds;
+        }
+        nested.pass(intervals);
+        Ok(())
+    }
+
+    /// Steps a patch through intervals at the lowest level: births happen here, and each interval
+    /// is one step or more.
+    fn step_births(
+        &mut self,
+        nested: &mut NestedPatch<'_>,
+        occupancy: &mut OccupancyMut<'_>,
+        coefficients: &Coefficients,
+        intervals: &[Interval],
+    ) -> Result<(), Interrupted> {
+        let seconds = interval::total_seconds(intervals);
+        // Once for all of them: within these few births, the halo hardly changes.
+        nested.advance_halo(seconds, occupancy.top());
+        for interval in intervals {
+            nested.poll(self.levels[0].stages() as usize, occupancy.top())?;
+            if let Some(position) = interval.held.filter(|_| interval.born) {
+                occupancy.birth(position, nested.patch, coefficients, &mut self.buffers.changes);
+                self.history.push((position, self.now + interval.seconds));
+            }
+            nested.apply(&self.buffers.changes, coefficients);
+            let held = interval.held.map(|position| {
+                nested.patch.index(position).expect("a window contains all births of its steps")
+            });
+            for part in interval.split(self.levels[0].seconds) {
+                self.step(nested.patch, occupancy, coefficients, 0, part.seconds, held);
+            }
+            self.now += interval.seconds;
+            nested.pass(std::slice::from_ref(interval));
+        }
+        Ok(())
+    }
+
+    /// Takes one step of a level on the voxels of a patch: one sweep for each factor of the
+    /// stability polynomial.
+    fn step(
+        &mut self,
+        patch: &mut Patch,
+        occupancy: &OccupancyMut<'_>,
+        coefficients: &Coefficients,
+        level: usize,
+        seconds: f64,
+        held: Option<usize>,
+    ) {
+        // The first empty row, counted in this patch.
+        // A window around the first birth of a layer may lie above all that is printed so far, if
+        // that birth has nothing below it.
+        let top = occupancy.top().saturating_sub(patch.origin[2]).clamp(1, patch.shape.rows - 1);
+        let StepMethod::Voxels(polynomial) = &self.levels[level].method else {
+            unreachable!("steps on blocks are taken by `step_composite`")
+        };
+        for factor in &polynomial.factors {
+            // Scaled in double precision, so that each coefficient is rounded only once.
+            let scheme = Quadratic {
+                a: (factor.a * seconds) as f32,
+                b: (factor.b * seconds * seconds) as f32,
+            };
+            TwoStageSweep { coefficients, patch, scheme, held, top }.sweep(&mut self.buffers.sweep);
+        }
+    }
+
+    /// The window of a patch that has to be stepped in shorter steps than one of a level through
+    /// some intervals, which take `seconds` together; `None` if the long step is accurate
+    /// everywhere.
+    fn window(
+        &self,
+        patch: &Patch,
+        top: usize,
+        level: usize,
+        intervals: &[Interval],
+        seconds: f64,
+    ) -> Option<Window> {
+        let level = &self.levels[level];
+        let coming = intervals.iter().filter_map(|interval| interval.held);
+        let births_s = interval::total_seconds(intervals.iter().filter(|interval| interval.born));
+        // Short travel moves between births do not make a pause.
+        let pause = births_s < 0.9 * seconds;
+        let since_s = self.now - if pause { level.pause_age_s() } else { level.age_s };
+        let recent = self.history.iter().rev().take_while(|&&(_, time)| time > since_s);
+        let births = recent.map(|&(position, _)| position).chain(coming);
+        Window::around(births, level.margins, patch, top)
+    }
+
+    /// Whether a long step of a patch and shorter ones of a window cost less than shorter ones of
+    /// the whole patch, in voxels times sweeps.
+    fn saves_time(&self, window: Window, patch: &Patch, level: usize, seconds: f64) -> bool {
+        let (long, short) =
+            (&self.levels[level], self.levels[level - 1].stages_per_second() * seconds);
+        let (whole, part) = (patch.shape.len() as f64, window.shape.len() as f64);
+        let copy =
+            if matches!(long.method, StepMethod::Blocks) { REGION_STAGES } else { COPY_STAGES };
+        whole * long.stages() + part * (short + copy) < MAX_WINDOW_COST * whole * short
+    }
+}
