@@ -309,7 +309,6 @@ fn solutions_of_the_genetic_algorithm_are_recorded() {
     assert!(shown.contains("genetic_short"), "{shown}");
     fs::write(&config, text_of_config.replace("short", "long")).unwrap();
     assert!(
-        fail(&["gen-data", "--config", text(&config)])
-            .contains("'long' is no preset of the genetic")
+        fail(&["gen-data", "--config", text(&config)]).contains("unknown genetic preset 'long'")
     );
 }

@@ -222,10 +222,7 @@ fn invalid_arguments_are_reported() {
         (&["zones", "--preset", "window"], "with --method genetic it is a preset"),
         (&["zones", "--method", "anneal", "--attempts", "9"], "--attempts is for --method exact"),
         (&["zones", "--method", "zigzag", "--costs", "none.csv"], "--costs is for --method exact"),
-        (
-            &["zones", "--method", "genetic", "--preset", "long"],
-            "'long' is no preset of the genetic",
-        ),
+        (&["zones", "--method", "genetic", "--preset", "long"], "unknown genetic preset 'long'"),
         (&["zones", "--plot", "x.svg"], "--plot is for --method genetic"),
         (&["zones", "--budget", "10"], "--budget is for --method fusion"),
         (&["zones", "--method", "anneal", "--model", "none"], "--model is for --method fusion"),

@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use anyhow::{Context, bail};
 use beadwork_grid::Region;
-use beadwork_search::ZoneCosts;
+use beadwork_search::CostMatrix;
 use beadwork_search::exact::{Side, Terminal};
 
 /// Where a path begins or ends, as typed.
@@ -59,9 +59,9 @@ impl Place {
     }
 }
 
-/// Reads costs of crossings: a line for each zone with a whole number for each zone, what a step
-/// from the one to the other costs.
-pub(crate) fn read_costs(path: &PathBuf) -> anyhow::Result<ZoneCosts> {
+/// Reads costs of crossings: a line for each zone with a number for each zone, the cost of a step
+/// from the one to the other.
+pub(crate) fn read_costs(path: &PathBuf) -> anyhow::Result<CostMatrix> {
     let in_file = || format!("cannot read costs from '{}'", path.display());
     let text = fs::read_to_string(path).with_context(in_file)?;
     let rows: Vec<&str> = text.lines().filter(|line| !line.trim().is_empty()).collect();
@@ -70,7 +70,7 @@ pub(crate) fn read_costs(path: &PathBuf) -> anyhow::Result<ZoneCosts> {
         let words =
             row.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty());
         for word in words {
-            let cost = word.parse::<u32>();
+            let cost = word.parse::<f64>();
             costs.push(
                 cost.with_context(|| format!("'{word}' in row {}", number + 1))
                     .with_context(in_file)?,
@@ -87,5 +87,6 @@ pub(crate) fn read_costs(path: &PathBuf) -> anyhow::Result<ZoneCosts> {
             .with_context(in_file);
         }
     }
-    ZoneCosts::new(rows.len() as u32, costs).with_context(in_file)
+    let rows: Vec<Vec<f64>> = costs.chunks(rows.len().max(1)).map(<[f64]>::to_vec).collect();
+    CostMatrix::new(&rows).with_context(in_file)
 }

@@ -21,7 +21,7 @@ pub(crate) fn chart(row: &Row, genetic: &GeneticRow) -> anyhow::Result<String> {
         line("mean", ORANGE, LineStyle::Thin, &|index| genetic.history[index].mean),
     ];
     if let Some(bound) = row.bound {
-        series.push(line("bound", GREY, LineStyle::Thin, &|_| bound as f64));
+        series.push(line("bound", GREY, LineStyle::Thin, &|_| bound));
     }
     let diversity =
         line("diversity", GREEN, LineStyle::Plain, &|index| genetic.history[index].diversity);

@@ -17,7 +17,7 @@ use beadwork_grid::{Cell, Path, cover};
 use beadwork_part::{Panel, svg};
 use beadwork_search::bound::Bounds;
 use beadwork_search::exact::{self, Observers, Stage};
-use beadwork_search::{Preset, ZoneCosts, genetic};
+use beadwork_search::{CostMatrix, anneal, genetic};
 use serde_json::json;
 
 use crate::ends::{Place, read_costs};
@@ -58,8 +58,8 @@ pub(crate) struct Args {
     /// Exact: where the path ends: X,Y, left, top, right, bottom or any.
     #[arg(long, value_name = "PLACE", default_value = "any")]
     end_at: Place,
-    /// Exact: a file with what crossings cost: a row for each zone, a whole number for each zone to
-    /// step to.
+    /// Exact: a file with what crossings cost: a row for each zone, a number for each zone to step
+    /// to.
     #[arg(long, value_name = "FILE")]
     costs: Option<PathBuf>,
     /// Anneal: paper (if not given), short, medium, long, extra_long or fast.
@@ -141,7 +141,7 @@ impl Args {
         }
         // Before anything is read or made.
         match method {
-            MethodName::Anneal => drop(self.preset(Preset::Paper)),
+            MethodName::Anneal => drop(self.preset(anneal::Preset::Paper)),
             MethodName::Genetic => drop(self.preset(genetic::Preset::Paper)),
             MethodName::Zigzag | MethodName::Exact | MethodName::Fusion => (),
         }
@@ -173,25 +173,20 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         bar.set_length(progress.total as u64);
         bar.set_position(progress.done as u64);
     };
-    let bred = |progress: genetic::Progress| match progress {
-        genetic::Progress::Seeded(_) => bar.inc(1),
-        genetic::Progress::Bred(generation) => bar.inc(u64::from(generation.number > 0)),
-    };
     let drawn: Mutex<BTreeMap<Stage, BTreeSet<[Cell; 2]>>> = Mutex::default();
     let stages = |stage: Stage, links: &[[Cell; 2]]| {
         drawn.lock().expect("no drawing panics").entry(stage).or_default().extend(links);
     };
     let (pool, model);
+    let mut threads = Threads::One;
     let choice = match method {
         MethodName::Zigzag => Choice::Zigzag,
-        MethodName::Anneal => Choice::Anneal(args.preset(Preset::Paper)),
+        MethodName::Anneal => Choice::Anneal(args.preset(anneal::Preset::Paper)),
         MethodName::Genetic => {
             let preset = args.preset(genetic::Preset::Paper);
-            let (seeding, evolution) = preset.parameters();
-            bar.set_length(u64::from(seeding.runs + evolution.generations));
             pool = control::pool(args.threads.unwrap_or(0))?;
-            let observer: Option<&(dyn Fn(genetic::Progress) + Sync)> = Some(&bred);
-            Choice::Genetic(Breeding { preset, pool: Some(&pool), observer, population: None })
+            threads = Threads::Pool(&pool);
+            Choice::Genetic(Breeding { preset, population: None })
         }
         MethodName::Exact => {
             let attempts = args.attempts.unwrap_or(exact::Settings::default().attempts);
@@ -220,8 +215,12 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         Some(control::quiet(Threads::One, |control| Bounds::new(region, zones, control))??)
     };
     let search = Search { region, zones, choice, seed: args.seed, start: chosen, bounds };
-    let control =
-        Control { time_is_up: Some(&time_is_up), progress: Some(&report), ..Control::default() };
+    let control = Control {
+        threads,
+        time_is_up: Some(&time_is_up),
+        progress: Some(&report),
+        ..Control::default()
+    };
     let (best, row) = search.run(&instance.name, &start, &control)?;
     bar.finish_and_clear();
     if let Some(file) = &args.svg {
@@ -248,7 +247,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 /// One line for people.
-fn describe(row: &Row, costs: Option<&ZoneCosts>) -> String {
+fn describe(row: &Row, costs: Option<&CostMatrix>) -> String {
     let Row { layout, width, height, zones, initial, crossings, seconds, .. } = row;
     let pieces = match row.pieces {
         1 => String::new(),

@@ -70,7 +70,7 @@ pub fn fusion(
     ensure!(walked.stop != Stop::Cancelled, "stopped");
     let row = FusionRow {
         target: of.target,
-        reached: walked.stop == Stop::Optimal,
+        reached: walked.stop == Stop::TargetReached,
         made: walked.made as u64,
         perturbed: walked.perturbed as u64,
     };

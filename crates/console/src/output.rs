@@ -6,6 +6,8 @@ use std::path::Path;
 
 use anyhow::Context;
 use beadwork_dataset::write_whole;
+use serde::{Serialize, Serializer};
+use serde_json::Value;
 
 /// Writes text to stdout.
 ///
@@ -17,21 +19,43 @@ pub fn text(text: &str) -> anyhow::Result<()> {
 }
 
 /// Writes one JSON document to stdout.
-pub fn json(value: &serde_json::Value) -> anyhow::Result<()> {
+pub fn json(value: &Value) -> anyhow::Result<()> {
     text(&format!("{value:#}\n"))
 }
 
 /// Writes a JSON object to stdout, with an additional last entry whose value stays on one line.
 ///
 /// This suits long arrays, such as paths, which would otherwise take a line for each number.
-pub fn json_with(
-    object: &serde_json::Value,
-    key: &str,
-    value: &serde_json::Value,
-) -> anyhow::Result<()> {
+pub fn json_with(object: &Value, key: &str, value: &Value) -> anyhow::Result<()> {
     let object = format!("{object:#}");
     let entries = object.strip_suffix("\n}").context("the document is not an object")?;
     text(&format!("{entries},\n  \"{key}\": {value}\n}}\n"))
+}
+
+/// A number for JSON: written as an integer if it is whole, and as null if it is infinite.
+pub fn number(value: f64) -> Value {
+    /// Up to this size a float holds every integer.
+    const MAX_EXACT: f64 = (1_u64 << 53) as f64;
+
+    if value.fract() == 0.0 && value.abs() <= MAX_EXACT {
+        (value as i64).into()
+    } else {
+        value.into()
+    }
+}
+
+/// Serializes a field as [`number`] does.
+pub fn serialize_number<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    number(*value).serialize(serializer)
+}
+
+/// Serializes an optional field as [`number`] does.
+#[allow(clippy::ref_option, reason = "the signature that serde calls")]
+pub fn serialize_optional_number<S: Serializer>(
+    value: &Option<f64>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    value.map(number).serialize(serializer)
 }
 
 /// Writes a file completely or not at all; a terminal or a pipe is written to, not replaced.

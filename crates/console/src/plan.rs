@@ -5,7 +5,7 @@ use beadwork_base::Threads;
 use beadwork_gcode::Program;
 use beadwork_part::print::{self, Layer, Print};
 use beadwork_part::slice::{self, Layers};
-use beadwork_search::plan::{LayerRef, ToolPlan};
+use beadwork_search::plan::tools::{LayerRef, ToolPlan};
 
 use crate::control;
 use crate::part::Part;

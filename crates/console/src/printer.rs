@@ -10,7 +10,7 @@ use beadwork_part::Frame;
 use beadwork_part::print::{
     self, Flavour, Layer, PrimeTower, Print, PrintError, Purge, SettingsError, Title, Tool,
 };
-use beadwork_search::plan::ToolCosts;
+use beadwork_search::CostMatrix;
 use clap::ValueEnum;
 
 use crate::cancel;
@@ -269,12 +269,8 @@ fn tower_candidates(frame: &Frame, [bed_x, bed_y, _]: [f64; 3]) -> Vec<PrimeTowe
 
 /// Cost of each tool change: its purge volume in whole mm³, and at least 1, since every change
 /// takes time.
-pub fn tool_costs(purge: &Purge) -> anyhow::Result<ToolCosts> {
-    let cost = |from: usize, to: usize, volume: f64| {
-        if from == to { 0 } else { (volume.round() as u32).max(1) }
-    };
-    let row = |(from, row): (usize, &Vec<f64>)| {
-        row.iter().enumerate().map(|(to, &volume)| cost(from, to, volume)).collect::<Vec<u32>>()
-    };
-    Ok(ToolCosts::new(&purge.volume_mm3.iter().enumerate().map(row).collect::<Vec<_>>())?)
+pub fn tool_costs(purge: &Purge) -> anyhow::Result<CostMatrix> {
+    let volume = |from: usize, to: usize| purge.volume_mm3[from][to];
+    let cost = |from, to| volume(from, to).round().max(1.0);
+    Ok(CostMatrix::from_fn(purge.volume_mm3.len(), cost)?)
 }

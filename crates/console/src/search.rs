@@ -3,14 +3,14 @@
 use std::time::Instant;
 
 use anyhow::bail;
-use beadwork_base::Control;
+use beadwork_base::{Control, Progress};
 use beadwork_grid::{Crossings, Path, Region, Start, Zones};
 use beadwork_search::bound::{self, Bounds};
-use beadwork_search::{Move, Preset, Settings, Stop, anneal, exact, genetic};
+use beadwork_search::{Move, Stop, anneal, exact, genetic};
 use serde::{Deserialize, Serialize};
 
-use crate::cancel;
 use crate::learned::{self, Fusion};
+use crate::{cancel, output};
 
 /// A search method, as named on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -64,7 +64,8 @@ pub struct Row {
     /// Crossings of the best path.
     pub crossings: u32,
     /// Proven lower bound on the crossings, or on their cost if a cost matrix was given.
-    pub bound: Option<u64>,
+    #[serde(serialize_with = "output::serialize_optional_number")]
+    pub bound: Option<f64>,
     /// Pieces of the best path.
     pub pieces: u32,
     /// Proven lower bound on the pieces.
@@ -89,7 +90,7 @@ impl Row {
     pub fn is_proven(&self) -> bool {
         match &self.exact {
             Some(exact) => exact.optimal,
-            None => self.bound == Some(u64::from(self.crossings)),
+            None => self.bound.is_some_and(|bound| bound >= f64::from(self.crossings)),
         }
     }
 
@@ -103,7 +104,8 @@ impl Row {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ExactRow {
     /// Cost of the crossings: their number, unless a cost matrix was given.
-    pub cost: u64,
+    #[serde(serialize_with = "output::serialize_number")]
+    pub cost: f64,
     /// Whether the path is proven optimal.
     pub optimal: bool,
     /// Attempts made.
@@ -171,7 +173,7 @@ pub enum Choice<'a> {
     /// The start path itself, unchanged.
     Zigzag,
     /// Simulated annealing.
-    Anneal(Preset),
+    Anneal(anneal::Preset),
     /// The genetic algorithm.
     Genetic(Breeding<'a>),
     /// The exact search.
@@ -185,10 +187,6 @@ pub enum Choice<'a> {
 pub struct Breeding<'a> {
     /// Named settings.
     pub preset: genetic::Preset,
-    /// Threads to work on; `None` for the calling thread.
-    pub pool: Option<&'a rayon::ThreadPool>,
-    /// Called after each annealing run and each generation.
-    pub observer: Option<&'a (dyn Fn(genetic::Progress) + Sync)>,
     /// A first population annealed earlier with the same preset and seed, and the seconds it took.
     pub population: Option<(&'a [Vec<Move>], f64)>,
 }
@@ -233,7 +231,7 @@ impl Search<'_> {
     /// Runs the search from a start path; returns the best path and its row.
     ///
     /// The exact search ignores the start path, except to compare with it in the row.
-    /// It is the only method that uses the control so far; Ctrl-C cancels all.
+    /// Ctrl-C cancels all methods; those of the networks do not use the rest of the control yet.
     pub fn run(
         &self,
         layout: &str,
@@ -241,27 +239,25 @@ impl Search<'_> {
         control: &Control<'_>,
     ) -> anyhow::Result<(Path, Row)> {
         let &Self { region, zones, choice, seed, bounds, .. } = self;
-        let cancel = cancel::token()?.as_flag();
+        let control = &Control { cancel: Some(cancel::token()?), ..*control };
         let crossings = Crossings::new(region, zones);
         let pieces = start.pieces();
         let lower = match bounds {
             Some(bounds) if bounds.pieces == pieces => bounds.crossings(),
             _ => bound::components(region, zones, pieces),
         };
-        let (mut lower, mut piece_bound) =
-            (u64::from(lower), bounds.map_or(1, |bounds| bounds.pieces));
+        let proven_bound = Some(i64::from(lower));
+        let (mut bound, mut piece_bound) =
+            (f64::from(lower), bounds.map_or(1, |bounds| bounds.pieces));
         let (mut exact, mut genetic, mut fusion) = (None, None, None);
         let mut seconds_before = 0.0;
         let begin = Instant::now();
         let (best, moves) = match choice {
             Choice::Zigzag => (start.clone(), 0),
             Choice::Anneal(preset) => {
-                let settings = Settings {
-                    bound: Some(lower as i64),
-                    cancel: Some(cancel),
-                    ..Settings::preset(preset, seed)
-                };
-                let outcome = anneal(start.clone(), &crossings, &settings);
+                let settings =
+                    anneal::Settings { proven_bound, ..anneal::Settings::preset(preset, seed) };
+                let outcome = anneal::solve(start, &crossings, &settings, control);
                 if outcome.stop == Stop::Cancelled {
                     bail!("stopped");
                 }
@@ -269,21 +265,24 @@ impl Search<'_> {
             }
             Choice::Genetic(breeding) => {
                 let settings = genetic::Settings {
-                    bound: Some(lower as i64),
-                    cancel: Some(cancel),
-                    observer: breeding.observer,
-                    pool: breeding.pool,
+                    proven_bound,
                     ..genetic::Settings::preset(breeding.preset, seed)
                 };
+                let runs = settings.seeding.runs as usize;
+                let total = runs + settings.evolution.generations as usize;
+                let seeded = |progress: Progress| control.report(progress.done, total);
+                let bred = |progress: Progress| control.report(runs + progress.done, total);
                 let made;
                 let (population, seeding_seconds) = if let Some(annealed) = breeding.population {
                     seconds_before = annealed.1;
                     annealed
                 } else {
-                    made = genetic::annealed(start, &crossings, &settings);
+                    let control = Control { progress: Some(&seeded), ..*control };
+                    made = genetic::annealed(start, &crossings, &settings, &control);
                     (&made[..], begin.elapsed().as_secs_f64())
                 };
-                let outcome = genetic::evolve(start, &crossings, population, &settings);
+                let control = Control { progress: Some(&bred), ..*control };
+                let outcome = genetic::evolve(start, &crossings, population, &settings, &control);
                 if outcome.stop == Stop::Cancelled {
                     bail!("stopped");
                 }
@@ -300,9 +299,8 @@ impl Search<'_> {
             }
             Choice::Exact(settings) => {
                 let settings = exact::Settings { seed, ..settings };
-                let control = Control { cancel: Some(cancel::token()?), ..*control };
-                let outcome = exact::solve(region, zones, &settings, &control)?;
-                (lower, piece_bound) = (outcome.bound, outcome.piece_bound);
+                let outcome = exact::solve(region, zones, &settings, control)?;
+                (bound, piece_bound) = (outcome.bound, outcome.piece_bound);
                 let optimal = outcome.is_optimal();
                 let (cost, attempts) = (outcome.cost, outcome.attempts);
                 let stop = format!("{:?}", outcome.stop).to_lowercase();
@@ -310,7 +308,7 @@ impl Search<'_> {
                 (outcome.path, 0)
             }
             Choice::Fusion(of) => {
-                let target = of.target.max(lower as u32);
+                let target = of.target.max(lower);
                 let (path, moves, row) =
                     learned::fusion(&Fusion { target, ..of }, region, zones, start, seed)?;
                 fusion = Some(row);
@@ -329,7 +327,7 @@ impl Search<'_> {
             start: self.start.name().to_owned(),
             initial: crossings.count(start),
             crossings: crossings.count(&best),
-            bound: Some(lower),
+            bound: Some(bound),
             pieces: best.pieces(),
             piece_bound,
             moves,

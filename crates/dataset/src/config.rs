@@ -336,7 +336,7 @@ mod tests {
         );
         assert!(
             error(&|text| text.replace("'short'", "'shor'"))
-                .contains("'shor' is no annealing preset")
+                .contains("unknown annealing preset 'shor'")
         );
         assert!(error(&|text| text.replace("30x100", "30x")).contains("'30x' is no size"));
         assert!(error(&|text| text.replace("30x100", "0x9")).contains("'0x9' is no size"));
@@ -358,7 +358,7 @@ mod tests {
         );
         let foreign =
             error(&|text| format!("source = 'genetic'\n{}", text.replace("'short'", "'long'")));
-        assert!(foreign.contains("'long' is no preset of the genetic algorithm"), "{foreign}");
+        assert!(foreign.contains("unknown genetic preset 'long'"), "{foreign}");
         assert_eq!(
             error(&|text| format!("pictures = 'x'\n{text}")),
             "it has both layouts and pictures: make two datasets"

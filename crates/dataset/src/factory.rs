@@ -2,12 +2,12 @@
 
 use std::collections::HashSet;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use beadwork_base::{Control, Interrupted};
 use beadwork_grid::{Crossings, LayoutError, LayoutSpec, Path, Region, Start, StartError, Zones};
 use beadwork_part::{Picture, PictureError};
-use beadwork_search::{Move, Settings, Stop, anneal, bound, chains, genetic};
+use beadwork_search::{Move, anneal, bound, chains, genetic};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
@@ -291,27 +291,30 @@ impl Stratum {
         seed: u64,
         cancel: &AtomicBool,
     ) -> Option<Found> {
-        let (bound, cancel) = (Some(i64::from(bound)), Some(cancel));
+        let proven_bound = Some(i64::from(bound));
+        let is_cancelled = || cancel.load(Ordering::Relaxed);
+        let control = &Control { time_is_up: Some(&is_cancelled), ..Control::default() };
         let (stop, initial, best, moves) = match self.search {
             Search::Anneal(preset) => {
-                let settings = Settings { bound, cancel, ..Settings::preset(preset, seed) };
-                let outcome = anneal(path, crossings, &settings);
+                let settings =
+                    anneal::Settings { proven_bound, ..anneal::Settings::preset(preset, seed) };
+                let outcome = anneal::solve(&path, crossings, &settings, control);
                 (outcome.stop, outcome.initial, outcome.cost, outcome.moves)
             }
             Search::Genetic(preset) => {
                 let settings =
-                    genetic::Settings { bound, cancel, ..genetic::Settings::preset(preset, seed) };
-                let outcome = genetic::solve(&path, crossings, &settings);
+                    genetic::Settings { proven_bound, ..genetic::Settings::preset(preset, seed) };
+                let outcome = genetic::solve(&path, crossings, &settings, control);
                 (outcome.stop, outcome.initial, outcome.cost, outcome.moves)
             }
             Search::Chains(preset) => {
                 let settings =
-                    chains::Settings { bound, cancel, ..chains::Settings::preset(preset, seed) };
-                let outcome = chains::solve(&path, crossings, &settings);
+                    chains::Settings { proven_bound, ..chains::Settings::preset(preset, seed) };
+                let outcome = chains::solve(&path, crossings, &settings, control);
                 (outcome.stop, outcome.initial, outcome.cost, outcome.moves)
             }
         };
-        (stop != Stop::Cancelled).then_some(Found {
+        (!stop.is_interrupted()).then_some(Found {
             initial: initial as u32,
             best: best as u32,
             moves,

@@ -3,7 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use beadwork_search::{Preset, UnknownPreset, chains, genetic};
+use beadwork_base::UnknownName;
+use beadwork_search::{anneal, chains, genetic};
 use thiserror::Error;
 
 /// A family of searches that trajectories come from.
@@ -62,22 +63,12 @@ pub struct PresetName(String);
 /// A name that is a preset of no source.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("{0}; {1}; {2}")]
-pub struct UnknownPresetName(UnknownPreset, genetic::UnknownPreset, chains::UnknownPreset);
+pub struct UnknownPresetName(UnknownName, UnknownName, UnknownName);
 
 /// A name that is no preset of the source in question.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum ForeignPreset {
-    /// Of annealing.
-    #[error(transparent)]
-    Anneal(#[from] UnknownPreset),
-    /// Of the genetic algorithm.
-    #[error(transparent)]
-    Genetic(#[from] genetic::UnknownPreset),
-    /// Of the search for chains.
-    #[error(transparent)]
-    Chains(#[from] chains::UnknownPreset),
-}
+#[error(transparent)]
+pub struct ForeignPreset(#[from] UnknownName);
 
 impl fmt::Display for PresetName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -90,7 +81,7 @@ impl FromStr for PresetName {
 
     fn from_str(name: &str) -> Result<Self, UnknownPresetName> {
         match (
-            name.parse::<Preset>(),
+            name.parse::<anneal::Preset>(),
             name.parse::<genetic::Preset>(),
             name.parse::<chains::Preset>(),
         ) {
@@ -107,7 +98,7 @@ impl FromStr for PresetName {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Search {
     /// Simulated annealing.
-    Anneal(Preset),
+    Anneal(anneal::Preset),
     /// The genetic algorithm.
     Genetic(genetic::Preset),
     /// Chains of variants.
@@ -149,15 +140,18 @@ mod tests {
 
     #[test]
     fn names_round_trip() {
-        let searches = Preset::ALL.map(Search::Anneal).into_iter();
+        let searches = anneal::Preset::ALL.map(Search::Anneal).into_iter();
         let searches = searches.chain(genetic::Preset::ALL.map(Search::Genetic));
         for search in searches.chain(chains::Preset::ALL.map(Search::Chains)) {
             assert_eq!(search.to_string().parse(), Ok(search));
         }
         let error = "genetic_long".parse::<Search>().unwrap_err().to_string();
-        assert!(error.contains("'long' is no preset of the genetic algorithm"), "{error}");
+        assert!(error.contains("unknown genetic preset 'long'"), "{error}");
         let name = |name: &str| name.parse::<PresetName>().unwrap();
-        assert_eq!(Source::Anneal.search(&name("paper")), Ok(Search::Anneal(Preset::Paper)));
+        assert_eq!(
+            Source::Anneal.search(&name("paper")),
+            Ok(Search::Anneal(anneal::Preset::Paper))
+        );
         assert_eq!(
             Source::Genetic.search(&name("window")),
             Ok(Search::Genetic(genetic::Preset::Window))
@@ -167,10 +161,7 @@ mod tests {
             Ok(Search::Chains(chains::Preset::Noisy))
         );
         let error = Source::Genetic.search(&name("long")).unwrap_err();
-        assert!(
-            error.to_string().contains("'long' is no preset of the genetic algorithm"),
-            "{error}"
-        );
+        assert!(error.to_string().contains("unknown genetic preset 'long'"), "{error}");
         let error = "none".parse::<PresetName>().unwrap_err().to_string();
         assert!(
             ["annealing", "genetic", "chains"].iter().all(|source| error.contains(source)),

@@ -4,7 +4,7 @@ use anyhow::bail;
 use beadwork_base::Control;
 use beadwork_dataset::Size;
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
-use beadwork_search::Preset;
+use beadwork_search::anneal::Preset;
 
 /// The presets whose mean comes closest to Table 5: all of the paper's but the shortest.
 pub(crate) const AVERAGED: [Preset; 4] =

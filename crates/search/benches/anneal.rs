@@ -1,11 +1,12 @@
-//! Rates of the annealers and of the moves under them, from small planes to large ones.
+//! Throughput of the annealers and of their moves, on small and large grids.
 
 use std::hint::black_box;
 
 use beadwork_base::Control;
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Links, Path, Region, Start, Switch};
-use beadwork_search::{Free, Method, Move, Preset, Settings, anneal};
-use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use beadwork_search::Move;
+use beadwork_search::anneal::{self, Free, Method, Outcome, Preset, Settings};
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
 fn instance(side: u32) -> (Path, Crossings) {
     let region = Region::rectangle(side, side).expect("the sides are in range");
@@ -15,17 +16,18 @@ fn instance(side: u32) -> (Path, Crossings) {
     (start, Crossings::new(&region, &zones))
 }
 
+fn run(start: &Path, crossings: &Crossings, settings: &Settings<'_>) -> Outcome {
+    anneal::solve(start, crossings, settings, &Control::default())
+}
+
 fn paper(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("paper");
     for side in [30, 50, 100] {
         let (start, crossings) = instance(side);
         group.throughput(Throughput::Elements(5000));
         group.bench_function(BenchmarkId::from_parameter(side), |bencher| {
-            bencher.iter_batched(
-                || start.clone(),
-                |start| anneal(start, &crossings, &Settings::preset(Preset::Paper, 0)),
-                BatchSize::LargeInput,
-            );
+            let settings = Settings::preset(Preset::Paper, 0);
+            bencher.iter_with_large_drop(|| run(&start, &crossings, &settings));
         });
     }
 }
@@ -38,27 +40,18 @@ fn fast(criterion: &mut Criterion) {
         let method = Method::Free(Free { proposals: 1_000_000, ..Free::default() });
         group.throughput(Throughput::Elements(1_000_000));
         group.bench_function(BenchmarkId::from_parameter(side), |bencher| {
-            bencher.iter_batched(
-                || start.clone(),
-                |start| {
-                    anneal(
-                        start,
-                        &crossings,
-                        &Settings { method, ..Settings::preset(Preset::Fast, 0) },
-                    )
-                },
-                BatchSize::LargeInput,
-            );
+            let settings = Settings { method, ..Settings::preset(Preset::Fast, 0) };
+            bencher.iter_with_large_drop(|| run(&start, &crossings, &settings));
         });
     }
 }
 
-/// Validity of pairs of switches that touch, all over a path that annealing has tangled.
+/// Checks of all pairs of switches that touch, on a path that annealing has rearranged.
 fn validity(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("validity");
     for side in [30, 100, 500] {
         let (start, crossings) = instance(side);
-        let path = anneal(start, &crossings, &Settings::preset(Preset::Fast, 0)).path;
+        let path = run(&start, &crossings, &Settings::preset(Preset::Fast, 0)).path;
         let first = (0..side * (side - 1))
             .filter_map(|corner| Some(Switch::new(corner, path.sides(corner)?)));
         let pairs: Vec<[Switch; 2]> = first
@@ -75,13 +68,12 @@ fn validity(criterion: &mut Criterion) {
     }
 }
 
-/// The moves of an annealing run again, on the links alone and on the path.
+/// Replays of the moves of an annealing run, on links only and on the path.
 fn replay(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("replay");
     for side in [30, 60, 100] {
         let (start, crossings) = instance(side);
-        let moves =
-            anneal(start.clone(), &crossings, &Settings::preset(Preset::ExtraLong, 0)).moves;
+        let moves = run(&start, &crossings, &Settings::preset(Preset::ExtraLong, 0)).moves;
         let variants: Vec<_> = moves
             .iter()
             .filter_map(|step| if let Move::Variant(placed) = step { Some(*placed) } else { None })

@@ -1,25 +1,28 @@
-//! What a search makes small.
+//! The objective that a search minimises.
 
 use beadwork_grid::{Cell, Crossings, Path, Switch};
 
-/// A cost of a path that is a sum over its links, so that its change by two switches can be told
-/// without the path.
+/// A cost of paths that is a sum over their links.
+///
+/// A search then knows how a move changes the cost from the links that the move removes and adds,
+/// without looking at the rest of the path.
 pub trait Cost {
-    /// Cost of the whole path.
+    /// Cost of a whole path.
     fn total(&self, path: &Path) -> i64;
 
-    /// By how much the cost changes if these two switches, which the path allows, are applied one
-    /// after the other.
+    /// Change of the cost if two switches, which the path must allow, are applied one after the
+    /// other.
     fn change(&self, switches: [Switch; 2]) -> i64;
 
-    /// Whether a switch in the unit cell at `corner` can change the cost by itself: where a search
-    /// should look.
+    /// Whether a single switch in the unit cell at `corner` can change the cost.
+    /// Searches look for moves near such unit cells.
     ///
-    /// The right neighbour, the one below and the one diagonally below must lie in the plane.
+    /// The neighbours of `corner` to the right, below and diagonally below must lie in the grid,
+    /// whose width is given in cells.
     fn is_sensitive(&self, corner: Cell, width: u32) -> bool;
 }
 
-/// The number of crossings.
+/// The number of zone crossings.
 impl Cost for Crossings {
     fn total(&self, path: &Path) -> i64 {
         i64::from(self.count(path))

@@ -1,18 +1,19 @@
-//! The moves that a search records.
+//! The moves that searches make and record.
 
 use beadwork_grid::{Path, PlacedVariant, Switch};
 
-/// One move of a search.
+/// A move of a search: two switches of unit cells that together keep the path whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Move {
-    /// A variant of Aali et al., which needs exactly its links in its window.
+    /// A variant of Aali et al.; it applies where the links in its window are those that the
+    /// variant requires.
     Variant(PlacedVariant),
     /// Any two switches.
     Pair([Switch; 2]),
 }
 
 impl Move {
-    /// The switches it stands for, in the order in which they apply, in a plane so many cells wide.
+    /// Its two switches, in the order in which they apply; `width` is that of the grid in cells.
     pub fn switches(self, width: u32) -> [Switch; 2] {
         match self {
             Self::Variant(placed) => placed.switches(width),
@@ -20,7 +21,8 @@ impl Move {
         }
     }
 
-    /// Applies it; where it does not apply it changes nothing and gives false.
+    /// Applies the move and returns true, or returns false and leaves the path as it is if the move
+    /// does not apply.
     pub fn apply(self, path: &mut Path) -> bool {
         match self {
             Self::Variant(placed) => path.apply_variant(placed),

@@ -1,21 +1,28 @@
 //! Why a search ends.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use beadwork_base::Interrupted;
 
 /// Why a search stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Stop {
-    /// It did as much work as asked.
+    /// All planned work is done.
     Done,
-    /// It reached the bound.
+    /// The result reached a proven lower bound, so nothing better exists.
     Optimal,
-    /// The cancel token was set.
+    /// The result reached the target that the caller set; something better may exist.
+    TargetReached,
+    /// The cancel token was cancelled.
     Cancelled,
-    /// Its time was up.
+    /// The time limit was reached.
     TimeUp,
+}
+
+impl Stop {
+    /// Whether the caller ended the search before its work was done.
+    pub fn is_interrupted(self) -> bool {
+        matches!(self, Self::Cancelled | Self::TimeUp)
+    }
 }
 
 impl From<Interrupted> for Stop {
@@ -27,7 +34,25 @@ impl From<Interrupted> for Stop {
     }
 }
 
-/// Whether a cancel token was given and is set.
-pub(crate) fn is_cancelled(cancel: Option<&AtomicBool>) -> bool {
-    cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed))
+/// Costs at which a search ends early.
+#[derive(Clone, Copy)]
+pub(crate) struct Goal {
+    /// A lower bound that the caller has proven.
+    pub(crate) proven_bound: Option<i64>,
+    /// A cost that is good enough.
+    pub(crate) target: Option<i64>,
+}
+
+impl Goal {
+    /// Why a search whose best cost is this one need not go on, if so.
+    #[inline]
+    pub(crate) fn reached(self, best: i64) -> Option<Stop> {
+        if self.proven_bound.is_some_and(|bound| best <= bound) {
+            Some(Stop::Optimal)
+        } else if self.target.is_some_and(|target| best <= target) {
+            Some(Stop::TargetReached)
+        } else {
+            None
+        }
+    }
 }

@@ -4,7 +4,7 @@ use beadwork_console::part::Part;
 use beadwork_console::text::count;
 use beadwork_part::print;
 use beadwork_part::{Panel, svg};
-use beadwork_search::plan::ToolPlan;
+use beadwork_search::plan::tools::ToolPlan;
 
 /// Maximum number of layers drawn: two rows.
 const PANELS: usize = 6;

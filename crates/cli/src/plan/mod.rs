@@ -6,16 +6,17 @@ mod report;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use anyhow::bail;
+use beadwork_base::Threads;
 use beadwork_console::part::PartArgs;
 use beadwork_console::plan::{print, refs};
 use beadwork_console::printer::{ProfileArgs, tool_costs};
 use beadwork_console::text::count;
-use beadwork_console::{cancel, control, output, progress};
-use beadwork_search::plan::{Constraints, Mode, Progress, Settings, Stacking, tools_plan};
+use beadwork_console::{cancel, control, output};
+use beadwork_search::plan::Constraints;
+use beadwork_search::plan::tools::{self, Mode, Settings, Stacking};
 use clap::ValueEnum;
 
 use report::{Report, Seconds};
@@ -143,11 +144,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         before: args.before.iter().map(|&Pair(a, b)| (a, b)).collect(),
         first: args.first_tool,
         same_order: args.same_order,
-    };
-    let bar = progress::bar(0, "plan");
-    let observer = |progress: Progress| {
-        bar.set_length(progress.layers as u64);
-        bar.set_position(progress.done as u64);
+        ..Constraints::default()
     };
     let how = Settings {
         mode: match args.mode {
@@ -155,27 +152,26 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
             ModeName::Continuous => Mode::Continuous,
             ModeName::Free => Mode::Free,
         },
-        lift_cost: args.lift_cost,
+        lift_cost: args.lift_cost.into(),
+        constraints,
         stacking: args.stacking.map(|rule| match rule {
             StackingName::Keep => Stacking::Keep,
             StackingName::Break => Stacking::Break,
         }),
         seed: args.seed,
         attempts: args.attempts,
-        pool: Some(&pool),
-        cancel: Some(cancel::token()?.as_flag()),
-        observer: Some(&observer),
-        ..Settings::new(&costs, &constraints)
+        ..Settings::default()
     };
-    let plan = tools_plan(&refs(&part.layers), &how)?;
-    bar.finish_and_clear();
+    let plan = control::with_bar("plan", Threads::Pool(&pool), |control| {
+        tools::solve(&refs(&part.layers), &costs, &how, control)
+    })??;
     let planned = begin.elapsed().as_secs_f64();
     let printed = print(&part, &plan, &profile, settings)?;
     let done = begin.elapsed().as_secs_f64();
     let seconds = Seconds { slice: sliced, plan: planned - sliced, print: done - planned };
     let report =
         Report { part: &part, plan: &plan, printed: &printed, lift_cost: args.lift_cost, seconds };
-    if cancel::token()?.as_flag().load(Ordering::Relaxed) {
+    if cancel::token()?.is_cancelled() {
         bail!("stopped; nothing was written");
     }
     if let Some(path) = &args.svg {

@@ -2,10 +2,11 @@
 
 use std::fmt::Write;
 
+use beadwork_console::output::number;
 use beadwork_console::part::Part;
 use beadwork_console::plan::Printed;
 use beadwork_console::text::{count, duration};
-use beadwork_search::plan::ToolPlan;
+use beadwork_search::plan::tools::ToolPlan;
 use serde_json::{Value, json};
 
 use super::Files;
@@ -34,7 +35,6 @@ impl Report<'_> {
         let Self { part, plan, printed, lift_cost, seconds } = self;
         let frame = &part.layers.frame;
         let totals = &printed.totals;
-        let order = plan.order.as_ref();
         let continuous = plan.layers.iter().filter(|layer| layer.is_continuous);
         let optimal = plan.layers.iter().filter(|layer| layer.is_optimal()).count();
         let mut value = json!(totals);
@@ -47,20 +47,20 @@ impl Report<'_> {
             "layer_mm": frame.layer_mm,
             "cells": part.layers.cell_count(),
             "materials": printed.settings.tools.iter().map(|tool| &tool.name).collect::<Vec<_>>(),
-            "tool_cost": plan.tool_cost,
+            "tool_cost": number(plan.tool_cost),
             "lift_cost": lift_cost,
-            "cost": plan.cost(*lift_cost),
+            "cost": number(plan.cost((*lift_cost).into())),
             "bounds": {
-                "tool_cost": order.map(|order| order.bound),
-                "tool_changes": order.map(|order| order.least_changes),
+                "tool_cost": number(plan.order.bound),
+                "tool_changes": plan.order.min_changes,
                 "layers_optimal": optimal,
             },
-            "fixed_order": plan.fixed.map(|fixed| json!({ "tool_cost": fixed.cost, "tool_changes": fixed.changes })),
+            "fixed_order": { "tool_cost": number(plan.fixed.cost), "tool_changes": plan.fixed.changes },
             "continuous_layers": continuous.count(),
             "frontier": plan.frontier.iter().map(|point| json!({
                 "lifts": point.lifts,
-                "tool_cost": point.tool_cost,
-                "up_to_lift_cost": point.up_to_price.map(|[cost, lifts]| cost as f64 / lifts as f64),
+                "tool_cost": number(point.tool_cost),
+                "up_to_lift_cost": point.up_to_lift_cost,
             })).collect::<Vec<_>>(),
             "kept_links": plan.layers.iter().filter_map(|layer| layer.kept_links).map(u64::from).sum::<u64>(),
             "checked": { "layers": printed.checked.layers, "cells": printed.checked.cells },
@@ -99,12 +99,11 @@ impl Report<'_> {
             frame.height,
             count(printed.settings.tools.len() as u64, "material"),
         )?;
-        let bound = match &planned.order {
-            Some(order) if u64::from(order.least_changes) == planned.tool_changes() => {
-                " (proven minimum)".to_owned()
-            }
-            Some(order) => format!(" (at least {})", order.least_changes),
-            None => String::new(),
+        let min_changes = planned.order.min_changes;
+        let bound = if u64::from(min_changes) == planned.tool_changes() {
+            " (proven minimum)".to_owned()
+        } else {
+            format!(" (at least {min_changes})")
         };
         let optimal = planned.layers.iter().filter(|layer| layer.is_optimal()).count();
         writeln!(
@@ -114,11 +113,11 @@ impl Report<'_> {
             count(planned.lifts, "lift"),
             planned.layers.len(),
         )?;
-        if let Some(fixed) = planned.fixed.filter(|_| printed.settings.tools.len() > 1) {
+        if printed.settings.tools.len() > 1 {
             writeln!(
                 text,
                 "with the tools in the same order in every layer: {}",
-                count(fixed.changes.into(), "tool change")
+                count(planned.fixed.changes.into(), "tool change")
             )?;
         }
         let grams: f64 = totals.tools.iter().map(|tool| tool.grams).sum();

@@ -6,7 +6,7 @@ use std::hint::black_box;
 use beadwork_base::Control;
 use beadwork_console::{machine, output};
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Path, Region, Start, Switch, VariantKind};
-use beadwork_search::{Preset, Settings, anneal};
+use beadwork_search::anneal::{self, Preset, Settings};
 use serde::Serialize;
 use serde_json::json;
 
@@ -80,12 +80,14 @@ fn grid_row(side: u32, repeats: u64) -> anyhow::Result<GridRow> {
     let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, 0)?;
     let crossings = Crossings::new(&region, &zones);
     let start = Start::RowZigzag.path(&region, &Control::default())?;
+    let anneal =
+        |settings: &Settings<'_>| anneal::solve(&start, &crossings, settings, &Control::default());
     let paper = median(repeats, |seed| {
-        drop(anneal(start.clone(), &crossings, &Settings::preset(Preset::Paper, seed)));
+        drop(anneal(&Settings::preset(Preset::Paper, seed)));
     });
-    let fast = anneal(start.clone(), &crossings, &Settings::preset(Preset::Fast, 0));
+    let fast = anneal(&Settings::preset(Preset::Fast, 0));
     let fast_seconds = median(repeats, |_| {
-        drop(anneal(start.clone(), &crossings, &Settings::preset(Preset::Fast, 0)));
+        drop(anneal(&Settings::preset(Preset::Fast, 0)));
     });
 
     let pairs = shuffled_pairs(&fast.path, side);

@@ -5,7 +5,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use anyhow::bail;
-use beadwork_base::Control;
+use beadwork_base::{Control, Threads};
 use beadwork_console::progress::ProgressBar;
 use beadwork_console::{cancel, control, machine, output, progress};
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Links, Path, PlacedVariant, Region, Start};
@@ -117,17 +117,14 @@ fn row(side: u32, layout: Layout, repeats: u64, bar: &ProgressBar) -> anyhow::Re
         for _ in 0..repeats {
             for (place, threads) in THREADS.into_iter().enumerate() {
                 let pool = control::pool(threads)?;
-                let cancel = cancel::token()?.as_flag();
-                let settings = Settings {
-                    pool: Some(&pool),
-                    cancel: Some(cancel),
-                    ..Settings::preset(preset, 0)
-                };
+                let control =
+                    Control { cancel: Some(cancel::token()?), ..Control::on(Threads::Pool(&pool)) };
+                let settings = Settings::preset(preset, 0);
                 let begin = Instant::now();
-                let population = genetic::annealed(&start, &crossings, &settings);
+                let population = genetic::annealed(&start, &crossings, &settings, &control);
                 seeding[place].push(begin.elapsed().as_secs_f64());
                 let begin = Instant::now();
-                let outcome = genetic::evolve(&start, &crossings, &population, &settings);
+                let outcome = genetic::evolve(&start, &crossings, &population, &settings, &control);
                 evolving[place].push(begin.elapsed().as_secs_f64());
                 if outcome.stop == Stop::Cancelled {
                     bail!("stopped");

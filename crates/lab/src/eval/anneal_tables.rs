@@ -8,7 +8,7 @@ use beadwork_base::Control;
 use beadwork_console::search::{Choice, MethodName, Row, Search};
 use beadwork_console::{cancel, machine, output, progress};
 use beadwork_grid::{LayoutSpec, Region, Start};
-use beadwork_search::Preset;
+use beadwork_search::anneal::Preset;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 

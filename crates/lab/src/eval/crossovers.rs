@@ -100,14 +100,13 @@ fn compare(cell: &Cell, seed: u64, preset: Preset) -> anyhow::Result<Run> {
     let zones = LayoutSpec::new(cell.layout).zones(&region, seed)?;
     let crossings = Crossings::new(&region, &zones);
     let start = Start::RowZigzag.path(&region, &Control::default())?;
-    let cancel = cancel::token()?.as_flag();
+    let control = Control { cancel: Some(cancel::token()?), ..Control::default() };
     let bounds = control::quiet(Threads::One, |control| Bounds::new(&region, &zones, control))??;
     let settings = Settings {
-        bound: Some(i64::from(bounds.crossings())),
-        cancel: Some(cancel),
+        proven_bound: Some(i64::from(bounds.crossings())),
         ..Settings::preset(preset, seed)
     };
-    let population = genetic::annealed(&start, &crossings, &settings);
+    let population = genetic::annealed(&start, &crossings, &settings, &control);
     let (mut initial, mut seeded) = (0, 0);
     let mut by_way = Vec::new();
     for (_, evolution) in ways(Evolution {
@@ -120,6 +119,7 @@ fn compare(cell: &Cell, seed: u64, preset: Preset) -> anyhow::Result<Run> {
             &crossings,
             &population,
             &Settings { evolution, ..settings.clone() },
+            &control,
         );
         (initial, seeded) = (outcome.initial, outcome.generations[0].best);
         by_way.push(outcome.cost);

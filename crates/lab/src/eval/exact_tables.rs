@@ -9,7 +9,8 @@ use beadwork_base::Control;
 use beadwork_console::search::{Choice, Row, Search};
 use beadwork_console::{cancel, machine, output, progress};
 use beadwork_grid::{Layout, LayoutSpec, Region, RegionShape, Start, Zones};
-use beadwork_search::{Preset, exact};
+use beadwork_search::anneal::Preset;
+use beadwork_search::exact;
 use serde_json::{Value, json};
 
 use super::{ZonesArgs, growth, statistics};
@@ -174,7 +175,7 @@ impl Runs {
             "pieces_met": totals.pieces_met, "worst_piece_gap": totals.worst_piece_gap,
             "ms_p50": totals.ms[0], "ms_p95": totals.ms[1], "ms_max": totals.ms[2],
             "crossings": mean(&self.exact, |row| f64::from(row.crossings)),
-            "bound": mean(&self.exact, |row| row.bound.unwrap_or_default() as f64),
+            "bound": mean(&self.exact, |row| row.bound.unwrap_or_default()),
             "compared": self.zigzag.len(),
             "exact_compared": mean(&self.exact[..self.zigzag.len()], |row| f64::from(row.crossings)),
             "zigzag": mean(&self.zigzag, |row| f64::from(row.crossings)),
@@ -199,7 +200,8 @@ pub(super) struct Totals {
 impl Totals {
     pub(super) fn of(rows: &[Row]) -> Self {
         let gap = |row: &Row| {
-            row.exact.as_ref().map_or(0, |exact| exact.cost) - row.bound.unwrap_or_default()
+            let cost = row.exact.as_ref().map_or(0.0, |exact| exact.cost);
+            (cost - row.bound.unwrap_or_default()) as u64
         };
         let mut ms: Vec<f64> = rows.iter().map(|row| 1e3 * row.seconds).collect();
         ms.sort_by(f64::total_cmp);

@@ -20,7 +20,8 @@ use beadwork_learn::fusion::propose::{AllMoves, Asked, Proposer};
 use beadwork_learn::fusion::samples::{Batches, Split};
 use beadwork_learn::fusion::train::{Evaluation, evaluate};
 use beadwork_learn::fusion::walk::{Task, WalkSettings, Walked, walk};
-use beadwork_search::{Preset, Settings, Stop, anneal, chains, exact};
+use beadwork_search::anneal::{self, Preset, Settings};
+use beadwork_search::{Stop, chains, exact};
 use serde::Serialize;
 use serde_json::json;
 
@@ -141,7 +142,12 @@ impl Instance {
         let mut best: Option<Taken> = None;
         for run in 0..runs {
             let begin = Instant::now();
-            let outcome = anneal(start.clone(), &crossings, &Settings::preset(Preset::Paper, run));
+            let outcome = anneal::solve(
+                &start,
+                &crossings,
+                &Settings::preset(Preset::Paper, run),
+                &Control::default(),
+            );
             let seconds = begin.elapsed().as_secs_f64();
             let this = Taken {
                 reached: true,
@@ -173,19 +179,21 @@ impl Instance {
 
     fn methods(&self) -> anyhow::Result<BTreeMap<&'static str, Taken>> {
         let crossings = self.layer.crossings();
-        let bound = Some(i64::from(self.target));
+        let target = Some(i64::from(self.target));
         let begin = Instant::now();
-        let fast = anneal(
-            self.start.clone(),
+        let fast = anneal::solve(
+            &self.start,
             crossings,
-            &Settings { bound, ..Settings::preset(Preset::Fast, 0) },
+            &Settings { target, ..Settings::preset(Preset::Fast, 0) },
+            &Control::default(),
         );
         let fast = self.took(fast.moves.len(), begin, fast.cost);
         let begin = Instant::now();
         let chains = chains::solve(
             &self.start,
             crossings,
-            &chains::Settings { bound, ..chains::Settings::default() },
+            &chains::Settings { target, ..chains::Settings::default() },
+            &Control::default(),
         );
         let chains = self.took(chains.moves.len(), begin, chains.cost);
         let begin = Instant::now();
@@ -356,7 +364,7 @@ fn walk_all(
     let seconds = begin.elapsed().as_secs_f64();
     let all: usize = walked.iter().map(|walked| walked.made).sum();
     let reached = |walked: Walked| {
-        let reached = walked.stop == Stop::Optimal;
+        let reached = walked.stop == Stop::TargetReached;
         let moves = walked.made;
         let share = walked.made as f64 / all.max(1) as f64;
         Taken { reached, moves, seconds: seconds * share, crossings: walked.crossings }

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 
 use beadwork_console::search::MethodName;
 use beadwork_console::{control, output};
-use beadwork_search::Preset;
+use beadwork_search::anneal::Preset;
 use clap::Subcommand;
 
 /// Print tables beside the papers' figures, and of whole parts.

@@ -96,7 +96,7 @@ pub struct Walked {
     pub made: usize,
     /// Those of them that were made at random.
     pub perturbed: usize,
-    /// [`Stop::Optimal`] where the target is reached, [`Stop::Done`] where the budget is spent or
+    /// [`Stop::TargetReached`] where the target is reached, [`Stop::Done`] where the budget is spent or
     /// nothing applies, [`Stop::Cancelled`].
     pub stop: Stop,
 }
@@ -293,7 +293,7 @@ impl<'a> Walk<'a> {
             assert!(step.apply(&mut path), "what applies to the links applies to the path");
         }
         let stop = match (self.best <= self.task.target, self.has_ended(settings)) {
-            (true, _) => Stop::Optimal,
+            (true, _) => Stop::TargetReached,
             (false, true) => Stop::Done,
             (false, false) => Stop::Cancelled,
         };

@@ -1,68 +1,51 @@
-//! Annealing without a pool: any two switches that together keep the path whole.
+//! Annealing with any two switches that together keep the path whole.
 //!
-//! The first switch is drawn among the unit cells near zone borders.
-//! If it would close a cycle, the second is one that joins the cycle again: beside a random link of
-//! it (or beside the first, which keeps the change of positions small).
-//! So nearly every proposal that gets as far as a second switch is a move, and the moves reach
-//! across the layer, where the paper's variants end at their window.
+//! A *switch* exchanges two parallel links of a unit cell (2 x 2 cells) for the other two.
+//! Where the path passes the two links in opposite directions, as in neighbouring rows of a zigzag,
+//! a switch splits it into a path and a cycle.
+//! So a move consists of two switches, of which the second repairs what the first breaks.
+//!
+//! The first switch is drawn among the unit cells near zone borders, where costs can change.
+//! If it would close a cycle, the second switch must join that cycle to the rest again.
+//! It is drawn next to a random link of the cycle, or next to the first switch, which reverses only
+//! a short part of the path and is therefore cheap.
+//! So nearly every proposal that reaches a second switch is a valid move, and moves reach across
+//! the layer, whereas the paper's variants end at their window.
 
 use beadwork_grid::{Cell, Path, Sides, Switch};
 use rand::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::{Outcome, Run, Settings, Stop};
+use super::method::Free;
+use super::run::Run;
+use super::settings::Outcome;
 use crate::random::{below, scale};
-use crate::{Cost, Move};
+use crate::{Cost, Move, Stop};
 
-/// Parameters of the free annealer.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Free {
-    /// Moves to propose.
-    pub proposals: u64,
-    /// Temperature at the beginning, in units of the cost; positive.
-    pub hot: f64,
-    /// Temperature at the end, positive; it falls geometrically.
-    pub cold: f64,
-    /// How far from a unit cell that changes the cost the first switch may lie, in cells.
-    pub reach: u32,
-    /// Share of the proposals, 0..=1, whose second switch touches the first; the others' lies
-    /// anywhere on the cycle.
-    pub nearby: f64,
-    /// Moves that change no cost but more positions than this are proposed less often, in inverse
-    /// proportion.
-    /// They are most of the work otherwise, and worth no more than the others.
-    pub span: u32,
-}
-
-impl Default for Free {
-    fn default() -> Self {
-        Self { proposals: 5_000_000, hot: 0.8, cold: 0.12, reach: 1, nearby: 0.3, span: 200 }
-    }
-}
-
-/// Proposals between two looks at the temperature, the cancel token and the bound.
+/// Number of proposals between two updates of the temperature, which also check whether to stop.
 const BLOCK: u64 = 1024;
 
-pub(super) fn run<C: Cost>(free: &Free, start: Path, cost: &C, settings: &Settings<'_>) -> Outcome {
-    let mut run = Run::new(start, cost, settings);
+pub(super) fn anneal<C: Cost>(free: &Free, mut run: Run<'_>, cost: &C) -> Outcome {
     let corners = corners(&run.path, cost, free.reach);
     if corners.is_empty() {
-        let stop = run.stop().unwrap_or(Stop::Done);
+        let stop = run.should_stop().unwrap_or(Stop::Done);
         return run.finish(stop, 0);
     }
     let touching = Touching::new(run.path.width());
+    // The probability in 1/65536, to be compared with the lowest 16 bits of a random number.
     let nearby = (free.nearby * f64::from(1 << 16)) as u64;
     let mut proposals = 0;
     while proposals < free.proposals {
-        let cooled = proposals as f64 / free.proposals as f64;
-        let temperature = free.hot * libm::pow(free.cold / free.hot, cooled);
+        let elapsed = proposals as f64 / free.proposals as f64;
+        let temperature = free.hot * libm::pow(free.cold / free.hot, elapsed);
         let metropolis = Metropolis::new(temperature);
-        run.observe(proposals, free.proposals, temperature);
-        if let Some(stop) = run.stop() {
+        run.report(proposals, free.proposals, temperature);
+        if let Some(stop) = run.should_stop() {
             return run.finish(stop, proposals);
         }
         let block = BLOCK.min(free.proposals - proposals);
         for _ in 0..block {
+            // The upper half of the bits selects the corner, the lowest 16 the kind of move.
             let random = run.rng.next_u64();
             let corner = corners[scale(random, corners.len())];
             let Some(from) = run.path.sides(corner) else { continue };
@@ -70,13 +53,14 @@ pub(super) fn run<C: Cost>(free: &Free, start: Path, cost: &C, settings: &Settin
             let second = if random & 0xFFFF < nearby {
                 touching.draw(&run.path, first, &mut run.rng)
             } else {
-                on_the_cycle(&run.path, first, &mut run.rng)
+                draw_on_cycle(&run.path, first, &mut run.rng)
             };
             let Some(switches) = second.map(|second| [first, second]) else { continue };
             let change = cost.change(switches);
-            let proposed =
+            let is_proposed =
                 change != 0 || is_worth_its_span(&run.path, switches, free.span, &mut run.rng);
-            if proposed && metropolis.takes(change, &mut run.rng) && run.path.apply(&switches) {
+            if is_proposed && metropolis.accepts(change, &mut run.rng) && run.path.apply(&switches)
+            {
                 run.accept(Move::Pair(switches), change);
             }
         }
@@ -85,10 +69,11 @@ pub(super) fn run<C: Cost>(free: &Free, start: Path, cost: &C, settings: &Settin
     run.complete(proposals)
 }
 
-/// The eight unit cells that touch another one.
+/// The eight unit cells that touch a given one.
 struct Touching {
-    /// Steps from corner to corner, modulo 2^32: four side by side, then four diagonal.
-    steps: [u32; 8],
+    /// Offsets of their corners from the given corner, modulo 2^32: first the four unit cells that
+    /// share a side with it, then the four that share a corner.
+    offsets: [u32; 8],
 }
 
 impl Touching {
@@ -96,39 +81,45 @@ impl Touching {
         let forwards = [1, width, width + 1, width - 1];
         let [right, below, diagonal, other_diagonal] = forwards;
         let [left, above, back, other_back] = forwards.map(u32::wrapping_neg);
-        Self { steps: [right, below, left, above, diagonal, other_diagonal, back, other_back] }
+        Self { offsets: [right, below, left, above, diagonal, other_diagonal, back, other_back] }
     }
 
-    /// A second switch that touches the first, if a random one is allowed.
+    /// Draws a second switch that touches the first; `None` if the drawn one is not allowed.
     #[inline]
     fn draw(&self, path: &Path, first: Switch, rng: &mut Xoshiro256PlusPlus) -> Option<Switch> {
-        let random = below(rng, 8);
-        let corner = first.corner().wrapping_add(self.steps[random]);
-        // Side by side, the first switch changes a side of the second: what that takes out is the
-        // other pair.
-        let from = if random < 4 { first.from().other() } else { path.sides(corner)? };
+        let drawn = below(rng, 8);
+        let corner = first.corner().wrapping_add(self.offsets[drawn]);
+        // Unit cells that share a side share a link, which the first switch adds or removes, so
+        // that the second one must remove the other pair of sides.
+        // The second switch must fit the links as the first one leaves them.
+        let from = if drawn < 4 { first.from().other() } else { path.sides(corner)? };
         let second = Switch::new(corner, from);
         path.allows_pair(first, second).then_some(second)
     }
 }
 
-/// A second switch beside a random link of the cycle that the first would close, if it joins that
-/// to the rest.
+/// Draws a second switch next to a random link of the cycle that the first one would close; `None`
+/// if the first closes no cycle, or the second one does not join the cycle to the rest.
 #[inline]
-fn on_the_cycle(path: &Path, first: Switch, rng: &mut Xoshiro256PlusPlus) -> Option<Switch> {
+fn draw_on_cycle(path: &Path, first: Switch, rng: &mut Xoshiro256PlusPlus) -> Option<Switch> {
     let cuts = path.cuts(first.corner(), first.from());
     if !cuts.closes {
         return None;
     }
-    let place = cuts.first as usize + 1 + below(rng, (cuts.second - cuts.first - 1) as usize);
-    let (a, b) = (path.order()[place], path.order()[place + 1]);
+    // The cycle consists of the positions between the two links that the first switch removes.
+    let position = cuts.first as usize + 1 + below(rng, (cuts.second - cuts.first - 1) as usize);
+    let (a, b) = (path.order()[position], path.order()[position + 1]);
     let (along, back) =
         if a.abs_diff(b) == 1 { (Sides::Horizontal, path.width()) } else { (Sides::Vertical, 1) };
-    let either_side = if rng.next_u64() >> 63 == 0 { 0 } else { back };
-    let second = Switch::new(a.min(b).wrapping_sub(either_side), along);
+    // A link is a side of two unit cells: one of them begins at its first cell, the other one row
+    // or column before.
+    let offset = if rng.next_u64() >> 63 == 0 { 0 } else { back };
+    let second = Switch::new(a.min(b).wrapping_sub(offset), along);
     path.allows_pair(first, second).then_some(second)
 }
 
+/// Whether to propose a move that does not change the cost: always if it changes at most `span`
+/// positions, otherwise with a probability in inverse proportion to their number.
 #[inline]
 fn is_worth_its_span(
     path: &Path,
@@ -141,8 +132,8 @@ fn is_worth_its_span(
     length <= span || below(rng, length as usize) < span as usize
 }
 
-/// The corners at which the first switch is drawn: within `reach` of a unit cell that changes the
-/// cost.
+/// The corners at which the first switch is drawn: those within `reach` of a unit cell that can
+/// change the cost, row by row.
 fn corners<C: Cost>(path: &Path, cost: &C, reach: u32) -> Vec<Cell> {
     let (columns, rows) = (path.width().saturating_sub(1), path.height().saturating_sub(1));
     let mut near = vec![false; (columns * rows) as usize];
@@ -167,10 +158,11 @@ fn corners<C: Cost>(path: &Path, cost: &C, reach: u32) -> Vec<Cell> {
         .collect()
 }
 
-/// Acceptance at one temperature: a table of thresholds for the small changes, which are nearly
-/// all.
+/// The Metropolis criterion at one temperature.
 struct Metropolis {
     temperature: f64,
+    /// Acceptance probabilities of the changes below 16, as shares of 2^64; nearly all changes are
+    /// that small.
     thresholds: [u64; 16],
 }
 
@@ -178,25 +170,25 @@ impl Metropolis {
     fn new(temperature: f64) -> Self {
         let mut thresholds = [u64::MAX; 16];
         for (change, threshold) in thresholds.iter_mut().enumerate().skip(1) {
-            *threshold = chance(change as f64, temperature);
+            *threshold = probability(change as f64, temperature);
         }
         Self { temperature, thresholds }
     }
 
     #[inline]
-    fn takes(&self, change: i64, rng: &mut Xoshiro256PlusPlus) -> bool {
+    fn accepts(&self, change: i64, rng: &mut Xoshiro256PlusPlus) -> bool {
         if change <= 0 {
             return true;
         }
         let threshold = match self.thresholds.get(change as usize) {
             Some(&threshold) => threshold,
-            None => chance(change as f64, self.temperature),
+            None => probability(change as f64, self.temperature),
         };
         rng.next_u64() < threshold
     }
 }
 
-/// The Metropolis probability of a rise of the cost, as a share of 2^64.
-fn chance(change: f64, temperature: f64) -> u64 {
+/// Probability of accepting a rise of the cost, as a share of 2^64.
+fn probability(change: f64, temperature: f64) -> u64 {
     (libm::exp(-change / temperature) * (1_u128 << 64) as f64) as u64
 }

@@ -21,7 +21,7 @@ pub(crate) mod walk;
 use beadwork_base::{Control, Interrupted};
 use beadwork_grid::{Region, Zones, zone_components};
 
-use crate::ZoneCosts;
+use crate::CostMatrix;
 use crate::matching::{Board, ComponentGraph, ShortestPaths};
 use connectivity::Separation;
 use cuts::Cuts;
@@ -78,7 +78,7 @@ impl Bounds {
     /// # Panics
     /// If the zones belong to a grid of another size, or a cell of the region has no zone.
     pub fn new(region: &Region, zones: &Zones, control: &Control<'_>) -> Result<Self, Interrupted> {
-        let costs = ZoneCosts::uniform(zones.count());
+        let costs = CostMatrix::uniform(zones.count() as usize);
         let boards = Board::of_components(region, zones, &costs);
         let mut sum = Self {
             pieces: 0,

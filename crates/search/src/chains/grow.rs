@@ -1,33 +1,49 @@
-//! The best chain that begins with a given variant.
+//! Beam search for the best chain that begins with a given variant.
+//!
+//! All chains of one length are extended together.
+//! Of their extensions, the most promising ones are kept, the *beam*; a chain is promising if its
+//! cost is low and its last move lies near a place where the cost can change.
+//! Different chains often lead to the same links, for example when two independent moves are
+//! exchanged; only the first chain to reach them is extended.
+//!
+//! Chains are stored as a tree, each node with its last move and its parent.
+//! To extend a chain its moves are applied to the links, and undone afterwards.
 
 use std::collections::{HashSet, VecDeque};
 
 use beadwork_grid::{Links, Path, PlacedVariant, Switch};
 
-use super::Settings;
 use crate::Cost;
 
-/// Weight of the cost beside the distance to where it can change, in the choice of chains to
-/// pursue.
-const GAIN_WEIGHT: i64 = 6;
+/// Weight of a unit of cost against one cell of distance to where the cost can change.
+const COST_WEIGHT: i64 = 6;
 
-/// Windows whose first cells lie at most so far apart, along x and y, can overlap.
+/// Two windows can overlap if their first cells are at most this far apart along x and along y.
 const OVERLAP: u16 = 2;
+
+/// Limits of a beam search; see [`Settings`](super::Settings).
+#[derive(Clone, Copy)]
+pub(super) struct Beam {
+    pub(super) width: usize,
+    pub(super) depth: usize,
+    pub(super) patience: usize,
+}
 
 /// A chain that lowers the cost.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Found {
+pub(super) struct Chain {
     pub(super) moves: Vec<PlacedVariant>,
-    /// By how much, positive.
+    /// The amount by which it lowers the cost; positive.
     pub(super) gain: i64,
 }
 
-impl Found {
-    /// Whether it gains more for each move or, gaining the same, begins closer to the move made
-    /// last.
+impl Chain {
+    /// Whether it has a larger gain per move or, at the same gain per move, begins closer to the
+    /// `last` move made.
     pub(super) fn is_better_than(&self, other: &Self, last: Option<PlacedVariant>) -> bool {
-        let rate = |a: &Self, b: &Self| a.gain * b.moves.len() as i64;
-        let (own, others) = (rate(self, other), rate(other, self));
+        // Compares gain / moves without dividing.
+        let product = |a: &Self, b: &Self| a.gain * b.moves.len() as i64;
+        let (own, others) = (product(self, other), product(other, self));
         let distance = |chain: &Self| {
             let first = chain.moves[0];
             last.map_or(0, |last| first.x.abs_diff(last.x).max(first.y.abs_diff(last.y)))
@@ -36,71 +52,75 @@ impl Found {
     }
 }
 
-/// A rectangle of cells, both ends included.
+/// A rectangle of cells: the first and the last column and row.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reach {
+pub(super) struct Extent {
     x: [u16; 2],
     y: [u16; 2],
 }
 
-impl Reach {
-    /// The cells of a window whose links a variant changes.
+impl Extent {
+    /// The cells whose links a variant can change.
     pub(super) fn window(placed: PlacedVariant) -> Self {
         Self { x: [placed.x, placed.x + 2], y: [placed.y, placed.y + 2] }
     }
 
-    /// Whether they share a cell.
-    pub(super) fn meets(self, other: Self) -> bool {
-        let meet = |a: [u16; 2], b: [u16; 2]| a[0] <= b[1] && b[0] <= a[1];
-        meet(self.x, other.x) && meet(self.y, other.y)
+    /// Whether two rectangles have a cell in common.
+    pub(super) fn overlaps(self, other: Self) -> bool {
+        let overlap = |a: [u16; 2], b: [u16; 2]| a[0] <= b[1] && b[0] <= a[1];
+        overlap(self.x, other.x) && overlap(self.y, other.y)
     }
 
-    /// Takes in all windows that can overlap a variant's.
-    fn follow(&mut self, placed: PlacedVariant) {
-        let take = |range: &mut [u16; 2], at: u16| {
+    /// Extends it to all windows that can overlap that of a variant.
+    fn include_overlapping(&mut self, placed: PlacedVariant) {
+        let include = |range: &mut [u16; 2], at: u16| {
             range[0] = range[0].min(at.saturating_sub(OVERLAP));
             range[1] = range[1].max(at + OVERLAP + 2);
         };
-        take(&mut self.x, placed.x);
-        take(&mut self.y, placed.y);
+        include(&mut self.x, placed.x);
+        include(&mut self.y, placed.y);
     }
 }
 
-/// Grows chains in one plane.
+/// Searches for chains on one grid.
 pub(super) struct Grower<'a, C> {
     cost: &'a C,
-    settings: &'a Settings<'a>,
+    beam: Beam,
     width: u32,
-    /// For each cell how many steps it lies from a corner where a switch can change the cost.
+    /// For each cell the number of steps to the nearest corner of a unit cell where a switch can
+    /// change the cost.
     distance: Vec<u32>,
 }
 
-/// The last move of a chain; the others are its ancestors.
+/// The last move of a chain, whose other moves are those of the node's ancestors.
 struct Node {
     placed: PlacedVariant,
     parent: Option<usize>,
     /// Change of the cost by the whole chain.
     change: i64,
-    /// Of the links after it: equal for equal links.
-    key: u64,
+    /// Zobrist hash of the links after the chain: the same for the same links.
+    hash: u64,
 }
 
 impl<'a, C: Cost> Grower<'a, C> {
-    pub(super) fn new(plane: &Path, cost: &'a C, settings: &'a Settings<'a>) -> Self {
-        let distance = distances(plane.width(), plane.height(), cost);
-        Self { cost, settings, width: plane.width(), distance }
+    /// Prepares searches on the grid of a path.
+    pub(super) fn new(path: &Path, cost: &'a C, beam: Beam) -> Self {
+        let distance = distances(path.width(), path.height(), cost);
+        Self { cost, beam, width: path.width(), distance }
     }
 
-    /// The best chain from a variant that applies, if one within the settings' limits lowers the
-    /// cost, and all cells at which the search looked.
-    /// The links are the same afterwards.
-    pub(super) fn grow(&self, links: &mut Links, first: PlacedVariant) -> (Option<Found>, Reach) {
+    /// Returns the chain with the largest gain per move that begins with `first`, which must apply,
+    /// or `None` if the search found no chain with a gain; and the cells that the search examined.
+    /// Leaves the links as they were.
+    pub(super) fn grow(&self, links: &mut Links, first: PlacedVariant) -> (Option<Chain>, Extent) {
         let mut nodes = vec![self.node(first, None, 0, 0)];
         let mut front = vec![0];
-        let mut seen = HashSet::from([0, nodes[0].key]);
+        // The hash 0 is that of the links before the chain.
+        let mut seen = HashSet::from([0, nodes[0].hash]);
+        // Node, length and gain of the best chain.
         let mut best: Option<(usize, usize, i64)> = None;
-        let mut reach = Reach::window(first);
-        for length in 1..=self.settings.depth {
+        let mut examined = Extent::window(first);
+        for length in 1..=self.beam.depth {
             for &at in &front {
                 let gain = -nodes[at].change;
                 let (_, best_length, best_gain) = best.unwrap_or((at, 1, 0));
@@ -108,9 +128,7 @@ impl<'a, C: Cost> Grower<'a, C> {
                     best = Some((at, length, gain));
                 }
             }
-            if best
-                .is_some_and(|(_, best_length, _)| length >= best_length + self.settings.patience)
-            {
+            if best.is_some_and(|(_, best_length, _)| length >= best_length + self.beam.patience) {
                 break;
             }
             let mut next = Vec::new();
@@ -119,13 +137,13 @@ impl<'a, C: Cost> Grower<'a, C> {
                 chain
                     .iter()
                     .for_each(|&placed| assert!(links.apply_variant(placed), "the chain applies"));
-                let Node { placed: last, change, key, .. } = nodes[at];
-                reach.follow(last);
+                let Node { placed: last, change, hash, .. } = nodes[at];
+                examined.include_overlapping(last);
                 for y in last.y.saturating_sub(OVERLAP)..=last.y + OVERLAP {
                     for x in last.x.saturating_sub(OVERLAP)..=last.x + OVERLAP {
                         links.for_each_variant_at(x, y, |placed| {
-                            let node = self.node(placed, Some(at), change, key);
-                            if seen.insert(node.key) {
+                            let node = self.node(placed, Some(at), change, hash);
+                            if seen.insert(node.hash) {
                                 next.push(nodes.len());
                                 nodes.push(node);
                             }
@@ -135,35 +153,35 @@ impl<'a, C: Cost> Grower<'a, C> {
                 chain.iter().rev().for_each(|&placed| links.undo_variant(placed));
             }
             next.sort_by_key(|&at| self.promise(&nodes[at]));
-            next.truncate(self.settings.beam);
+            next.truncate(self.beam.width);
             if next.is_empty() {
                 break;
             }
             front = next;
         }
-        (best.map(|(at, _, gain)| Found { moves: chain(&nodes, at), gain }), reach)
+        (best.map(|(at, _, gain)| Chain { moves: chain(&nodes, at), gain }), examined)
     }
 
-    fn node(&self, placed: PlacedVariant, parent: Option<usize>, change: i64, key: u64) -> Node {
+    fn node(&self, placed: PlacedVariant, parent: Option<usize>, change: i64, hash: u64) -> Node {
         let switches = placed.switches(self.width);
         Node {
             placed,
             parent,
             change: change + self.cost.change(switches),
-            key: switches.iter().fold(key, |key, switch| key ^ switch.zobrist_key()),
+            hash: switches.iter().fold(hash, |hash, switch| hash ^ switch.zobrist_key()),
         }
     }
 
-    /// What a chain is pursued for, the less the better: its cost, and how far it still is from
-    /// changing it.
+    /// How promising a chain is; lower is better.
+    /// Weighs its cost against the distance of its last move to where the cost can change.
     fn promise(&self, node: &Node) -> i64 {
         let corners = node.placed.switches(self.width).map(Switch::corner);
-        let near = corners.map(|corner| self.distance[corner as usize]).into_iter().min();
-        GAIN_WEIGHT * node.change + i64::from(near.expect("two switches"))
+        let nearest = corners.map(|corner| self.distance[corner as usize]).into_iter().min();
+        COST_WEIGHT * node.change + i64::from(nearest.expect("a move has two switches"))
     }
 }
 
-/// The moves of a chain, the first one first.
+/// The moves of a chain, in order.
 fn chain(nodes: &[Node], last: usize) -> Vec<PlacedVariant> {
     let mut moves: Vec<_> = std::iter::successors(Some(last), |&at| nodes[at].parent)
         .map(|at| nodes[at].placed)
@@ -172,21 +190,21 @@ fn chain(nodes: &[Node], last: usize) -> Vec<PlacedVariant> {
     moves
 }
 
-/// Steps from each cell to the nearest corner where a switch can change the cost; far more than any
-/// where there is none.
+/// The number of steps from each cell to the nearest corner of a unit cell where a switch can
+/// change the cost, by breadth-first search; `u32::MAX` if there is no such unit cell.
 fn distances<C: Cost>(width: u32, height: u32, cost: &C) -> Vec<u32> {
     let mut distance = vec![u32::MAX; (width * height) as usize];
-    let mut waiting = VecDeque::new();
+    let mut queue = VecDeque::new();
     for y in 0..height.saturating_sub(1) {
         for x in 0..width.saturating_sub(1) {
             let corner = y * width + x;
             if cost.is_sensitive(corner, width) {
                 distance[corner as usize] = 0;
-                waiting.push_back(corner);
+                queue.push_back(corner);
             }
         }
     }
-    while let Some(cell) = waiting.pop_front() {
+    while let Some(cell) = queue.pop_front() {
         let (x, y) = (cell % width, cell / width);
         let neighbours = [
             (x > 0).then(|| cell - 1),
@@ -197,7 +215,7 @@ fn distances<C: Cost>(width: u32, height: u32, cost: &C) -> Vec<u32> {
         for neighbour in neighbours.into_iter().flatten() {
             if distance[neighbour as usize] == u32::MAX {
                 distance[neighbour as usize] = distance[cell as usize] + 1;
-                waiting.push_back(neighbour);
+                queue.push_back(neighbour);
             }
         }
     }

@@ -1,17 +1,21 @@
-//! The fewest moves to a lower cost: chains of variants, each overlapping the one before.
+//! Local search by chains of variants, which lowers the cost in few moves.
 //!
-//! From a zigzag hardly any variant lowers the cost by itself: they apply where the path turns, at
-//! the layer's sides, and have to be carried to where zones meet, window by window.
-//! An annealer finds such chains by chance, in many hundred moves.
-//! Here every variant that applies is followed up by a beam search (`grow.rs`), and the chain that
-//! gains most for each of its moves is made; then again, until none gains.
-//! What a chain's search looked at is noted, and the search is only repeated where a move changed
-//! that.
+//! On a zigzag hardly any single variant lowers the cost: variants apply where the path turns, at
+//! the sides of the layer, and a turn has to be carried to a zone border window by window before
+//! the cost changes.
+//! An annealer finds such sequences by chance, within many hundreds of moves.
 //!
-//! The moves are few and each has a purpose, which makes their records good examples to learn from.
-//! With [`noise`](Settings::noise) some moves are made at random, and the chains after them show
-//! how to go on from there.
-//! For the lowest cost whatever the moves, see [`exact`](crate::exact).
+//! This search finds them on purpose.
+//! A **chain** is a sequence of variants of which each overlaps the one before.
+//! From every variant that applies, a beam search (`grow.rs`) looks for the chain with the largest
+//! gain per move; the best chain of all is applied, and so on until none has a gain.
+//! A beam search depends only on the cells that it examined, so its result is kept until a move
+//! changes one of them.
+//!
+//! The few moves make records of this search good examples to learn from.
+//! With [`noise`](Settings::noise) some moves are replaced by random ones, and the chains after
+//! them show how to recover.
+//! For the lowest cost regardless of the moves, see [`exact`](crate::exact).
 //!
 //! ```
 //! use beadwork_base::Control;
@@ -21,7 +25,9 @@
 //! let region = Region::rectangle(30, 30)?;
 //! let zones = LayoutSpec::new(Layout::Islands).zones(&region, 0)?;
 //! let start = Start::RowZigzag.path(&region, &Control::default())?;
-//! let outcome = chains::solve(&start, &Crossings::new(&region, &zones), &Settings { bound: Some(28), ..Settings::default() });
+//! let cost = Crossings::new(&region, &zones);
+//! let settings = Settings { target: Some(28), ..Settings::default() };
+//! let outcome = chains::solve(&start, &cost, &settings, &Control::default());
 //! assert!(outcome.cost <= 28 && outcome.moves.len() < 60);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -32,117 +38,146 @@ mod preset;
 mod tests;
 
 use std::collections::HashMap;
-use std::sync::atomic::AtomicBool;
 
+use beadwork_base::Control;
 use beadwork_grid::{Links, Path, PlacedVariant};
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-pub use preset::{Preset, UnknownPreset};
+pub use preset::Preset;
 
-use self::grow::{Found, Grower, Reach};
+use self::grow::{Beam, Chain, Extent, Grower};
 use crate::random::{below, unit};
-use crate::stop::is_cancelled;
+use crate::stop::Goal;
 use crate::{Cost, Move, Stop};
 
-/// How to search for chains.
-#[derive(Clone, Copy)]
-pub struct Settings<'a> {
-    /// Chains from one start that are pursued at a time, at least 1.
+/// Settings of the search for chains.
+///
+/// Construct it with `..Settings::default()`: fields may be added.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Number of chains from one variant that are extended at a time, at least 1.
     pub beam: usize,
-    /// Longest chain, in moves.
+    /// Maximum number of moves of a chain.
     pub depth: usize,
-    /// Moves by which a chain that gains is lengthened in search of a better one.
+    /// Number of moves by which a chain that has a gain is extended in search of a better one.
     pub patience: usize,
-    /// Probability, 0..=1, with which a random move is made in place of a chain's next one, and the
-    /// rest of the chain given up.
+    /// Probability, 0..=1, that a random move is made instead of the next move of a chain, whose
+    /// rest is then dropped.
     pub noise: f64,
-    /// Seed of the noise.
+    /// Seed of the random moves.
     pub seed: u64,
-    /// A cost at which it stops: a proven bound, or a target that is enough.
-    pub bound: Option<i64>,
-    /// Stops the search soon after it turns true.
-    pub cancel: Option<&'a AtomicBool>,
+    /// A lower bound of the cost of all paths, which **the caller has proven**.
+    /// A search that reaches it stops with [`Stop::Optimal`].
+    pub proven_bound: Option<i64>,
+    /// A cost that is good enough: a search that reaches it stops with [`Stop::TargetReached`].
+    pub target: Option<i64>,
 }
 
-impl Default for Settings<'_> {
+impl Default for Settings {
+    /// No noise, bound or target.
     fn default() -> Self {
-        Self { beam: 4, depth: 60, patience: 4, noise: 0.0, seed: 0, bound: None, cancel: None }
+        Self {
+            beam: 4,
+            depth: 60,
+            patience: 4,
+            noise: 0.0,
+            seed: 0,
+            proven_bound: None,
+            target: None,
+        }
     }
 }
 
-impl Settings<'_> {
-    /// The settings of a preset, without bound and cancel token.
+impl Settings {
+    /// The noise of a preset with a seed, and otherwise the default settings.
     pub fn preset(preset: Preset, seed: u64) -> Self {
         Self { noise: preset.noise(), seed, ..Self::default() }
     }
+
+    fn limits(&self) -> Beam {
+        Beam { width: self.beam, depth: self.depth, patience: self.patience }
+    }
 }
 
-/// What a search for chains found.
+/// Result of a search for chains.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// The best path.
+    /// The path of the lowest cost.
     pub path: Path,
-    /// Cost of the start.
+    /// Cost of the start path.
     pub initial: i64,
     /// Cost of the best path, at most `initial`.
     pub cost: i64,
-    /// The bound it was given.
-    pub bound: Option<i64>,
-    /// Why it stopped.
+    /// The lower bound of [`Settings::proven_bound`].
+    pub proven_bound: Option<i64>,
+    /// Why the search stopped.
     pub stop: Stop,
-    /// The moves from the start to the best path: replayed in order, they give it.
+    /// The moves from the start path to the best one: replayed in order, all of them apply and lead
+    /// to it.
     pub moves: Vec<Move>,
 }
 
 /// Lowers the cost of a path by chains of variants.
 ///
-/// A chain costs its cells within reach, some 100 us on a zigzag of 30 x 30 cells and milliseconds
-/// where few chains are short; the first one as much for each place where a variant applies.
-pub fn solve<C: Cost>(start: &Path, cost: &C, settings: &Settings<'_>) -> Outcome {
-    let grower = Grower::new(start, cost, settings);
+/// Reports no progress, since the number of chains is not known in advance.
+/// Works on the calling thread.
+///
+/// The beam search from one variant costs the cells that it reaches: some 100 us on a zigzag of
+/// 30 x 30 cells, milliseconds where short chains have no gain.
+/// The first step searches from every variant that applies, later steps only where cells changed.
+pub fn solve<C: Cost>(
+    start: &Path,
+    cost: &C,
+    settings: &Settings,
+    control: &Control<'_>,
+) -> Outcome {
+    let &Settings { noise, proven_bound, target, .. } = settings;
+    let goal = Goal { proven_bound, target };
+    let grower = Grower::new(start, cost, settings.limits());
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(settings.seed);
     let mut links = Links::new(start);
     let initial = cost.total(start);
-    let (mut present, mut best) = (initial, initial);
+    let (mut current, mut best) = (initial, initial);
     let (mut moves, mut moves_to_best) = (Vec::new(), 0);
-    let mut known: HashMap<PlacedVariant, (Option<Found>, Reach)> = HashMap::new();
+    // The best chain from each variant, and the cells that the search for it examined.
+    let mut known: HashMap<PlacedVariant, (Option<Chain>, Extent)> = HashMap::new();
     let stop = 'search: loop {
-        if settings.bound.is_some_and(|bound| best <= bound) {
-            break Stop::Optimal;
+        if let Some(reached) = goal.reached(best) {
+            break reached;
         }
-        let starts = applicable(&links);
-        let mut chosen: Option<&Found> = None;
-        for &first in &starts {
-            if is_cancelled(settings.cancel) {
-                break 'search Stop::Cancelled;
+        let firsts = applicable(&links);
+        for &first in &firsts {
+            if let Some(interrupted) = control.interrupted() {
+                break 'search interrupted.into();
             }
             known.entry(first).or_insert_with(|| grower.grow(&mut links, first));
         }
         let last = moves.last().copied();
-        for found in starts.iter().filter_map(|first| known[first].0.as_ref()) {
-            if chosen.is_none_or(|chosen| found.is_better_than(chosen, last)) {
-                chosen = Some(found);
+        let mut chosen: Option<&Chain> = None;
+        for chain in firsts.iter().filter_map(|first| known[first].0.as_ref()) {
+            if chosen.is_none_or(|chosen| chain.is_better_than(chosen, last)) {
+                chosen = Some(chain);
             }
         }
-        let Some(chain) = chosen.map(|found| found.moves.clone()) else { break Stop::Done };
+        let Some(chain) = chosen.map(|chain| chain.moves.clone()) else { break Stop::Done };
         for planned in chain {
-            let derailed = settings.noise > 0.0 && unit(&mut rng) < settings.noise;
-            let placed = if derailed {
+            let is_random = noise > 0.0 && unit(&mut rng) < noise;
+            let placed = if is_random {
                 let all = applicable(&links);
                 all[below(&mut rng, all.len())]
             } else {
                 planned
             };
-            assert!(links.apply_variant(placed), "what was found applicable is");
-            present += cost.change(placed.switches(start.width()));
+            assert!(links.apply_variant(placed), "the moves of a chain apply in turn");
+            current += cost.change(placed.switches(start.width()));
             moves.push(placed);
-            let changed = Reach::window(placed);
-            known.retain(|_, (_, reach)| !reach.meets(changed));
-            if present < best {
-                (best, moves_to_best) = (present, moves.len());
+            let changed = Extent::window(placed);
+            known.retain(|_, (_, examined)| !examined.overlaps(changed));
+            if current < best {
+                (best, moves_to_best) = (current, moves.len());
             }
-            if derailed || settings.bound.is_some_and(|bound| best <= bound) {
+            if is_random || goal.reached(best).is_some() {
                 break;
             }
         }
@@ -153,7 +188,7 @@ pub fn solve<C: Cost>(start: &Path, cost: &C, settings: &Settings<'_>) -> Outcom
     for step in &moves {
         assert!(step.apply(&mut path), "what applies to the links applies to the path");
     }
-    Outcome { path, initial, cost: best, bound: settings.bound, stop, moves }
+    Outcome { path, initial, cost: best, proven_bound, stop, moves }
 }
 
 /// All variants that apply, row by row.

@@ -1,8 +1,8 @@
-//! Replays of records, and chains beside all chains.
+//! Recorded moves are replayed; chains are compared with all chains.
 
 use std::collections::HashSet;
 
-use beadwork_base::Control;
+use beadwork_base::CancelToken;
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
 use proptest::prelude::*;
 
@@ -16,10 +16,10 @@ fn instance(width: u32, height: u32, layout: Layout, seed: u64) -> (Path, Crossi
     (Start::RowZigzag.path(&region, &Control::default()).unwrap(), Crossings::new(&region, &zones))
 }
 
-/// The greatest gain of all chains from a variant, for each length: breadth first over all links
-/// that can be reached.
-fn best_gains(
-    plane: &Path,
+/// The maximum gain of all chains from a variant, for each length, by a breadth-first search over
+/// all links that can be reached.
+fn max_gains(
+    path: &Path,
     start: &Links,
     cost: &Crossings,
     first: PlacedVariant,
@@ -27,7 +27,7 @@ fn best_gains(
 ) -> Vec<i64> {
     let mut links = start.clone();
     assert!(links.apply_variant(first));
-    let change = |placed: PlacedVariant| Cost::change(cost, placed.switches(plane.width()));
+    let change = |placed: PlacedVariant| Cost::change(cost, placed.switches(path.width()));
     let mut front = vec![(links, first, change(first))];
     let mut gains = Vec::new();
     for _ in 0..depth {
@@ -61,7 +61,8 @@ proptest! {
         let (start, crossings) = instance(width, height, layout, seed);
         let preset = if noisy { Preset::Noisy } else { Preset::Plain };
         let settings = Settings { beam: 2, depth: 12, ..Settings::preset(preset, seed) };
-        let outcome = solve(&start, &crossings, &settings);
+        let control = Control::default();
+        let outcome = solve(&start, &crossings, &settings, &control);
         prop_assert_eq!(outcome.initial, crossings.total(&start));
         prop_assert_eq!(outcome.cost, crossings.total(&outcome.path));
         prop_assert!(outcome.cost <= outcome.initial);
@@ -70,11 +71,12 @@ proptest! {
             prop_assert!(step.apply(&mut path));
         }
         prop_assert_eq!(path.order(), outcome.path.order());
-        prop_assert_eq!(solve(&start, &crossings, &settings).moves, outcome.moves);
+        prop_assert_eq!(solve(&start, &crossings, &settings, &control).moves, outcome.moves);
     }
 
-    /// With a beam that drops nothing it is as good as the best of all chains, as long as links
-    /// that are reached twice, of which one way is pursued, have nothing behind them.
+    /// A beam that drops nothing finds the best of all chains up to two moves.
+    /// Longer ones may be missed: of two chains to the same links only one is extended, and the
+    /// moves that can follow depend on where it ended.
     #[test]
     fn a_wide_beam_finds_the_best_chain(
         width in 3_u32..8,
@@ -93,12 +95,12 @@ proptest! {
             }
         }
         let settings = Settings { beam: usize::MAX, depth, patience: depth, ..Settings::default() };
-        let grower = Grower::new(&start, &crossings, &settings);
+        let grower = Grower::new(&start, &crossings, settings.limits());
         for first in applicable(&links) {
             let before = links.clone();
             let found = grower.grow(&mut links, first).0.map(|found| (found.moves.len() as i64, found.gain));
             prop_assert_eq!(&links, &before);
-            let gains = best_gains(&start, &links, &crossings, first, depth);
+            let gains = max_gains(&start, &links, &crossings, first, depth);
             let rated = (1_i64..).zip(gains).filter(|&(_, gain)| gain > 0);
             let best = rated.reduce(|best, other| if other.1 * best.0 > best.1 * other.0 { other } else { best });
             if depth <= 2 {
@@ -110,12 +112,12 @@ proptest! {
         }
     }
 
-    /// What is remembered of earlier searches is what a new search finds.
+    /// A search that is repeated after a change outside its extent finds the same chain.
     #[test]
-    fn nothing_outside_its_reach_matters_to_a_chain(seed: u64, moves in 1_usize..40) {
+    fn chains_depend_only_on_the_examined_cells(seed: u64, moves in 1_usize..40) {
         let (start, crossings) = instance(16, 14, Layout::Checkerboard, seed);
         let settings = Settings { beam: 3, depth: 6, ..Settings::default() };
-        let grower = Grower::new(&start, &crossings, &settings);
+        let grower = Grower::new(&start, &crossings, settings.limits());
         let mut links = Links::new(&start);
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
         for _ in 0..moves {
@@ -127,8 +129,8 @@ proptest! {
         let changed = all[below(&mut rng, all.len())];
         links.apply_variant(changed);
         let still: HashSet<PlacedVariant> = applicable(&links).into_iter().collect();
-        for (first, (found, reach)) in known {
-            if !reach.meets(Reach::window(changed)) {
+        for (first, (found, examined)) in known {
+            if !examined.overlaps(Extent::window(changed)) {
                 prop_assert!(still.contains(&first));
                 prop_assert_eq!(grower.grow(&mut links, first).0, found);
             }
@@ -137,18 +139,25 @@ proptest! {
 }
 
 #[test]
-fn it_stops_at_the_bound_and_when_cancelled() {
+fn a_search_stops_at_its_bound_or_target_and_when_cancelled() {
     let (start, crossings) = instance(20, 20, Layout::LeftRight, 0);
-    let outcome = solve(&start, &crossings, &Settings { bound: Some(16), ..Settings::default() });
+    let run =
+        |settings: &Settings, control: &Control<'_>| solve(&start, &crossings, settings, control);
+    let settings = Settings { proven_bound: Some(16), ..Settings::default() };
+    let outcome = run(&settings, &Control::default());
     assert_eq!((outcome.stop, outcome.cost), (Stop::Optimal, 16));
-    let cancel = AtomicBool::new(true);
-    let outcome =
-        solve(&start, &crossings, &Settings { cancel: Some(&cancel), ..Settings::default() });
+    let settings = Settings { target: Some(16), ..Settings::default() };
+    let outcome = run(&settings, &Control::default());
+    assert_eq!((outcome.stop, outcome.cost), (Stop::TargetReached, 16));
+    let cancel = CancelToken::new();
+    cancel.cancel();
+    let control = Control { cancel: Some(&cancel), ..Control::default() };
+    let outcome = run(&Settings::default(), &control);
     assert_eq!((outcome.stop, outcome.cost, outcome.moves.len()), (Stop::Cancelled, 20, 0));
 }
 
 #[test]
-fn a_seed_names_one_search_on_every_machine() {
+fn a_seed_gives_the_same_search_on_every_machine() {
     let region = Region::rectangle(30, 30).unwrap();
     let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, 1).unwrap();
     let (start, crossings) = (
@@ -156,11 +165,12 @@ fn a_seed_names_one_search_on_every_machine() {
         Crossings::new(&region, &zones),
     );
     let digest = |preset| {
-        let outcome = solve(&start, &crossings, &Settings::preset(preset, 9));
+        let settings = Settings::preset(preset, 9);
+        let outcome = solve(&start, &crossings, &settings, &Control::default());
         let mix = |sum: u64, &cell: &u32| sum.wrapping_mul(0x100_0000_01b3) ^ u64::from(cell);
         (outcome.cost, outcome.moves.len(), outcome.path.order().iter().fold(0, mix))
     };
-    // Pinned: a change here changes every dataset made before.
+    // A change here changes all datasets that were made with this search.
     assert_eq!(digest(Preset::Plain), (22, 94, 6_068_850_567_377_254_222));
     assert_eq!(digest(Preset::Noisy), (22, 99, 17_636_321_846_822_899_246));
 }

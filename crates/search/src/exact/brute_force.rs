@@ -1,13 +1,13 @@
 //! The slow, obvious reference implementation of the exact search: it tries every set of links.
 
-use crate::ZoneCosts;
+use crate::CostMatrix;
 use beadwork_grid::{Cell, Region, Zones};
 
 /// A region to cover, and what its crossings cost.
 pub(super) struct Problem<'a> {
     pub(super) region: &'a Region,
     pub(super) zones: &'a Zones,
-    pub(super) costs: &'a ZoneCosts,
+    pub(super) costs: &'a CostMatrix,
     /// Cell at which the first piece has to begin; `None` for any.
     pub(super) start: Option<Cell>,
     /// Cell at which the last piece has to end; `None` for any.
@@ -134,7 +134,7 @@ impl Search<'_> {
         let cost_of = |piece: &[Cell]| -> u64 {
             piece
                 .windows(2)
-                .map(|step| u64::from(costs.cost(zones.id(step[0]), zones.id(step[1]))))
+                .map(|step| u64::from(costs.scaled(zones.id(step[0]), zones.id(step[1]))))
                 .sum()
         };
         for piece in &pieces {

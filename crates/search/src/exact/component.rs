@@ -34,7 +34,7 @@ use crate::bound::cuts::Cuts;
 use crate::bound::{segments, walk};
 use crate::matching::{Board, ComponentGraph, Dir, LadderLayout, Node, ShortestPaths, TwoMatching};
 use crate::random::below;
-use crate::{Stop, ZoneCosts};
+use crate::{CostMatrix, Stop};
 
 /// The best cover of one component, and proven bounds.
 pub(super) struct ComponentCover {
@@ -70,7 +70,7 @@ const ATTEMPTS_FROM_BELOW: u32 = 4;
 pub(super) fn solve(
     board: &Board,
     ends: &EndCells,
-    costs: &ZoneCosts,
+    costs: &CostMatrix,
     settings: &Settings<'_>,
     control: &Control<'_>,
     report: impl Fn(u32),
@@ -111,7 +111,7 @@ pub(super) fn solve(
     let mut attempts_at_target = 0;
     let stop = loop {
         let best = search.attempt(attempts);
-        let (pieces, cost) = (best.pieces, best.cost);
+        let (pieces, cost) = (best.pieces, costs.unscaled(best.cost));
         attempts += 1;
         attempts_at_target += 1;
         if let Some(observer) = settings.observers.attempt {
@@ -155,7 +155,7 @@ enum BoundLevel {
 struct ComponentSearch<'a> {
     board: &'a Board,
     ends: &'a EndCells,
-    costs: &'a ZoneCosts,
+    costs: &'a CostMatrix,
     control: &'a Control<'a>,
     /// Observes the stages of the first attempt; `None` after it.
     stages: Option<&'a StageObserver<'a>>,
@@ -192,7 +192,7 @@ impl ComponentSearch<'_> {
         // between those of the two directions.
         let guide =
             (number > 1 && self.bound_level != BoundLevel::None && !self.costs.is_symmetric())
-                .then(|| self.board.with_costs(self.costs.drawn(&mut self.rng)));
+                .then(|| self.board.with_costs(self.costs.between_directions(&mut self.rng)));
         let (relaxed, mut matching) =
             self.cheapest_matching(guide.as_ref().unwrap_or(self.board), layout);
         if number + 1 >= ATTEMPTS_FROM_BELOW {
@@ -327,8 +327,8 @@ impl ComponentSearch<'_> {
 
     /// Raises the bound by counting in the graph of zone components, in units of the cheapest
     /// crossing.
-    /// Where costs depend on the direction, also by the flow with costs that are levelled: changed
-    /// so that the two directions differ less ([`ZoneCosts::levelled`]).
+    /// Where costs depend on the direction, also by the flow with costs that are shifted so that the
+    /// two directions differ less ([`CostMatrix::shifted_by_potentials`]).
     fn bound_by_zones(&mut self) {
         let min_segments = vec![1; self.graph.count() as usize];
         let crossings = segments::count(&min_segments, self.target)
@@ -338,10 +338,10 @@ impl ComponentSearch<'_> {
             self.bound.max(u64::from(crossings) * u64::from(self.board.min_crossing_cost()));
         self.bound_level = BoundLevel::Zones;
         if !self.costs.is_symmetric() {
-            let (levelled, spread) = self.costs.levelled();
-            let board = self.board.with_costs(levelled);
+            let (shifted, error) = self.costs.shifted_by_potentials();
+            let board = self.board.with_costs(shifted);
             let cost = self.grow_matching(&board, LadderLayout::default()).cost()
-                - i64::from(spread) * i64::from(self.target);
+                - i64::from(error) * i64::from(self.target);
             self.bound = self.bound.max(cost.max(0) as u64);
         }
     }

@@ -1,7 +1,7 @@
 //! A cover of one component: its pieces, in the order and directions of the final path.
 
 use super::strands::Strands;
-use crate::ZoneCosts;
+use crate::CostMatrix;
 use crate::matching::{Board, Node, TwoMatching};
 
 /// Paths that together hold every cell of a component once.
@@ -37,7 +37,7 @@ impl Cover {
         matching: &TwoMatching<'_>,
         strands: &Strands,
         board: &Board,
-        costs: &ZoneCosts,
+        costs: &CostMatrix,
         ends: CoverEnds,
     ) -> Self {
         let mut pieces = strands.pieces(matching);
@@ -46,7 +46,7 @@ impl Cover {
         let cost = |piece: &[Node]| -> u64 {
             piece
                 .windows(2)
-                .map(|step| u64::from(costs.cost(board.zone(step[0]), board.zone(step[1]))))
+                .map(|step| u64::from(costs.scaled(board.zone(step[0]), board.zone(step[1]))))
                 .sum()
         };
         let mut total = 0;

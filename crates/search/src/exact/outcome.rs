@@ -16,14 +16,16 @@ pub struct Outcome {
     pub piece_bound: u32,
     /// Number of steps of the path between two zones.
     pub crossings: u32,
-    /// Cost of the crossings: their number, unless [`Settings::costs`](super::Settings::costs) is
-    /// set.
-    pub cost: u64,
+    /// Cost of the crossings, in the unit of [`Settings::costs`](super::Settings::costs); their
+    /// number if that is not set.
+    pub cost: f64,
     /// Proven lower bound on the cost of any path with this number of pieces that begins and ends
     /// where required.
     /// Where costs depend on the direction it assumes the cheaper direction of each pair of zones,
     /// so there may be no path that meets it.
-    pub bound: u64,
+    /// The same may happen with costs above 10,000 after [scaling](crate::CostMatrix::scale): the
+    /// search rounds them down to multiples of 1/10,000 of the largest one.
+    pub bound: f64,
     /// Why the search stopped; [`Stop::Optimal`] exactly if [`Outcome::is_optimal`].
     pub stop: Stop,
     /// Number of attempts, summed over all components.
@@ -33,7 +35,7 @@ pub struct Outcome {
 impl Outcome {
     /// Whether it is proven that no path has fewer pieces, and none with as many pieces costs less.
     pub fn is_optimal(&self) -> bool {
-        self.pieces == self.piece_bound && self.cost == self.bound
+        self.pieces == self.piece_bound && self.cost <= self.bound
     }
 }
 
@@ -64,6 +66,16 @@ pub enum SolveError {
         expected: u32,
         /// Number of zones that have costs.
         got: usize,
+    },
+    /// The costs forbid a crossing.
+    #[error(
+        "crossing from zone {from} to zone {to} is forbidden, which exact search does not support"
+    )]
+    Forbidden {
+        /// The zone before the crossing.
+        from: u8,
+        /// The zone after it.
+        to: u8,
     },
     /// The path of the layer below belongs to a grid of another size.
     #[error(

@@ -3,7 +3,7 @@
 use beadwork_grid::{Cell, Path};
 
 use super::terminal::Terminal;
-use crate::ZoneCosts;
+use crate::CostMatrix;
 
 /// Settings of [`solve`](super::solve).
 ///
@@ -15,7 +15,7 @@ pub struct Settings<'a> {
     /// Maximum number of attempts at each connected component of the region; 0 counts as 1.
     pub attempts: u32,
     /// Cost of a crossing for each ordered pair of zones; `None` for 1 each.
-    pub costs: Option<&'a ZoneCosts>,
+    pub costs: Option<&'a CostMatrix>,
     /// Where the first piece begins.
     pub start: Terminal,
     /// Where the last piece ends.
@@ -66,7 +66,7 @@ pub struct Observers<'a> {
 pub type StageObserver<'a> = dyn Fn(Stage, &[[Cell; 2]]) + Sync + 'a;
 
 /// The state of the search of one component after an attempt.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AttemptReport {
     /// Number of cells of the component.
     pub cells: u32,
@@ -74,8 +74,8 @@ pub struct AttemptReport {
     pub attempts: u32,
     /// Number of pieces of its best cover so far.
     pub pieces: u32,
-    /// Cost of its best cover so far.
-    pub cost: u64,
+    /// Cost of its best cover so far, in the unit of the costs.
+    pub cost: f64,
 }
 
 /// A stage of an attempt, in the order in which attempts reach them.

@@ -12,8 +12,9 @@ use super::outcome::{Outcome, SolveError};
 use super::settings::Settings;
 use super::terminal::{EndCells, Terminal};
 use crate::bound::flow;
+use crate::costs::CrossingCosts;
 use crate::matching::{Board, Node};
-use crate::{Stop, ZoneCosts};
+use crate::{CostMatrix, Stop};
 
 /// Covers a region by a path with as few pieces as possible and, among such paths, with crossings
 /// of low cost, and proves lower bounds on both.
@@ -41,9 +42,10 @@ pub fn solve(
     control: &Control<'_>,
 ) -> Result<Outcome, SolveError> {
     check(region, zones, settings)?;
-    let uniform = ZoneCosts::uniform(zones.count());
+    let uniform = CostMatrix::uniform(zones.count() as usize);
     let costs = settings.costs.unwrap_or(&uniform);
-    let boards = Board::of_components(region, zones, costs);
+    let crossing_costs = CrossingCosts::new(costs);
+    let boards = Board::of_components(region, zones, crossing_costs.reduced());
     let candidates = |terminal: Terminal| -> Vec<Vec<Node>> {
         let cells = terminal.cells(region);
         let on =
@@ -54,7 +56,7 @@ pub fn solve(
         boards: &boards,
         starts: candidates(settings.start),
         ends: candidates(settings.end),
-        costs,
+        costs: &crossing_costs,
         settings,
         control,
         solved: BTreeMap::new(),
@@ -81,9 +83,12 @@ fn check(region: &Region, zones: &Zones, settings: &Settings<'_>) -> Result<(), 
         return Err(SolveError::NoZone { x, y });
     }
     if let Some(costs) = settings.costs
-        && costs.zones() < zones.count() as usize
+        && costs.size() < zones.count() as usize
     {
-        return Err(SolveError::Costs { expected: zones.count(), got: costs.zones() });
+        return Err(SolveError::Costs { expected: zones.count(), got: costs.size() });
+    }
+    if let Some([from, to]) = settings.costs.and_then(CostMatrix::first_forbidden) {
+        return Err(SolveError::Forbidden { from, to });
     }
     if let Some(below) = settings.below {
         let (expected, got) = ([region.width(), region.height()], [below.width(), below.height()]);
@@ -117,7 +122,7 @@ struct Solver<'a> {
     starts: Vec<Vec<Node>>,
     /// For each component the cells at which the path may end; all empty if any cell will do.
     ends: Vec<Vec<Node>>,
-    costs: &'a ZoneCosts,
+    costs: &'a CrossingCosts<'a>,
     settings: &'a Settings<'a>,
     control: &'a Control<'a>,
     solved: BTreeMap<Key, ComponentCover>,
@@ -226,7 +231,8 @@ impl Solver<'_> {
                 let share = cells * (attempts as usize).min(max_attempts) / max_attempts;
                 control.report(before + share, cells_total);
             };
-            let cover = component::solve(board, &ends, costs, settings, control, report, rng);
+            let cover =
+                component::solve(board, &ends, costs.reduced(), settings, control, report, rng);
             *cells_done += cells;
             control.report(*cells_done, cells_total);
             cover
@@ -260,8 +266,10 @@ impl Solver<'_> {
         // Pieces, crossings and cost are those of the path: where one piece happens to end next to
         // the beginning of the following one, the path continues, and they are one piece.
         let crossings = Crossings::new(region, zones).count(&path);
-        let cost = |step: &[Cell]| u64::from(self.costs.cost(zones.id(step[0]), zones.id(step[1])));
+        let costs = self.costs.original();
+        let cost = |step: &[Cell]| costs.step(zones.id(step[0]), zones.id(step[1]));
         let cost = path.iter_pieces().flat_map(|piece| piece.windows(2)).map(cost).sum();
+        let (cost, bound) = (costs.unscaled(cost), self.costs.bound(bound));
         Outcome { pieces: path.pieces(), piece_bound, crossings, cost, bound, stop, attempts, path }
     }
 }

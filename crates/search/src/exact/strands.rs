@@ -374,7 +374,7 @@ mod tests {
     use rand_xoshiro::Xoshiro256PlusPlus;
 
     use super::*;
-    use crate::ZoneCosts;
+    use crate::CostMatrix;
     use crate::matching::LadderLayout;
 
     /// The number of strands, counted by walking along all of them.
@@ -422,7 +422,7 @@ mod tests {
         for seed in 0..60 {
             let region = Region::rectangle(4 + (seed % 5) as u32, 5 + (seed % 4) as u32).unwrap();
             let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, seed).unwrap();
-            let board = Board::of_components(&region, &zones, &ZoneCosts::uniform(3)).remove(0);
+            let board = Board::of_components(&region, &zones, &CostMatrix::uniform(3)).remove(0);
             let mut matching = TwoMatching::inside_zones(&board, LadderLayout::default());
             matching.remove_links_inside(4, |count| count / 2);
             matching.grow(4);

@@ -15,7 +15,7 @@ use super::{
     solve as solve_with,
 };
 use crate::bound::Bounds;
-use crate::{Stop, ZoneCosts};
+use crate::{CostMatrix, Stop};
 
 fn solve(region: &Region, zones: &Zones, settings: &Settings<'_>) -> Result<Outcome, SolveError> {
     solve_with(region, zones, settings, &Control::default())
@@ -59,15 +59,15 @@ fn check(problem: &Problem<'_>, outcome: &Outcome) {
         outcome.pieces
     );
     let cost: u64 =
-        steps().map(|step| u64::from(costs.cost(zones.id(step[0]), zones.id(step[1])))).sum();
-    assert_eq!(cost, outcome.cost);
+        steps().map(|step| u64::from(costs.scaled(zones.id(step[0]), zones.id(step[1])))).sum();
+    assert_eq!(cost, outcome.cost as u64);
     assert!(start.is_none_or(|cell| order[0] == cell), "the path begins elsewhere");
     assert!(end.is_none_or(|cell| order[order.len() - 1] == cell), "the path ends elsewhere");
 }
 
 /// What a test changes about a problem drawn at random.
 struct Change {
-    costs: Option<ZoneCosts>,
+    costs: Option<CostMatrix>,
     start: Option<Cell>,
     end: Option<Cell>,
 }
@@ -89,7 +89,7 @@ fn compare(
     for number in 0..count {
         let (region, zones) = draw(&mut rng, side);
         let Change { costs, start, end } = change(&mut rng, &region, &zones);
-        let uniform = ZoneCosts::uniform(zones.count());
+        let uniform = CostMatrix::uniform(zones.count() as usize);
         let problem = Problem {
             region: &region,
             zones: &zones,
@@ -123,12 +123,12 @@ fn compare(
         );
         if outcome.pieces == pieces {
             assert!(
-                outcome.bound <= cost,
+                outcome.bound as u64 <= cost,
                 "{problem}: at least {}, but {cost} does",
                 outcome.bound
             );
         }
-        optimal += u64::from((outcome.pieces, outcome.cost) == (pieces, cost));
+        optimal += u64::from((outcome.pieces, outcome.cost as u64) == (pieces, cost));
         proven += u64::from(outcome.is_optimal());
     }
     (optimal, proven)
@@ -151,7 +151,7 @@ fn given_ends_in_small_regions() {
     assert_eq!(compare(1500, 2, 4, ends), (1500, 1493));
 }
 
-fn draw_costs(rng: &mut impl Rng, zones: u32, symmetric: bool) -> ZoneCosts {
+fn draw_costs(rng: &mut impl Rng, zones: u32, symmetric: bool) -> CostMatrix {
     let zones_squared = zones * zones;
     let mut costs: Vec<u32> = (0..zones_squared).map(|_| rng.random_range(0..6)).collect();
     for a in 0..zones as usize {
@@ -162,7 +162,8 @@ fn draw_costs(rng: &mut impl Rng, zones: u32, symmetric: bool) -> ZoneCosts {
             }
         }
     }
-    ZoneCosts::new(zones, costs).unwrap()
+    let zones = zones as usize;
+    CostMatrix::from_fn(zones, |a, b| costs[a * zones + b].into()).unwrap()
 }
 
 #[test]
@@ -193,7 +194,7 @@ fn no_bound_exceeds_the_optimum() {
     let mut problems = 0;
     for number in 0..1500 {
         let (region, zones) = draw(&mut rng, 5);
-        let costs = ZoneCosts::uniform(zones.count());
+        let costs = CostMatrix::uniform(zones.count() as usize);
         let problem =
             Problem { region: &region, zones: &zones, costs: &costs, start: None, end: None };
         let bounds = Bounds::new(&region, &zones, &Control::default()).unwrap();
@@ -250,7 +251,7 @@ fn larger_layers_are_covered_and_bounded() {
     let mut proven = 0;
     for (region, zones) in layers() {
         let outcome = solve(&region, &zones, &Settings::default()).unwrap();
-        let costs = ZoneCosts::uniform(zones.count());
+        let costs = CostMatrix::uniform(zones.count() as usize);
         check(
             &Problem { region: &region, zones: &zones, costs: &costs, start: None, end: None },
             &outcome,
@@ -373,7 +374,7 @@ fn impossible_problems_are_rejected() {
         error(Settings { start: at(1), end: at(1), ..Settings::default() }),
         SolveError::SameCell(1)
     );
-    let costs = ZoneCosts::uniform(1);
+    let costs = CostMatrix::uniform(1);
     assert_eq!(
         error(Settings { costs: Some(&costs), ..Settings::default() }),
         SolveError::Costs { expected: 2, got: 1 }
@@ -467,7 +468,7 @@ fn a_start_from_the_layer_below_ends_at_the_same_optimum() {
         assert_eq!(verify(&next, aware.path.order()), Ok(aware.pieces));
         assert_eq!((aware.pieces, aware.piece_bound), (scratch.pieces, scratch.piece_bound));
         if aware.is_optimal() && scratch.is_optimal() {
-            assert_eq!(aware.cost, scratch.cost);
+            assert_eq!(aware.cost.to_bits(), scratch.cost.to_bits());
         }
         compared += 1;
     }
@@ -490,7 +491,7 @@ fn the_same_layer_again_keeps_what_lies_inside_the_zones() {
         let below = solve(&region, &zones, &Settings::default()).unwrap();
         let aware = Settings { below: Some(&below.path), seed: 1, ..Settings::default() };
         let aware = solve(&region, &zones, &aware).unwrap();
-        assert_eq!(aware.cost, below.cost);
+        assert_eq!(aware.cost.to_bits(), below.cost.to_bits());
         let kept = crate::plan::kept_links(&below.path, &aware.path);
         assert!(kept > 790, "{kept} of 899");
     }

@@ -1,34 +1,34 @@
-//! How children come from parents.
+//! Crossover and mutation: how children are made from their parents.
 
 use beadwork_grid::{PlacedVariant, Variant};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::individual::Gene;
+use super::gene::Gene;
 use crate::Move;
 use crate::random::below;
 
 /// How two parents make a child.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Crossover {
-    /// The first genes of one parent and the last ones of the other.
+    /// The first genes of one parent, followed by the last ones of the other.
     OnePoint {
         /// Share of the genes, 0..=1, that come from the first parent; 0.6 in the paper.
         first: f64,
     },
-    /// The genes of one parent, but for a random stretch of the other's in place of its own.
+    /// The genes of one parent, with a random range replaced by the genes of the other.
     TwoPoint,
-    /// The moves of one parent outside a random window of the plane, and those of the other inside,
-    /// in their own order and as many as fit.
+    /// The moves of one parent outside a random window of the grid and those of the other inside it,
+    /// each in their own order, as many as fit.
     ///
-    /// A variant applies or not by the links near it alone, and crossings are links too.
-    /// So the child has the crossings of one parent inside the window, those of the other outside,
-    /// and surprises only along its edges: it can have the best of both.
+    /// Whether a variant applies depends only on the links near it, and crossings are links.
+    /// So the child has the crossings of one parent inside the window and those of the other
+    /// outside, except along the window's border: it can combine the best parts of both.
     Window,
 }
 
 impl Crossover {
-    /// Makes a child in a plane of such a width and height.
-    /// Both parents have as many genes, and so has the child.
+    /// Makes a child in a grid of the given width and height.
+    /// Both parents have the same number of genes, and so does the child.
     pub(super) fn cross(
         self,
         [one, other]: [&[Gene]; 2],
@@ -46,8 +46,9 @@ impl Crossover {
             }
             Self::Window => {
                 let window = Window::draw(width, height, rng);
-                // Room for all of both, so that each gene can be written whether it counts or not:
-                // which do is as good as random.
+                // Which genes are kept is unpredictable, so a branch for each of them would be slow.
+                // Every gene is written, and the length advances only past those that are kept; the
+                // list has room for all genes of both parents.
                 let mut genes = vec![None; one.len() + other.len() + 1];
                 let mut length = 0;
                 for (outer, inner) in one.iter().zip(other) {
@@ -64,13 +65,13 @@ impl Crossover {
     }
 }
 
-/// A rectangle of a plane.
+/// A rectangle of cells.
 struct Window {
     left: u32,
     top: u32,
     columns: u32,
     rows: u32,
-    /// Of the plane.
+    /// Width of the grid.
     width: u32,
 }
 
@@ -82,7 +83,8 @@ impl Window {
         Self { left, top, columns: right - left, rows: bottom - top, width }
     }
 
-    /// Whether a gene begins here: the window of a variant, or the first switch of a pair.
+    /// Whether the first cell of a gene lies in the window: that of a variant's window, or of a
+    /// pair's first switch.
     #[inline]
     fn contains(&self, gene: Move) -> bool {
         let (x, y) = match gene {
@@ -93,7 +95,8 @@ impl Window {
     }
 }
 
-/// Replaces a gene by a random variant somewhere in the plane, written as `write` does.
+/// Replaces a random gene by a random variant anywhere in the grid, which `write` turns into a
+/// move.
 pub(super) fn mutate(
     genes: &mut [Gene],
     (width, height): (u32, u32),
@@ -108,7 +111,7 @@ pub(super) fn mutate(
     genes[below(rng, genes.len())] = Some(write(PlacedVariant { variant, x, y }));
 }
 
-/// Two numbers from 0 to `end`, the lower one first.
+/// Two random numbers in 0..=`end`, the lower one first.
 fn range(end: usize, rng: &mut Xoshiro256PlusPlus) -> (usize, usize) {
     let (a, b) = (below(rng, end + 1), below(rng, end + 1));
     (a.min(b), a.max(b))

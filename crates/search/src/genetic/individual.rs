@@ -1,47 +1,51 @@
-//! Individuals, and what a population of them comes to.
+//! Individuals, and statistics of a population.
 
 use std::sync::Arc;
 
-use super::Generation;
-use super::replay::Mark;
-use crate::Move;
+use super::gene::Gene;
+use super::settings::Generation;
 
-/// One place of a list of moves; blanks do nothing.
-pub(super) type Gene = Option<Move>;
+/// Costs at some point of a replay.
+#[derive(Clone, Copy)]
+pub(super) struct Score {
+    pub(super) current: i64,
+    pub(super) best: i64,
+    /// Number of genes up to the best cost.
+    pub(super) best_at: usize,
+}
 
-/// A list of moves that has been replayed.
+/// A replay that has been stopped between two genes.
+pub(super) struct Snapshot<S> {
+    pub(super) score: Score,
+    pub(super) state: S,
+}
+
+/// A list of moves that has been replayed, and the results of its replay.
 #[derive(Clone)]
 pub(super) struct Individual<S> {
     pub(super) genes: Arc<[Gene]>,
-    /// Lowest cost on the way.
+    /// Lowest cost during the replay.
     pub(super) cost: i64,
-    /// Genes up to there.
+    /// Number of genes up to that cost.
     pub(super) best_at: usize,
-    /// States on the way, to replay children from.
-    pub(super) marks: Vec<Arc<Mark<S>>>,
-    /// Genes that were tried to find out, blanks not counted.
+    /// States during the replay, from which children can be replayed.
+    pub(super) snapshots: Vec<Arc<Snapshot<S>>>,
+    /// Number of genes replayed to find the cost, without blanks.
     pub(super) replayed: u64,
-    /// Genes that were known from a parent.
+    /// Number of genes that a parent's snapshot saved from being replayed.
     pub(super) spared: u64,
     /// Whether it differs from its parents.
     pub(super) is_new: bool,
 }
 
 impl<S: Clone> Individual<S> {
-    /// A child that is no different.
+    /// A child with the same genes.
     pub(super) fn copy(&self) -> Self {
         Self { replayed: 0, spared: self.genes.len() as u64, is_new: false, ..self.clone() }
     }
 }
 
-/// Moves as genes.
-pub(super) fn padded(moves: &[Move], length: usize) -> Vec<Gene> {
-    let mut genes: Vec<Gene> = moves.iter().copied().map(Some).collect();
-    genes.resize(length, None);
-    genes
-}
-
-/// What a population, sorted by cost, comes to.
+/// Statistics of a population that is sorted by cost.
 pub(super) fn describe<S>(all: &[Individual<S>], number: u32, stayed: u32) -> Generation {
     let best = &all[0];
     let sum: i64 = all.iter().map(|individual| individual.cost).sum();
@@ -56,14 +60,14 @@ pub(super) fn describe<S>(all: &[Individual<S>], number: u32, stayed: u32) -> Ge
     }
 }
 
-/// Share of the genes that differ, of at most 256 at equal distances.
+/// Share of the genes that differ; of long lists, 256 genes at equal distances are compared.
 fn difference(one: &Arc<[Gene]>, other: &Arc<[Gene]>) -> f64 {
-    const LOOKED_AT: usize = 256;
+    const COMPARED: usize = 256;
 
     if Arc::ptr_eq(one, other) || one.is_empty() {
         return 0.0;
     }
-    let step = one.len().div_ceil(LOOKED_AT);
+    let step = one.len().div_ceil(COMPARED);
     let pairs = one.iter().step_by(step).zip(other.iter().step_by(step));
     let differing = pairs.filter(|(a, b)| a != b).count();
     differing as f64 / one.len().div_ceil(step) as f64

@@ -1,28 +1,49 @@
-//! Replays of genes, each from the last known state before the first gene that is new.
+//! Replays of genes from snapshots.
+//!
+//! An individual is evaluated by applying its genes, one after the other, to the start path.
+//! A child begins with the same genes as one of its parents, often with most of them, and equal
+//! genes lead to equal states.
+//! So each individual keeps **snapshots**: copies of the state before a few fixed genes, the same
+//! ones for all individuals.
+//! A child takes over the snapshots of the parent with which it shares the longer beginning, up to
+//! the first gene that differs, and only the genes after the last of them are replayed.
+//!
+//! ```text
+//! parent   a b c d e f g h i j k l        snapshots before d, g and j
+//! child    a b c d e f g x y j k l        shares 7 genes: takes over those before d and g,
+//!                      ^ starts here       and makes a new one before j
+//! ```
+//!
+//! Snapshots are reference counted, since many descendants share them.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use beadwork_grid::{Links, Path, PlacedVariant};
 
-use super::individual::{Gene, Individual};
+use super::gene::Gene;
+use super::individual::{Individual, Score, Snapshot};
 use crate::{Cost, Move};
 
-/// What genes are replayed on.
+/// The state that genes are replayed on.
 pub(super) trait State: Clone + Send + Sync {
-    /// Makes it a copy of another state of the same layer.
+    /// Makes it a copy of another state of the same layer, without allocating.
     fn copy_from(&mut self, other: &Self);
 
-    /// Applies a gene; where it does not apply it changes nothing and gives false.
+    /// Applies a gene and returns true, or returns false and changes nothing if the gene does not
+    /// apply.
     fn apply(&mut self, gene: Move) -> bool;
 
-    /// A variant as a gene of the sort that is replayed here, in a plane so many cells wide.
+    /// Writes a variant as the kind of move that is replayed on this state, in a grid of the given
+    /// width.
     fn gene(placed: PlacedVariant, width: u32) -> Move;
 
-    /// Bytes it takes, about.
+    /// Approximate size in bytes.
     fn bytes(&self) -> usize;
 }
 
-/// Variants alone.
+/// Replays variants only: whether they apply depends only on links, not on positions along the
+/// path, and links are much cheaper to update.
 impl State for Links {
     fn copy_from(&mut self, other: &Self) {
         self.copy_from(other);
@@ -45,7 +66,7 @@ impl State for Links {
     }
 }
 
-/// Any moves; variants are written as pairs, for a record holds one sort.
+/// Replays any moves; variants are written as pairs, since a record holds only one kind of move.
 impl State for Path {
     fn copy_from(&mut self, other: &Self) {
         self.copy_from(other);
@@ -60,126 +81,118 @@ impl State for Path {
     }
 
     fn bytes(&self) -> usize {
-        // Order, position and links.
+        // Each cell has 4 bytes of order, 4 of position and 1 of links.
         9 * (self.width() * self.height()) as usize
     }
 }
 
-/// Where a replay stands.
-#[derive(Clone, Copy)]
-struct Score {
-    present: i64,
-    best: i64,
-    best_at: usize,
-}
-
-/// A replay half way.
-pub(super) struct Mark<S> {
-    score: Score,
-    state: S,
-}
-
-/// What all replays share.
+/// What all replays of a population share.
 pub(super) struct Replay<'a, S, C> {
     start: &'a S,
     cost: &'a C,
     width: u32,
+    /// Cost of the start path.
     pub(super) initial: i64,
-    /// Genes before which a state is kept, rising.
-    places: Vec<usize>,
+    /// Indices of the genes before which a snapshot is kept, in rising order.
+    positions: Vec<usize>,
 }
 
 impl<'a, S: State, C: Cost> Replay<'a, S, C> {
-    /// Prepares replays of lists of so many genes from `state`, which is that of `start`; each
-    /// replay keeps so many states.
+    /// Prepares replays of lists of `length` genes from `state`, which is that of `start`; each of
+    /// them keeps this number of snapshots.
     pub(super) fn new(
         state: &'a S,
         start: &Path,
         cost: &'a C,
         length: usize,
-        marks: usize,
+        snapshots: usize,
     ) -> Self {
-        let places = (1..=marks).map(|mark| length * mark / (marks + 1)).collect();
-        Self { start: state, cost, width: start.width(), initial: cost.total(start), places }
+        let positions = (1..=snapshots).map(|number| length * number / (snapshots + 1)).collect();
+        Self { start: state, cost, width: start.width(), initial: cost.total(start), positions }
     }
 
-    /// An individual of the first population.
+    /// Evaluates an individual of the first population.
+    /// `state` is a buffer, whose content does not matter.
     pub(super) fn first(&self, genes: &[Gene], state: &mut S) -> Individual<S> {
         state.copy_from(self.start);
-        let score = Score { present: self.initial, best: self.initial, best_at: 0 };
+        let score = Score { current: self.initial, best: self.initial, best_at: 0 };
         self.replay(genes.into(), Vec::new(), score, state)
     }
 
-    /// A child of two parents.
+    /// Evaluates a child of two parents.
+    /// `state` is a buffer, whose content does not matter.
     pub(super) fn child(
         &self,
         genes: Vec<Gene>,
         parents: [&Individual<S>; 2],
         state: &mut S,
     ) -> Individual<S> {
-        let common = parents.map(|parent| common_beginning(&genes, &parent.genes));
+        let common = parents.map(|parent| common_prefix(&genes, &parent.genes));
         let (parent, common) =
             if common[0] >= common[1] { (parents[0], common[0]) } else { (parents[1], common[1]) };
         if common == genes.len() {
             return parent.copy();
         }
-        let kept = self.places.partition_point(|&place| place <= common);
-        let marks = parent.marks[..kept].to_vec();
-        match marks.last() {
-            Some(mark) => {
-                state.copy_from(&mark.state);
-                let score = mark.score;
-                self.replay(genes.into(), marks, score, state)
+        // A snapshot at position p depends on the genes before p, so it is valid for the child if
+        // the first p genes are the same.
+        let kept = self.positions.partition_point(|&position| position <= common);
+        let snapshots = parent.snapshots[..kept].to_vec();
+        match snapshots.last() {
+            Some(snapshot) => {
+                state.copy_from(&snapshot.state);
+                let score = snapshot.score;
+                self.replay(genes.into(), snapshots, score, state)
             }
             None => self.first(&genes, state),
         }
     }
 
-    /// Replays the genes after the last of the marks, keeping further ones.
+    /// Replays the genes after the last of the given snapshots, and adds the missing snapshots.
     fn replay(
         &self,
         genes: Arc<[Gene]>,
-        mut marks: Vec<Arc<Mark<S>>>,
+        mut snapshots: Vec<Arc<Snapshot<S>>>,
         mut score: Score,
         state: &mut S,
     ) -> Individual<S> {
-        let mut from = marks.len().checked_sub(1).map_or(0, |last| self.places[last]);
+        let mut from = snapshots.len().checked_sub(1).map_or(0, |last| self.positions[last]);
         let spared = from as u64;
         let mut replayed = 0;
-        for &place in &self.places[marks.len()..] {
-            replayed += self.stretch(&genes, from..place, &mut score, state);
-            marks.push(Arc::new(Mark { score, state: state.clone() }));
-            from = place;
+        for &position in &self.positions[snapshots.len()..] {
+            replayed += self.replay_range(&genes, from..position, &mut score, state);
+            snapshots.push(Arc::new(Snapshot { score, state: state.clone() }));
+            from = position;
         }
-        replayed += self.stretch(&genes, from..genes.len(), &mut score, state);
+        replayed += self.replay_range(&genes, from..genes.len(), &mut score, state);
         let Score { best: cost, best_at, .. } = score;
-        Individual { genes, cost, best_at, marks, replayed, spared, is_new: true }
+        Individual { genes, cost, best_at, snapshots, replayed, spared, is_new: true }
     }
 
-    /// Replays some of the genes; gives the number of those that are not blank.
-    fn stretch(
+    /// Replays a range of the genes, and returns how many of them are not blank.
+    fn replay_range(
         &self,
         genes: &[Gene],
-        range: std::ops::Range<usize>,
+        range: Range<usize>,
         score: &mut Score,
         state: &mut S,
     ) -> u64 {
         let mut replayed = 0;
-        for (place, gene) in range.clone().zip(&genes[range]) {
+        for (index, gene) in range.clone().zip(&genes[range]) {
             let Some(gene) = *gene else { continue };
             replayed += 1;
             if state.apply(gene) {
-                score.present += self.cost.change(gene.switches(self.width));
-                if score.present < score.best {
-                    score.best = score.present;
-                    score.best_at = place + 1;
+                score.current += self.cost.change(gene.switches(self.width));
+                if score.current < score.best {
+                    score.best = score.current;
+                    score.best_at = index + 1;
                 }
             }
         }
         replayed
     }
 
-    /// The best path of an individual, and the moves that lead to it from the start.
+    /// The best path of an individual, and the moves that lead to it from the start path, which is
+    /// given.
     pub(super) fn walk(&self, mut path: Path, individual: &Individual<S>) -> (Path, Vec<Move>) {
         let genes = individual.genes[..individual.best_at].iter().flatten();
         let moves = genes.filter(|gene| gene.apply(&mut path)).copied().collect();
@@ -188,15 +201,17 @@ impl<'a, S: State, C: Cost> Replay<'a, S, C> {
     }
 }
 
-/// How many states to keep of each replay, for so many individuals: as many as fit into 256 MB.
-pub(super) fn marks(state: &impl State, population: usize) -> usize {
-    /// The paper cuts at 60 %, so tenths are as good as exact.
-    const MOST: usize = 9;
-    const MEMORY: usize = 256 << 20;
+/// Number of snapshots of each replay, for a population of this size: as many as fit into 256 MB,
+/// up to a maximum.
+pub(super) fn snapshots(state: &impl State, population: usize) -> usize {
+    /// The paper's crossover cuts after 60 % of the genes, which is one of these positions.
+    const MAX_SNAPSHOTS: usize = 9;
+    const MAX_BYTES: usize = 256 << 20;
 
-    MOST.min(MEMORY / (state.bytes() * population).max(1))
+    MAX_SNAPSHOTS.min(MAX_BYTES / (state.bytes() * population).max(1))
 }
 
-fn common_beginning(one: &[Gene], other: &[Gene]) -> usize {
+/// Number of genes at the beginning that are equal.
+fn common_prefix(one: &[Gene], other: &[Gene]) -> usize {
     one.iter().zip(other).position(|(a, b)| a != b).unwrap_or(one.len())
 }

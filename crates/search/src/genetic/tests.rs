@@ -1,16 +1,23 @@
-//! Replays against the slow way, children against their parents, and whole runs.
+//! Replays compared with slow evaluations, children with their parents, and whole runs.
 
 use std::sync::Mutex;
-use std::sync::atomic::Ordering;
 
-use beadwork_base::Control;
+use beadwork_base::{CancelToken, Threads};
 use beadwork_grid::{
     Crossings, Layout, LayoutSpec, PlacedVariant, Region, Start, Variant, Zones, cover, verify,
 };
 use proptest::prelude::*;
+use rand::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
 
+use super::gene::{Gene, padded};
+use super::individual::Individual;
+use super::replay::{Replay, State};
+use super::run::Birth;
 use super::*;
+use crate::Stop;
 use crate::anneal;
+use crate::random::below;
 
 struct Layer {
     region: Region,
@@ -33,7 +40,7 @@ fn rectangle(width: u32, height: u32, layout: Layout, seed: u64) -> Layer {
     layer(Region::rectangle(width, height).unwrap(), layout, seed)
 }
 
-/// A preset with less work, so that many runs fit into a test.
+/// A preset with less work, so that a test can run it often.
 fn shortened(preset: Preset, seed: u64) -> Settings<'static> {
     let mut settings = Settings::preset(preset, seed);
     settings.seeding.runs = settings.seeding.runs.min(24);
@@ -48,7 +55,8 @@ fn shortened(preset: Preset, seed: u64) -> Settings<'static> {
     settings
 }
 
-fn walked(layer: &Layer, path: &Path) -> i64 {
+/// Crossings counted along a path.
+fn count_crossings(layer: &Layer, path: &Path) -> i64 {
     let crosses = |step: &&[u32]| {
         layer.region.adjacent(step[0], step[1])
             && layer.zones.id(step[0]) != layer.zones.id(step[1])
@@ -56,20 +64,24 @@ fn walked(layer: &Layer, path: &Path) -> i64 {
     path.order().windows(2).filter(crosses).count() as i64
 }
 
-/// The lowest cost on the way and the number of genes up to there, by applying each gene to a path
-/// and walking it.
-fn judged(layer: &Layer, genes: &[Gene]) -> (i64, usize) {
+/// The lowest cost and the number of genes up to it, by applying each gene to a path and counting
+/// its crossings.
+fn evaluated(layer: &Layer, genes: &[Gene]) -> (i64, usize) {
     let mut path = layer.start.clone();
-    let mut best = (walked(layer, &path), 0);
-    for (place, gene) in genes.iter().enumerate() {
+    let mut best = (count_crossings(layer, &path), 0);
+    for (index, gene) in genes.iter().enumerate() {
         if gene.is_some_and(|gene| gene.apply(&mut path)) {
-            let cost = walked(layer, &path);
+            let cost = count_crossings(layer, &path);
             if cost < best.0 {
-                best = (cost, place + 1);
+                best = (cost, index + 1);
             }
         }
     }
     best
+}
+
+fn solve_alone(layer: &Layer, settings: &Settings<'_>) -> Outcome {
+    solve(&layer.start, &layer.crossings, settings, &Control::default())
 }
 
 fn check(outcome: &Outcome, layer: &Layer, settings: &Settings<'_>) {
@@ -78,7 +90,7 @@ fn check(outcome: &Outcome, layer: &Layer, settings: &Settings<'_>) {
     assert_eq!(path, outcome.path, "the record leads to the best path");
     assert_eq!(verify(&layer.region, path.order()), Ok(layer.start.pieces()));
     assert_eq!(
-        (walked(layer, &path), walked(layer, &layer.start)),
+        (count_crossings(layer, &path), count_crossings(layer, &layer.start)),
         (outcome.cost, outcome.initial)
     );
     let generations = &outcome.generations;
@@ -95,7 +107,7 @@ fn check(outcome: &Outcome, layer: &Layer, settings: &Settings<'_>) {
     assert!(generations.iter().all(|it| it.stayed <= children));
 }
 
-/// Lists of random variants, mostly such as apply where a path was annealed.
+/// The moves of short annealing runs, with random variants inserted.
 fn random_lists(layer: &Layer, count: u64, seed: u64) -> Vec<Vec<Move>> {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     let list = |seed| {
@@ -108,7 +120,7 @@ fn random_lists(layer: &Layer, count: u64, seed: u64) -> Vec<Vec<Move>> {
         };
         let settings =
             anneal::Settings { method, ..anneal::Settings::preset(anneal::Preset::Short, seed) };
-        anneal(layer.start.clone(), &layer.crossings, &settings).moves
+        anneal::solve(&layer.start, &layer.crossings, &settings, &Control::default()).moves
     };
     let mut lists: Vec<Vec<Move>> = (0..count).map(list).collect();
     for list in &mut lists {
@@ -132,17 +144,15 @@ const CROSSOVERS: [Crossover; 4] = [
     Crossover::Window,
 ];
 
-/// Breeds children of children and judges each of them the slow way.
+/// Breeds children of children and evaluates each of them the slow way.
 fn breed<S: State>(layer: &Layer, state: &S, lists: &[Vec<Move>], seed: u64) {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     let length = lists.iter().map(Vec::len).max().unwrap();
     let replay = Replay::new(state, &layer.start, &layer.crossings, length, seed as usize % 12);
-    let plane = (layer.region.width(), layer.region.height());
+    let grid = (layer.region.width(), layer.region.height());
     let mut scratch = state.clone();
-    let mut all: Vec<Individual<S>> = lists
-        .iter()
-        .map(|moves| replay.first(&individual::padded(moves, length), &mut scratch))
-        .collect();
+    let mut all: Vec<Individual<S>> =
+        lists.iter().map(|moves| replay.first(&padded(moves, length), &mut scratch)).collect();
     for number in 0..24 {
         let parents = [below(&mut rng, all.len()), below(&mut rng, all.len())];
         let evolution = Evolution {
@@ -153,10 +163,10 @@ fn breed<S: State>(layer: &Layer, state: &S, lists: &[Vec<Move>], seed: u64) {
         let parents_of_it = parents.map(|parent| &all[parent]);
         let birth = Birth { parents, seed: rng.next_u64() };
         let genes =
-            birth.genes::<S>(parents_of_it.map(|parent| &parent.genes[..]), &evolution, plane);
+            birth.genes::<S>(parents_of_it.map(|parent| &parent.genes[..]), &evolution, grid);
         assert_eq!(genes.len(), length);
         let child = replay.child(genes, parents_of_it, &mut scratch);
-        assert_eq!((child.cost, child.best_at), judged(layer, &child.genes));
+        assert_eq!((child.cost, child.best_at), evaluated(layer, &child.genes));
         assert_eq!(child.is_new, parents_of_it.iter().all(|parent| parent.genes != child.genes));
         all.push(child);
     }
@@ -190,14 +200,14 @@ proptest! {
         crossover in prop::sample::select(&CROSSOVERS[..]),
     ) {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-        // All genes are different, and tell which parent they are of.
-        let gene = |parent: u16, place: usize| {
-            let placed = PlacedVariant { variant: Variant::N, x: place as u16, y: 10 * parent + place as u16 % 10 };
+        // All genes are different and identify their parent.
+        let gene = |parent: u16, index: usize| {
+            let placed = PlacedVariant { variant: Variant::N, x: index as u16, y: 10 * parent + index as u16 % 10 };
             Some(Move::Variant(placed))
         };
         let filled = [below(&mut rng, length + 1), below(&mut rng, length + 1)];
         let parent = |number: usize| -> Vec<Gene> {
-            (0..length).map(|place| gene(number as u16, place).filter(|_| place < filled[number])).collect()
+            (0..length).map(|index| gene(number as u16, index).filter(|_| index < filled[number])).collect()
         };
         let parents = [parent(0), parent(1)];
         let child = crossover.cross([&parents[0], &parents[1]], (60, 20), &mut rng);
@@ -213,8 +223,8 @@ proptest! {
             prop_assert_eq!(&child[cut..], &parents[1][cut..]);
         }
         if crossover == Crossover::TwoPoint {
-            let of_other: Vec<usize> = (0..length).filter(|&place| child[place] != parents[0][place]).collect();
-            prop_assert!(of_other.iter().all(|&place| child[place] == parents[1][place]));
+            let of_other: Vec<usize> = (0..length).filter(|&index| child[index] != parents[0][index]).collect();
+            prop_assert!(of_other.iter().all(|&index| child[index] == parents[1][index]));
         }
     }
 }
@@ -225,7 +235,7 @@ fn runs_end_with_a_path_that_their_moves_lead_to() {
         for layout in [Layout::LeftRight, Layout::Voronoi] {
             let layer = rectangle(14, 11, layout, seed);
             let settings = shortened(preset, seed);
-            let outcome = solve(&layer.start, &layer.crossings, &settings);
+            let outcome = solve_alone(&layer, &settings);
             check(&outcome, &layer, &settings);
             assert_eq!((outcome.stop, outcome.generations.len()), (Stop::Done, 16));
         }
@@ -233,13 +243,13 @@ fn runs_end_with_a_path_that_their_moves_lead_to() {
 }
 
 #[test]
-fn any_region_and_start_will_do() {
+fn regions_in_several_pieces_are_solved() {
     let inside = (0..20 * 15).map(|cell| cell % 7 != 3 || cell < 40).collect();
     let layer = layer(Region::from_mask(20, 15, inside).unwrap(), Layout::Voronoi, 3);
     assert!(layer.start.pieces() > 1);
     for preset in [Preset::Window, Preset::Fast] {
         let settings = shortened(preset, 1);
-        check(&solve(&layer.start, &layer.crossings, &settings), &layer, &settings);
+        check(&solve_alone(&layer, &settings), &layer, &settings);
     }
 }
 
@@ -247,11 +257,12 @@ fn any_region_and_start_will_do() {
 fn threads_change_nothing() {
     let layer = rectangle(16, 12, Layout::Voronoi, 5);
     for preset in [Preset::Paper, Preset::Window, Preset::Fast] {
-        let alone = solve(&layer.start, &layer.crossings, &shortened(preset, 2));
+        let alone = solve_alone(&layer, &shortened(preset, 2));
         for threads in [1, 2, 5] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let settings = Settings { pool: Some(&pool), ..shortened(preset, 2) };
-            let outcome = solve(&layer.start, &layer.crossings, &settings);
+            let control = Control::on(Threads::Pool(&pool));
+            let settings = shortened(preset, 2);
+            let outcome = solve(&layer.start, &layer.crossings, &settings, &control);
             assert_eq!((&outcome.moves, &outcome.generations), (&alone.moves, &alone.generations));
             assert_eq!((outcome.replayed, outcome.spared), (alone.replayed, alone.spared));
         }
@@ -262,93 +273,106 @@ fn threads_change_nothing() {
 fn links_and_paths_evolve_alike() {
     let layer = rectangle(16, 12, Layout::Stripes, 5);
     let settings = shortened(Preset::TwoPoint, 4);
-    let population = annealed(&layer.start, &layer.crossings, &settings);
-    let on_links =
-        run(&Links::new(&layer.start), &layer.start, &layer.crossings, &population, &settings);
-    let on_paths = run(&layer.start, &layer.start, &layer.crossings, &population, &settings);
+    let control = Control::default();
+    let population = annealed(&layer.start, &layer.crossings, &settings, &control);
+    let (start, crossings) = (&layer.start, &layer.crossings);
+    let on_links = run(&Links::new(start), start, crossings, &population, &settings, &control);
+    let on_paths = run(start, start, crossings, &population, &settings, &control);
     assert_eq!((on_links.moves, on_links.generations), (on_paths.moves, on_paths.generations));
 }
 
 #[test]
-fn mutations_keep_to_one_sort_of_moves() {
+fn mutations_keep_to_one_kind_of_moves() {
     let layer = rectangle(16, 12, Layout::Islands, 5);
     let mut settings = shortened(Preset::Fast, 4);
     settings.evolution.mutations = 5;
-    let outcome = solve(&layer.start, &layer.crossings, &settings);
+    let outcome = solve_alone(&layer, &settings);
     check(&outcome, &layer, &settings);
     assert!(outcome.moves.iter().all(|step| matches!(step, Move::Pair(_))));
 }
 
 #[test]
-fn the_population_is_never_made_worse() {
+fn evolution_never_loses_the_best_individual() {
     let layer = rectangle(30, 30, Layout::Islands, 1);
     let mut settings = shortened(Preset::Window, 1);
     settings.seeding.runs = 80;
     settings.evolution = Evolution { population: 60, generations: 60, ..settings.evolution };
-    let population = annealed(&layer.start, &layer.crossings, &settings);
+    let control = Control::default();
+    let population = annealed(&layer.start, &layer.crossings, &settings, &control);
     assert_eq!(population.len(), 60);
-    let costs: Vec<i64> = population
-        .iter()
-        .map(|moves| judged(&layer, &individual::padded(moves, moves.len())).0)
-        .collect();
+    let costs: Vec<i64> =
+        population.iter().map(|moves| evaluated(&layer, &padded(moves, moves.len())).0).collect();
     assert!(costs.is_sorted(), "the best come first: {costs:?}");
-    let outcome = evolve(&layer.start, &layer.crossings, &population, &settings);
+    let outcome = evolve(&layer.start, &layer.crossings, &population, &settings, &control);
     assert_eq!(outcome.generations[0].best, costs[0]);
     assert!(
         outcome.cost < costs[0],
-        "crossover adds something here: {} of {}",
+        "crossover improves on annealing here: {} of {}",
         outcome.cost,
         costs[0]
     );
 }
 
 #[test]
-fn odd_populations_are_taken() {
+fn populations_of_any_size_are_accepted() {
     let layer = rectangle(9, 9, Layout::LeftRight, 0);
     let settings = shortened(Preset::Window, 0);
-    let run =
-        |population: &[Vec<Move>]| evolve(&layer.start, &layer.crossings, population, &settings);
+    let control = Control::default();
+    let run = |population: &[Vec<Move>]| {
+        evolve(&layer.start, &layer.crossings, population, &settings, &control)
+    };
     for population in [&[][..], &[vec![]], &[vec![], vec![]]] {
         let outcome = run(population);
         assert_eq!((outcome.cost, outcome.moves.len(), outcome.length), (9, 0, 0));
     }
-    let some = annealed(&layer.start, &layer.crossings, &settings);
+    let some = annealed(&layer.start, &layer.crossings, &settings, &control);
     check(&run(&some[..1]), &layer, &settings);
     check(&run(&[&some[..], &some[..]].concat()), &layer, &settings);
     let mut alone = settings.clone();
     alone.evolution = Evolution { population: 1, elites: 6, carry_over: 0.0, ..alone.evolution };
-    check(&evolve(&layer.start, &layer.crossings, &some, &alone), &layer, &alone);
+    let outcome = evolve(&layer.start, &layer.crossings, &some, &alone, &control);
+    check(&outcome, &layer, &alone);
 }
 
 #[test]
-fn the_bound_stops_a_run() {
+fn a_run_stops_at_its_proven_bound_or_its_target() {
     let layer = rectangle(20, 20, Layout::LeftRight, 0);
-    let settings = Settings { bound: Some(19), ..shortened(Preset::Paper, 0) };
-    let outcome = solve(&layer.start, &layer.crossings, &settings);
+    let settings = Settings { proven_bound: Some(19), ..shortened(Preset::Paper, 0) };
+    let outcome = solve_alone(&layer, &settings);
     assert_eq!((outcome.stop, outcome.generations.len()), (Stop::Optimal, 1));
     assert!(outcome.cost <= 19);
+    let settings = Settings { target: Some(19), ..shortened(Preset::Paper, 0) };
+    let same = solve_alone(&layer, &settings);
+    assert_eq!((same.stop, same.moves), (Stop::TargetReached, outcome.moves));
 }
 
 #[test]
-fn the_cancel_token_stops_a_run_and_keeps_its_best() {
+fn a_cancelled_run_keeps_its_best_individual() {
     let layer = rectangle(20, 20, Layout::LeftRight, 0);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-    for pool in [None, Some(&pool)] {
+    for threads in [Threads::One, Threads::Pool(&pool)] {
         // Before the start, while annealing, and while breeding.
         for stop_at in [0, 3, 24, 27] {
-            let (cancel, seen) = (AtomicBool::new(stop_at == 0), Mutex::new(0));
-            let observer = |_: Progress| {
+            let (cancel, seen) = (CancelToken::new(), Mutex::new(0));
+            if stop_at == 0 {
+                cancel.cancel();
+            }
+            let progress = |progress: beadwork_base::Progress| {
+                assert_eq!(progress.total, 24 + 15);
                 let mut seen = seen.lock().unwrap();
                 *seen += 1;
-                cancel.store(*seen >= stop_at, Ordering::Relaxed);
+                if *seen >= stop_at {
+                    cancel.cancel();
+                }
             };
-            let settings = Settings {
+            let control = Control {
+                threads,
                 cancel: Some(&cancel),
-                observer: Some(&observer),
-                pool,
-                ..shortened(Preset::Paper, 0)
+                progress: Some(&progress),
+                ..Control::default()
             };
-            let outcome = solve(&layer.start, &layer.crossings, &settings);
+            let settings = shortened(Preset::Paper, 0);
+            let outcome = solve(&layer.start, &layer.crossings, &settings, &control);
             assert_eq!(outcome.stop, Stop::Cancelled);
             check(&outcome, &layer, &settings);
             // Another thread may have been about to report.
@@ -359,29 +383,43 @@ fn the_cancel_token_stops_a_run_and_keeps_its_best() {
 }
 
 #[test]
-fn a_cancelled_run_is_not_called_optimal() {
+fn an_interrupted_run_does_not_count_as_optimal() {
     let layer = rectangle(20, 20, Layout::LeftRight, 0);
-    let cancel = AtomicBool::new(false);
-    let observer = |_: Progress| cancel.store(true, Ordering::Relaxed);
-    let settings = Settings {
-        bound: Some(19),
-        cancel: Some(&cancel),
-        observer: Some(&observer),
-        ..shortened(Preset::Paper, 0)
+    let cancel = CancelToken::new();
+    let progress = |_| {
+        cancel.cancel();
     };
-    assert_eq!(solve(&layer.start, &layer.crossings, &settings).stop, Stop::Cancelled);
+    let control =
+        Control { cancel: Some(&cancel), progress: Some(&progress), ..Control::default() };
+    let settings = Settings { proven_bound: Some(19), ..shortened(Preset::Paper, 0) };
+    let stop = solve(&layer.start, &layer.crossings, &settings, &control).stop;
+    assert_eq!(stop, Stop::Cancelled);
+    let time_is_up = || true;
+    let control = Control { time_is_up: Some(&time_is_up), ..Control::default() };
+    let stop = solve(&layer.start, &layer.crossings, &settings, &control).stop;
+    assert_eq!(stop, Stop::TimeUp);
 }
 
 #[test]
-fn tolerance_may_be_without_end() {
+fn observers_see_each_generation() {
+    let layer = rectangle(12, 12, Layout::Voronoi, 0);
+    let seen = Mutex::new(Vec::new());
+    let observer = |generation| seen.lock().unwrap().push(generation);
+    let settings = Settings { observer: Some(&observer), ..shortened(Preset::Window, 0) };
+    let outcome = solve_alone(&layer, &settings);
+    assert_eq!(*seen.lock().unwrap(), outcome.generations);
+}
+
+#[test]
+fn tolerance_may_be_unlimited() {
     let layer = rectangle(12, 12, Layout::Voronoi, 0);
     let mut settings = shortened(Preset::Window, 0);
     settings.evolution.tolerance = i64::MAX;
-    check(&solve(&layer.start, &layer.crossings, &settings), &layer, &settings);
+    check(&solve_alone(&layer, &settings), &layer, &settings);
 }
 
 #[test]
-fn presets_are_the_papers_and_ours() {
+fn presets_have_the_documented_parameters() {
     for preset in Preset::ALL {
         assert_eq!(preset.name().parse(), Ok(preset));
     }
@@ -404,18 +442,21 @@ fn presets_are_the_papers_and_ours() {
         (fast.methods, fast.runs as usize),
         (vec![anneal::Preset::Fast.method()], evolution.population)
     );
-    assert!("best".parse::<Preset>().unwrap_err().to_string().contains("choose paper"));
+    assert_eq!(
+        "best".parse::<Preset>().unwrap_err().to_string(),
+        "unknown genetic preset 'best': expected paper, two_point, window, short or fast"
+    );
 }
 
 #[test]
-fn a_seed_names_one_run_on_every_machine() {
+fn a_seed_gives_the_same_run_on_every_machine() {
     let layer = rectangle(20, 20, Layout::Voronoi, 1);
     let digest = |preset| {
-        let outcome = solve(&layer.start, &layer.crossings, &shortened(preset, 9));
+        let outcome = solve_alone(&layer, &shortened(preset, 9));
         let mix = |sum: u64, &cell: &u32| sum.wrapping_mul(0x100_0000_01b3) ^ u64::from(cell);
         (outcome.cost, outcome.replayed, outcome.path.order().iter().fold(0, mix))
     };
-    // Pinned: a change here changes every dataset and table made before.
+    // A change here changes all datasets and tables that were made with this algorithm.
     assert_eq!(digest(Preset::Paper), (18, 2_923, 2_603_966_194_604_896_584));
     assert_eq!(digest(Preset::Window), (18, 28_403, 2_603_966_194_604_896_584));
     assert_eq!(digest(Preset::Fast), (8, 7_932, 13_767_836_259_316_050_268));

@@ -2,7 +2,7 @@
 
 use beadwork_grid::{Cell, Region, Zones, region_components};
 
-use crate::ZoneCosts;
+use crate::CostMatrix;
 
 /// Index of a cell on a [`Board`], row by row; the padding has indices too.
 pub(crate) type Node = u32;
@@ -56,7 +56,7 @@ impl Board {
     ///
     /// # Panics
     /// If the zones or the costs belong to another region.
-    pub(crate) fn of_components(region: &Region, zones: &Zones, costs: &ZoneCosts) -> Vec<Self> {
+    pub(crate) fn of_components(region: &Region, zones: &Zones, costs: &CostMatrix) -> Vec<Self> {
         assert_eq!(zones.ids().len(), region.grid_len(), "zones belong to another grid");
         assert!(
             region.cells().all(|cell| zones.id(cell) != Zones::OUTSIDE),
@@ -71,7 +71,7 @@ impl Board {
     }
 
     /// The board of some cells of a region, in rising order and at least one.
-    fn new(region: &Region, zones: &Zones, costs: &ZoneCosts, members: &[Cell]) -> Self {
+    fn new(region: &Region, zones: &Zones, costs: &CostMatrix, members: &[Cell]) -> Self {
         let positions = || members.iter().map(|&cell| region.xy(cell));
         let left = positions().map(|(x, _)| x).min().expect("a board has cells");
         let right = positions().map(|(x, _)| x).max().expect("a board has cells");
@@ -95,8 +95,8 @@ impl Board {
             neighbours: vec![0; nodes],
             across: vec![0; nodes],
             zone: vec![Zones::OUTSIDE; nodes],
-            costs: costs.least(),
-            zones: costs.zones(),
+            costs: costs.cheaper_direction(),
+            zones: costs.size(),
         };
         for &cell in members {
             let (column, row) = board.position(region, cell);

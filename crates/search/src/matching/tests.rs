@@ -6,7 +6,7 @@ use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::*;
-use crate::ZoneCosts;
+use crate::CostMatrix;
 
 fn boards() -> impl Iterator<Item = Board> {
     (0..200_u64).flat_map(|seed| {
@@ -18,12 +18,10 @@ fn boards() -> impl Iterator<Item = Board> {
         let layout = [Layout::Voronoi, Layout::Checkerboard, Layout::Stripes][seed as usize % 3];
         let zones = LayoutSpec { layout, zones: 4, side: 2 }.zones(&region, seed).unwrap();
         let costs = if seed % 2 == 0 {
-            ZoneCosts::uniform(zones.count())
+            CostMatrix::uniform(zones.count() as usize)
         } else {
             let count = zones.count() as usize;
-            let cost =
-                |pair: usize| if pair / count == pair % count { 0 } else { (pair * 7 % 5) as u32 };
-            ZoneCosts::new(zones.count(), (0..count * count).map(cost).collect()).unwrap()
+            CostMatrix::from_fn(count, |a, b| ((a * count + b) * 7 % 5) as f64).unwrap()
         };
         Board::of_components(&region, &zones, &costs)
     })

@@ -1,29 +1,29 @@
-//! The order of the pieces that no tool decides: always on to the nearest end.
+//! The order of the pieces that tool changes leave open: always on to the nearest end.
 
 use beadwork_grid::{Cell, Region};
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-/// Pieces to be printed one after the other.
+/// Pieces that are printed one after the other, with no piece of another group between.
 pub(super) enum Group<'a> {
-    /// In any order, from either end.
+    /// Any number of pieces, in any order, each from either end.
     Any(Vec<&'a [Cell]>),
-    /// One piece, and whether it is turned round.
+    /// A single piece, and whether it is reversed.
     Fixed(&'a [Cell], bool),
 }
 
-/// An end of a piece: its place, the number of the piece, and whether it is the last cell's.
+/// An end of a piece: its coordinates, the number of the piece, and whether it is the last cell.
 type End = GeomWithData<[i64; 2], (usize, bool)>;
 
-/// The cells of all pieces, group by group, beginning near the cell `from` of the same plane, or
-/// near the first cell of all.
+/// The cells of all pieces, group by group, starting near the cell `from`, or near the first cell
+/// of the grid.
 ///
-/// Always on to the nearest end of a piece left in the group, in Euclidean distance: a short way,
-/// not the shortest.
+/// The next piece of a group is the one with the nearest end, in Euclidean distance.
+/// This nearest-neighbour rule keeps travel short, though not the shortest.
 /// About O(p log p) for p pieces.
 pub(super) fn arrange(region: &Region, groups: Vec<Group<'_>>, from: Option<Cell>) -> Vec<Cell> {
     let mut order: Vec<Cell> = Vec::with_capacity(region.cell_count() as usize);
-    let place = |cell: Cell| {
+    let position = |cell: Cell| {
         let (x, y) = region.xy(cell);
         [i64::from(x), i64::from(y)]
     };
@@ -35,18 +35,18 @@ pub(super) fn arrange(region: &Region, groups: Vec<Group<'_>>, from: Option<Cell
                 let end = |piece: usize, is_last: bool| {
                     let cells = pieces[piece];
                     End::new(
-                        place(cells[if is_last { cells.len() - 1 } else { 0 }]),
+                        position(cells[if is_last { cells.len() - 1 } else { 0 }]),
                         (piece, is_last),
                     )
                 };
                 let ends =
                     (0..pieces.len()).flat_map(|piece| [end(piece, false), end(piece, true)]);
-                let mut left = RTree::bulk_load(ends.collect());
+                let mut remaining = RTree::bulk_load(ends.collect());
                 loop {
-                    let here = place(order.last().copied().or(from).unwrap_or_default());
-                    let Some(nearest) = left.pop_nearest_neighbor(here) else { break };
+                    let here = position(order.last().copied().or(from).unwrap_or_default());
+                    let Some(nearest) = remaining.pop_nearest_neighbor(here) else { break };
                     let (piece, is_last) = nearest.data;
-                    left.remove(&end(piece, !is_last));
+                    remaining.remove(&end(piece, !is_last));
                     if is_last {
                         order.extend(pieces[piece].iter().rev());
                     } else {
@@ -66,26 +66,26 @@ mod tests {
 
     use super::*;
 
-    /// Every piece left looked at for each step.
+    /// Checks each step against all remaining pieces.
     fn is_nearest_first(region: &Region, pieces: &[&[Cell]], order: &[Cell], from: Cell) -> bool {
         let distance = |a: Cell, b: Cell| {
             let ((ax, ay), (bx, by)) = (region.xy(a), region.xy(b));
             ax.abs_diff(bx).pow(2) + ay.abs_diff(by).pow(2)
         };
-        let mut left = pieces.to_vec();
+        let mut remaining = pieces.to_vec();
         let (mut at, mut here) = (0, from);
         while at < order.len() {
             let begins =
                 |piece: &&[Cell]| piece[0] == order[at] || piece[piece.len() - 1] == order[at];
-            let Some(number) = left.iter().position(begins) else { return false };
-            let near = left.iter().flat_map(|piece| [piece[0], piece[piece.len() - 1]]);
+            let Some(number) = remaining.iter().position(begins) else { return false };
+            let near = remaining.iter().flat_map(|piece| [piece[0], piece[piece.len() - 1]]);
             if near.map(|end| distance(here, end)).min() != Some(distance(here, order[at])) {
                 return false;
             }
-            at += left.remove(number).len();
+            at += remaining.remove(number).len();
             here = order[at - 1];
         }
-        left.is_empty()
+        remaining.is_empty()
     }
 
     #[test]
@@ -93,7 +93,7 @@ mod tests {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(5);
         let region = Region::rectangle(30, 30).unwrap();
         for _ in 0..300 {
-            // Pieces of rows, each cell in one of them.
+            // Pieces are parts of rows, and no two share a cell.
             let mut cells: Vec<Cell> = Vec::new();
             let mut lengths = Vec::new();
             for row in 0..10 {

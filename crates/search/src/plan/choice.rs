@@ -1,6 +1,26 @@
-//! Which way of printing each layer takes: a shortest way through the layers.
+//! The choice of a way of printing for each layer: a shortest path through the layers.
+//!
+//! Each layer can be printed in several **ways**, which differ in the tools they begin and end
+//! with, in the cost of the tool changes between, and in their lifts.
+//! Choosing one way for each layer is a shortest-path problem in a layered graph.
+//! Its nodes are the ways; an edge leads from each way of a layer to each way of the next one and
+//! costs the tool change from the last tool of the former to the first tool of the latter:
+//!
+//! ```text
+//!            layer 0       layer 1       layer 2
+//! loaded --> 0..1 -------> 0..0 -------> 1..0        first..last tool of each way
+//!       \    1..0 --..\    1..1 --..     0..1
+//!        `-> ...       `-> ...           ...
+//! ```
+//!
+//! What comes after a layer depends only on the tool with which it ends, so of all ways up to a
+//! layer only the best one for each last tool matters.
+//!
+//! Tool cost and lifts are two objectives.
+//! [`choose`] minimises their weighted sum, and [`frontier`] finds the choices that are the best
+//! for some price of a lift.
 
-use super::ToolCosts;
+use crate::CostMatrix;
 
 /// A way to print a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,49 +29,65 @@ pub(super) struct Way {
     pub(super) first: u8,
     /// The tool it ends with.
     pub(super) last: u8,
-    /// Cost of the tool changes within.
+    /// Scaled cost of the tool changes within the layer.
     pub(super) cost: u64,
-    /// Breaks between its pieces.
+    /// Lifts between the pieces of the layer.
     pub(super) lifts: u64,
 }
 
-/// What a unit of tool cost and a lift weigh.
+/// Weights of a unit of scaled tool cost and of a lift.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Weights {
     pub(super) tools: u64,
     pub(super) lifts: u64,
 }
 
-/// A choice of ways.
+/// What may come before the first layer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Begin {
+    /// The tool in the nozzle, from which a change to the first tool is paid.
+    pub(super) loaded: Option<u8>,
+    /// The only tool that the first layer may begin with.
+    pub(super) first: Option<u8>,
+}
+
+/// A choice of one way for each layer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Chosen {
     /// For each layer the number of its way.
     pub(super) ways: Vec<usize>,
-    /// Cost of all tool changes, those between layers included.
+    /// Scaled cost of all tool changes, including those between layers.
     pub(super) cost: u64,
-    /// All lifts.
+    /// Number of all lifts.
     pub(super) lifts: u64,
 }
 
-/// The choice of least weight; `None` if some layer has no way, or the first none that begins with
-/// `first`.
+/// Weight of what is not allowed; two of them can be added.
+const INFEASIBLE: u128 = u128::MAX / 4;
+
+/// The choice with the minimum weight; `None` if there is none, for example because a layer has no
+/// way.
 ///
-/// What follows a layer depends on its last tool alone.
-/// O(l w t) steps for l layers of w ways with t tools at their ends.
+/// O(l w t) steps for l layers of w ways that end with t different tools.
 pub(super) fn choose(
     layers: &[Vec<Way>],
-    costs: &ToolCosts,
-    first: Option<u8>,
+    costs: &CostMatrix,
+    begin: Begin,
     weights: Weights,
 ) -> Option<Chosen> {
     if layers.iter().any(Vec::is_empty) {
         return None;
     }
-    // Forwards: for each layer and each of its ways the least weight up to its end, and the way
-    // before.
+    let weigh = |cost: u64, lifts: u64| {
+        u128::from(weights.tools) * u128::from(cost) + u128::from(weights.lifts) * u128::from(lifts)
+    };
+    let change = |from: u8, to: u8| {
+        if costs.is_forbidden(from, to) { INFEASIBLE } else { weigh(costs.step(from, to), 0) }
+    };
+    // For each way of each layer, the minimum weight up to its end and the way before it.
     let mut table: Vec<Vec<(u128, usize)>> = Vec::with_capacity(layers.len());
     for (number, ways) in layers.iter().enumerate() {
-        // Of the ways before only the best for each last tool counts.
+        // The best way of the layer below for each last tool; of equally good ones the first.
         let mut ends: Vec<(u8, u128, usize)> = Vec::new();
         if let Some(before) = table.last() {
             for (at, (way, &(weight, _))) in layers[number - 1].iter().zip(before).enumerate() {
@@ -62,63 +98,76 @@ pub(super) fn choose(
                 }
             }
         }
-        let weigh = |way: &Way| {
-            let own = u128::from(weights.tools) * u128::from(way.cost)
-                + u128::from(weights.lifts) * u128::from(way.lifts);
-            if number == 0 {
-                let is_allowed = first.is_none_or(|first| first == way.first);
-                return is_allowed.then_some((own, 0));
-            }
-            let step =
-                |tool: u8| u128::from(weights.tools) * u128::from(costs.cost(tool, way.first));
-            ends.iter().map(|&(tool, weight, at)| (weight + step(tool) + own, at)).min()
+        let best = |way: &Way| {
+            let own = weigh(way.cost, way.lifts);
+            let (weight, before) = if number == 0 {
+                let is_allowed = begin.first.is_none_or(|first| first == way.first);
+                let change = begin.loaded.map_or(0, |loaded| change(loaded, way.first));
+                (if is_allowed { change + own } else { INFEASIBLE }, 0)
+            } else {
+                let reached = ends
+                    .iter()
+                    .map(|&(tool, weight, at)| (weight + change(tool, way.first) + own, at));
+                reached.min().expect("the layer below has ways")
+            };
+            (weight.min(INFEASIBLE), before)
         };
-        // A way that is not allowed weighs more than any other could.
-        table.push(ways.iter().map(|way| weigh(way).unwrap_or((u128::MAX / 2, 0))).collect());
+        table.push(ways.iter().map(best).collect());
     }
+    // Backwards from the best way of the last layer.
     let mut ways = vec![0; layers.len()];
     for number in (0..layers.len()).rev() {
         ways[number] = if number + 1 == layers.len() {
-            (0..table[number].len())
-                .min_by_key(|&at| table[number][at].0)
-                .expect("every layer has a way")
+            let weight = |&at: &usize| table[number][at].0;
+            let best = (0..table[number].len()).min_by_key(weight).expect("each layer has a way");
+            if weight(&best) == INFEASIBLE {
+                return None;
+            }
+            best
         } else {
             table[number + 1][ways[number + 1]].1
         };
     }
     let way = |number: usize| &layers[number][ways[number]];
-    if !layers.is_empty() && first.is_some_and(|first| first != way(0).first) {
-        return None;
-    }
     let within: u64 = (0..layers.len()).map(|number| way(number).cost).sum();
-    let between: u64 = (1..layers.len())
-        .map(|number| u64::from(costs.cost(way(number - 1).last, way(number).first)))
-        .sum();
+    let between: u64 =
+        (1..layers.len()).map(|number| costs.step(way(number - 1).last, way(number).first)).sum();
+    let before = match begin.loaded {
+        Some(loaded) if !layers.is_empty() => costs.step(loaded, way(0).first),
+        _ => 0,
+    };
     let lifts = (0..layers.len()).map(|number| way(number).lifts).sum();
-    Some(Chosen { ways, cost: within + between, lifts })
+    Some(Chosen { ways, cost: before + within + between, lifts })
 }
 
-/// Points of a frontier beyond which no more are sought.
-const MOST_POINTS: usize = 256;
+/// Maximum number of points of a frontier.
+const MAX_POINTS: usize = 256;
 
-/// The choices that are the cheapest at some price of a lift, from few lifts to cheap tools: the
-/// corners of the convex hull, up to 256 of them.
-pub(super) fn frontier(layers: &[Vec<Way>], costs: &ToolCosts, first: Option<u8>) -> Vec<Chosen> {
-    // So much more than the other that only ties are left to it.
-    let more = 1 << 40;
-    let at = |tools: u64, lifts: u64| choose(layers, costs, first, Weights { tools, lifts });
-    let (Some(few_lifts), Some(cheap_tools)) = (at(1, more), at(more, 1)) else {
+/// The choices that are the best for some price of a lift, from few lifts to low tool costs.
+///
+/// In a diagram of lifts against tool cost these are the corners of the lower left part of the
+/// convex hull of all choices.
+/// Between two neighbouring corners the hull is a straight edge.
+/// [`choose`] with the weights for which both corners weigh the same either finds a choice below
+/// that edge, which is another corner, or proves that there is none.
+///
+/// At most 256 points: beyond that, the last ones found may not be neighbours on the hull.
+pub(super) fn frontier(layers: &[Vec<Way>], costs: &CostMatrix, begin: Begin) -> Vec<Chosen> {
+    // One objective outweighs the other by so much that the latter only breaks ties.
+    let much_more = 1 << 40;
+    let at = |tools: u64, lifts: u64| choose(layers, costs, begin, Weights { tools, lifts });
+    let (Some(few_lifts), Some(cheap_tools)) = (at(1, much_more), at(much_more, 1)) else {
         return Vec::new();
     };
+    // The last of `points` and the last of `rest` are the ends of the edge to be examined.
     let mut points = vec![few_lifts];
     let mut rest = vec![cheap_tools];
     while let Some(next) = rest.last() {
-        let here = points.last().expect("it begins with one");
+        let here = points.last().expect("there is a first point");
         if (here.cost, here.lifts) == (next.cost, next.lifts) {
             rest.pop();
             continue;
         }
-        // The price at which both are as good; what is better lies between.
         let weights = Weights {
             tools: next.lifts.saturating_sub(here.lifts),
             lifts: here.cost.saturating_sub(next.cost),
@@ -127,10 +176,10 @@ pub(super) fn frontier(layers: &[Vec<Way>], costs: &ToolCosts, first: Option<u8>
             u128::from(weights.tools) * u128::from(point.cost)
                 + u128::from(weights.lifts) * u128::from(point.lifts)
         };
-        let between =
-            choose(layers, costs, first, weights).filter(|between| weight(between) < weight(here));
-        match between {
-            Some(between) if points.len() + rest.len() < MOST_POINTS => rest.push(between),
+        let below =
+            choose(layers, costs, begin, weights).filter(|below| weight(below) < weight(here));
+        match below {
+            Some(below) if points.len() + rest.len() < MAX_POINTS => rest.push(below),
             _ => points.extend(rest.pop()),
         }
     }
@@ -144,15 +193,15 @@ mod tests {
 
     use super::*;
 
-    fn draw(rng: &mut Xoshiro256PlusPlus) -> (Vec<Vec<Way>>, ToolCosts) {
+    fn draw(rng: &mut Xoshiro256PlusPlus) -> (Vec<Vec<Way>>, CostMatrix) {
         let tools = rng.random_range(1..=3_u8);
-        let row = |from: u8, rng: &mut Xoshiro256PlusPlus| {
-            (0..tools)
-                .map(|to| if to == from { 0 } else { rng.random_range(0..9) })
-                .collect::<Vec<u32>>()
-        };
-        let costs =
-            ToolCosts::new(&(0..tools).map(|from| row(from, rng)).collect::<Vec<_>>()).unwrap();
+        let rows: Vec<f64> =
+            (0..9)
+                .map(|_| {
+                    if rng.random_bool(0.1) { f64::INFINITY } else { rng.random_range(0..9).into() }
+                })
+                .collect();
+        let costs = CostMatrix::from_fn(tools.into(), |from, to| rows[3 * from + to]).unwrap();
         let way = |rng: &mut Xoshiro256PlusPlus| Way {
             first: rng.random_range(0..tools),
             last: rng.random_range(0..tools),
@@ -164,16 +213,22 @@ mod tests {
         (layers.collect(), costs)
     }
 
+    fn draw_begin(rng: &mut Xoshiro256PlusPlus, costs: &CostMatrix) -> Begin {
+        let first = rng.random_bool(0.3).then_some(0);
+        let loaded = rng.random_bool(0.5).then_some(rng.random_range(0..costs.size() as u8));
+        Begin { loaded, first }
+    }
+
     /// Cost and lifts of every choice.
-    fn all(layers: &[Vec<Way>], costs: &ToolCosts, first: Option<u8>) -> Vec<(u64, u64)> {
-        let mut sums: Vec<(Option<u8>, u64, u64)> = vec![(None, 0, 0)];
-        for ways in layers {
+    fn all(layers: &[Vec<Way>], costs: &CostMatrix, begin: Begin) -> Vec<(u64, u64)> {
+        let mut sums: Vec<(Option<u8>, u64, u64)> = vec![(begin.loaded, 0, 0)];
+        for (number, ways) in layers.iter().enumerate() {
             let on = |&(tool, cost, lifts): &(Option<u8>, u64, u64)| {
                 let allowed = ways.iter().filter(move |way| {
-                    tool.is_some() || first.is_none_or(|first| first == way.first)
+                    (number > 0 || begin.first.is_none_or(|first| first == way.first))
+                        && tool.is_none_or(|tool| !costs.is_forbidden(tool, way.first))
                 });
-                let step =
-                    move |way: &Way| tool.map_or(0, |tool| u64::from(costs.cost(tool, way.first)));
+                let step = move |way: &Way| tool.map_or(0, |tool| costs.step(tool, way.first));
                 allowed
                     .map(move |way| {
                         (Some(way.last), cost + way.cost + step(way), lifts + way.lifts)
@@ -190,14 +245,14 @@ mod tests {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(3);
         for _ in 0..3000 {
             let (layers, costs) = draw(&mut rng);
-            let first = rng.random_bool(0.3).then_some(0);
+            let begin = draw_begin(&mut rng, &costs);
             let weights = Weights { tools: rng.random_range(0..4), lifts: rng.random_range(0..4) };
             let weight = |cost: u64, lifts: u64| weights.tools * cost + weights.lifts * lifts;
-            let best = all(&layers, &costs, first)
+            let best = all(&layers, &costs, begin)
                 .into_iter()
                 .map(|(cost, lifts)| weight(cost, lifts))
                 .min();
-            let chosen = choose(&layers, &costs, first, weights);
+            let chosen = choose(&layers, &costs, begin, weights);
             assert_eq!(chosen.map(|chosen| weight(chosen.cost, chosen.lifts)), best);
         }
     }
@@ -206,12 +261,10 @@ mod tests {
     fn a_layer_without_ways_has_no_choice() {
         let way = Way { first: 0, last: 0, cost: 0, lifts: 0 };
         let weights = Weights { tools: 1, lifts: 1 };
-        let costs = ToolCosts::uniform(1);
-        assert_eq!(choose(&[vec![way], vec![], vec![way]], &costs, None, weights), None);
-        assert_eq!(
-            choose(&[vec![way], vec![way]], &costs, None, weights).map(|chosen| chosen.cost),
-            Some(0)
-        );
+        let costs = CostMatrix::uniform(1);
+        let choose = |layers: &[Vec<Way>]| choose(layers, &costs, Begin::default(), weights);
+        assert_eq!(choose(&[vec![way], vec![], vec![way]]), None);
+        assert_eq!(choose(&[vec![way], vec![way]]).map(|chosen| chosen.cost), Some(0));
     }
 
     #[test]
@@ -219,8 +272,10 @@ mod tests {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(4);
         for _ in 0..1000 {
             let (layers, costs) = draw(&mut rng);
-            let points = frontier(&layers, &costs, None);
-            let all = all(&layers, &costs, None);
+            let begin = draw_begin(&mut rng, &costs);
+            let points = frontier(&layers, &costs, begin);
+            let all = all(&layers, &costs, begin);
+            assert_eq!(points.is_empty(), all.is_empty());
             assert!(
                 points
                     .windows(2)
@@ -231,11 +286,11 @@ mod tests {
                 let weight = |cost: u64, lifts: u64| cost as f64 + price * lifts as f64;
                 let best =
                     all.iter().map(|&(cost, lifts)| weight(cost, lifts)).fold(f64::MAX, f64::min);
-                let ours = points
+                let found = points
                     .iter()
                     .map(|point| weight(point.cost, point.lifts))
                     .fold(f64::MAX, f64::min);
-                assert!((best - ours).abs() < 1e-9, "{best} {ours} {points:?}");
+                assert!((best - found).abs() < 1e-9, "{best} {found} {points:?}");
             }
         }
     }

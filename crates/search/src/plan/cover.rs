@@ -1,90 +1,96 @@
-//! The pieces of one layer: with as few of them as can be, or with none across zones.
-
-use std::sync::atomic::AtomicBool;
+//! The pieces that cover one layer: as few as possible, or as few as possible within zones.
 
 use beadwork_base::Control;
 use beadwork_grid::{Cell, Path, Region, Zones};
 
-use super::ToolCosts;
-use crate::exact::{self, SolveError};
-use crate::stop::is_cancelled;
-use crate::{ZoneCosts, ZoneCostsError};
+use crate::CostMatrix;
+use crate::exact::{self, Outcome, SolveError};
 
 /// A layer of a part.
-/// The number of a cell's zone is that of the tool that prints it.
+/// The number of a cell's zone is the number of the tool that prints it.
 #[derive(Clone, Copy, Debug)]
 pub struct LayerRef<'a> {
-    /// Its cells.
+    /// The cells of the layer.
     pub region: &'a Region,
-    /// Their tools.
+    /// The tools of the cells.
     pub zones: &'a Zones,
 }
 
-/// How covers are sought.
+/// How covers are searched for.
 #[derive(Clone, Copy)]
 pub(super) struct Effort<'a> {
     pub(super) seed: u64,
     pub(super) attempts: u32,
-    /// Whether straight stretches run along the columns rather than the rows.
+    /// Whether straight runs should follow the columns instead of the rows.
     pub(super) columns_first: bool,
-    pub(super) cancel: Option<&'a AtomicBool>,
+    pub(super) control: Control<'a>,
 }
 
-/// What crossings cost, for the exact search.
-pub(super) struct CrossingCosts {
-    costs: ZoneCosts,
-    /// What a cost of 1 stands for.
+/// Costs of crossings for the exact search.
+pub(super) struct SearchCosts<'a> {
+    tool_costs: &'a CostMatrix,
+    /// 1 for each crossing if all tool changes cost the same, which makes the search faster.
+    uniform: Option<CostMatrix>,
+    /// Scaled tool cost of a unit of the search's costs.
     unit: u64,
 }
 
-impl CrossingCosts {
-    /// The costs of tool changes: 1 each if all cost the same, which the search is faster with.
-    pub(super) fn new(costs: &ToolCosts) -> Result<Self, ZoneCostsError> {
-        let count = costs.tools() as u8;
-        let pairs = || (0..count).flat_map(|from| (0..count).map(move |to| (from, to)));
-        let mut changes =
-            pairs().filter(|(from, to)| from != to).map(|(from, to)| costs.cost(from, to));
+impl<'a> SearchCosts<'a> {
+    pub(super) fn new(tool_costs: &'a CostMatrix) -> Self {
+        let count = tool_costs.size() as u8;
+        let pairs = (0..count).flat_map(|from| (0..count).map(move |to| (from, to)));
+        let mut changes = pairs
+            .filter(|(from, to)| from != to)
+            .map(|(from, to)| u64::from(tool_costs.scaled(from, to)));
         let first = changes.next().unwrap_or(1);
         if first > 0 && changes.all(|cost| cost == first) {
-            return Ok(Self { costs: ZoneCosts::uniform(count.into()), unit: first.into() });
+            let uniform = Some(CostMatrix::uniform(count.into()));
+            return Self { tool_costs, uniform, unit: first };
         }
-        let all = pairs().map(|(from, to)| costs.cost(from, to)).collect();
-        Ok(Self { costs: ZoneCosts::new(count.into(), all)?, unit: 1 })
+        Self { tool_costs, uniform: None, unit: 1 }
+    }
+
+    fn costs(&self) -> &CostMatrix {
+        self.uniform.as_ref().unwrap_or(self.tool_costs)
+    }
+
+    /// A sum of the search's costs as a scaled tool cost.
+    fn scaled(&self, sum: f64) -> u64 {
+        self.costs().rescaled(sum) * self.unit
     }
 }
 
-/// Pieces that hold every cell of a layer once, and how good they are.
+/// Pieces that hold every cell of a layer once, and bounds on how good they could be.
 #[derive(Clone, Debug)]
 pub(super) struct Cover {
-    /// The pieces one after the other; where two of different zones happen to meet, the path has
-    /// one less.
+    /// The pieces one after the other; where two pieces of different zones happen to meet, the path
+    /// has one piece less.
     pub(super) path: Path,
     pub(super) pieces: u32,
-    /// Pieces that any cover of its kind has at least.
+    /// Proven minimum number of pieces of a cover of this kind.
     pub(super) piece_bound: u32,
-    /// Cost of its crossings, in the unit of the tool costs, in the direction of the path.
+    /// Scaled tool cost of the crossings, in the direction of the path.
     pub(super) cost: u64,
-    /// What those of any cover in so many pieces cost at least.
+    /// Proven minimum of that cost for a cover with this number of pieces.
     pub(super) bound: u64,
     is_continuous: bool,
 }
 
 impl Cover {
-    /// Fewest pieces, then cheapest crossings.
+    /// A cover with the fewest pieces, and of those with the cheapest crossings.
     pub(super) fn continuous(
         layer: LayerRef<'_>,
-        costs: &CrossingCosts,
+        costs: &SearchCosts<'_>,
         below: Option<&Path>,
         effort: Effort<'_>,
     ) -> Result<Self, SolveError> {
-        let settings = exact::Settings { costs: Some(&costs.costs), ..effort.settings(below) };
-        let plan = effort.solve(layer.region, layer.zones, &settings)?;
-        let exact::Outcome { path, pieces, piece_bound, cost, bound, .. } = plan;
-        let (cost, bound) = (cost * costs.unit, bound * costs.unit);
+        let outcome = effort.solve(layer.region, layer.zones, Some(costs.costs()), below)?;
+        let Outcome { path, pieces, piece_bound, cost, bound, .. } = outcome;
+        let (cost, bound) = (costs.scaled(cost), costs.scaled(bound));
         Ok(Self { path, pieces, piece_bound, cost, bound, is_continuous: true })
     }
 
-    /// Fewest pieces, none of them across zones.
+    /// A cover with the fewest pieces that cross no zone border.
     pub(super) fn by_zones(
         layer: LayerRef<'_>,
         below: Option<&Path>,
@@ -97,17 +103,18 @@ impl Cover {
             let inside = zones.ids().iter().map(|&id| id == tool).collect();
             let zone = Region::from_mask(region.width(), region.height(), inside)
                 .expect("the zone has cells");
-            let alone = Zones::new(&zone, vec![0; zone.grid_len()]).expect("each cell has a zone");
-            let plan = effort.solve(&zone, &alone, &effort.settings(below))?;
-            order.extend(plan.path.order());
-            pieces += plan.pieces;
-            piece_bound += plan.piece_bound;
+            let one_zone =
+                Zones::new(&zone, vec![0; zone.grid_len()]).expect("each cell has a zone");
+            let outcome = effort.solve(&zone, &one_zone, None, below)?;
+            order.extend(outcome.path.order());
+            pieces += outcome.pieces;
+            piece_bound += outcome.piece_bound;
         }
         let path = Path::in_pieces(region, order).expect("the zones hold every cell once");
         Ok(Self { path, pieces, piece_bound, cost: 0, bound: 0, is_continuous: false })
     }
 
-    /// Its pieces.
+    /// Its pieces, each of which lies in one zone unless the cover is continuous.
     pub(super) fn pieces(&self, zones: &Zones) -> Vec<&[Cell]> {
         let pieces = self.path.iter_pieces();
         if self.is_continuous {
@@ -117,25 +124,28 @@ impl Cover {
     }
 }
 
-impl<'a> Effort<'a> {
-    fn settings(self, below: Option<&'a Path>) -> exact::Settings<'a> {
-        let Self { seed, attempts, columns_first, .. } = self;
-        exact::Settings { seed, attempts, columns_first, below, ..exact::Settings::default() }
-    }
-
+impl Effort<'_> {
     fn solve(
-        self,
+        &self,
         region: &Region,
         zones: &Zones,
-        settings: &exact::Settings<'_>,
-    ) -> Result<exact::Outcome, SolveError> {
-        let is_cancelled = || is_cancelled(self.cancel);
-        let control = Control { time_is_up: Some(&is_cancelled), ..Control::default() };
-        exact::solve(region, zones, settings, &control)
+        costs: Option<&CostMatrix>,
+        below: Option<&Path>,
+    ) -> Result<Outcome, SolveError> {
+        let &Self { seed, attempts, columns_first, ref control } = self;
+        let settings = exact::Settings {
+            seed,
+            attempts,
+            columns_first,
+            costs,
+            below,
+            ..exact::Settings::default()
+        };
+        exact::solve(region, zones, &settings, control)
     }
 }
 
-/// The tools of a layer, rising.
+/// The tools of a layer, in rising order.
 pub(super) fn tools(layer: LayerRef<'_>) -> Vec<u8> {
     let mut is_used = [false; 256];
     layer.region.cells().for_each(|cell| is_used[usize::from(layer.zones.id(cell))] = true);

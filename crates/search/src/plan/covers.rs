@@ -1,17 +1,18 @@
-//! The covers of all layers: side by side, or one on top of the other.
+//! The covers of all layers: each on its own, or each one based on the layer below.
 
 use std::cmp::Ordering;
 use std::collections::HashMap;
 use std::sync::atomic::{self, AtomicUsize};
 
+use beadwork_base::Control;
 use beadwork_grid::{Path, Region};
 
-use super::cover::{Cover, CrossingCosts, Effort, tools};
-use super::{LayerRef, PlanError, Progress, Settings, Stacking, kept_links};
-use crate::parallel::in_parallel;
-use crate::stop::is_cancelled;
+use super::cover::{Cover, Effort, LayerRef, SearchCosts, tools};
+use super::stack::kept_links;
+use super::tools::{PlanError, Settings, Stacking};
+use crate::CostMatrix;
 
-/// Which covers are wanted.
+/// The kinds of covers that are wanted.
 #[derive(Clone, Copy)]
 pub(super) struct Wants {
     pub(super) continuous: bool,
@@ -22,14 +23,14 @@ pub(super) struct Wants {
 #[derive(Clone)]
 pub(super) struct Covers {
     pub(super) continuous: Option<Cover>,
-    /// `None` also where the layer has one tool and the other cover is there: both would be the
-    /// same.
+    /// `None` also where the layer has only one tool and there is a continuous cover, since both
+    /// would be the same.
     pub(super) by_zones: Option<Cover>,
 }
 
 impl Covers {
-    /// The paths that the layer above may start from: of each kind, or of the other where there is
-    /// none.
+    /// The paths from which the layer above may start: that of each kind, or that of the other kind
+    /// if it is missing.
     fn paths(&self) -> [Option<&Path>; 2] {
         let [one, other] =
             [&self.continuous, &self.by_zones].map(|cover| cover.as_ref().map(|cover| &cover.path));
@@ -37,16 +38,18 @@ impl Covers {
     }
 }
 
-/// The covers of all layers, each in the ways wanted.
+/// Makes the covers of all layers.
+/// Progress counts layers; each of several equal layers counts.
 pub(super) fn covers(
     layers: &[LayerRef<'_>],
-    settings: &Settings<'_>,
+    costs: &CostMatrix,
+    settings: &Settings,
     wants: Wants,
+    control: &Control<'_>,
 ) -> Result<Vec<Covers>, PlanError> {
-    // Costs that no crossing may have are no matter to covers without crossings.
-    let costs = wants.continuous.then(|| CrossingCosts::new(settings.costs)).transpose()?;
-    let maker = Maker { layers, settings, wants, costs };
-    // Layers that come to the same, by the number of the first of them.
+    let costs = wants.continuous.then(|| SearchCosts::new(costs));
+    let maker = Maker { layers, settings, wants, costs, control: control.without_progress() };
+    // Equal layers share one cover: for each layer the number of the first one that equals it.
     let mut numbers: HashMap<(&Region, &[u8], bool), usize> = HashMap::new();
     let first_of: Vec<usize> = (0..layers.len())
         .map(|number| {
@@ -57,22 +60,17 @@ pub(super) fn covers(
     let mut copies = vec![0; layers.len()];
     first_of.iter().for_each(|&first| copies[first] += 1);
     let done = AtomicUsize::new(0);
-    let tell = |count: usize| {
-        if let Some(observer) = settings.observer {
-            let done = done.fetch_add(count, atomic::Ordering::Relaxed) + count;
-            observer(Progress { done, layers: layers.len() });
-        }
-    };
+    let report = || control.report(done.fetch_add(1, atomic::Ordering::Relaxed) + 1, layers.len());
     let firsts: Vec<usize> =
         (0..layers.len()).filter(|&number| first_of[number] == number).collect();
-    let make = |(): &mut (), &number: &usize| {
+    let make = |&number: &usize| {
         let covers = maker.covers(number, None);
         if settings.stacking.is_none() {
-            tell(copies[number]);
+            (0..copies[number]).for_each(|_| report());
         }
         covers
     };
-    let found = in_parallel(settings.pool, &firsts, || (), make);
+    let found = control.threads.map(&firsts, make);
     let found = firsts.iter().copied().zip(found).map(|(number, covers)| Ok((number, covers?)));
     let found = found.collect::<Result<HashMap<usize, Covers>, PlanError>>()?;
     let mut stacked: Vec<Covers> = Vec::with_capacity(layers.len());
@@ -80,86 +78,89 @@ pub(super) fn covers(
         let alone = found[first].clone();
         let covers = match (settings.stacking, stacked.last()) {
             (Some(stacking), Some(below)) => {
-                let aware = maker.covers(number, Some(below))?;
+                let based = maker.covers(number, Some(below))?;
                 let [continuous_below, zones_below] = below.paths();
                 Covers {
                     continuous: better(
                         alone.continuous,
-                        aware.continuous,
+                        based.continuous,
                         continuous_below,
                         stacking,
                     ),
-                    by_zones: better(alone.by_zones, aware.by_zones, zones_below, stacking),
+                    by_zones: better(alone.by_zones, based.by_zones, zones_below, stacking),
                 }
             }
             _ => alone,
         };
         if settings.stacking.is_some() {
-            tell(1);
+            report();
         }
         stacked.push(covers);
     }
-    // A cover that was stopped was made in haste.
-    if is_cancelled(settings.cancel) { Err(PlanError::Cancelled) } else { Ok(stacked) }
+    // A cover that was interrupted after its first attempt may be poor.
+    control.check()?;
+    Ok(stacked)
 }
 
 /// Makes the covers of single layers.
 struct Maker<'a> {
     layers: &'a [LayerRef<'a>],
-    settings: &'a Settings<'a>,
+    settings: &'a Settings,
     wants: Wants,
-    /// There if continuous covers are wanted.
-    costs: Option<CrossingCosts>,
+    /// `Some` if continuous covers are wanted.
+    costs: Option<SearchCosts<'a>>,
+    control: Control<'a>,
 }
 
 impl Maker<'_> {
-    /// Whether the straight stretches of a layer run along its columns.
+    /// Whether the straight runs of a layer follow its columns.
     fn columns_first(&self, number: usize) -> bool {
         self.settings.stacking == Some(Stacking::Break) && number % 2 == 1
     }
 
+    /// The covers of a layer, which start from those of the layer below if there are any.
     fn covers(&self, number: usize, below: Option<&Covers>) -> Result<Covers, PlanError> {
-        let Self { layers, settings, wants, costs } = self;
-        if is_cancelled(settings.cancel) {
-            return Err(PlanError::Cancelled);
-        }
+        let Self { layers, settings, wants, costs, control } = self;
+        control.check()?;
         let layer = layers[number];
         let effort = Effort {
             seed: settings.seed,
             attempts: settings.attempts,
             columns_first: self.columns_first(number),
-            cancel: settings.cancel,
+            control: control.on_one_thread(),
         };
         let [continuous_below, zones_below] = below.map_or([None; 2], Covers::paths);
         let by_zones = wants.by_zones && (!wants.continuous || tools(layer).len() > 1);
         let continuous =
             costs.as_ref().map(|costs| Cover::continuous(layer, costs, continuous_below, effort));
         let by_zones = by_zones.then(|| Cover::by_zones(layer, zones_below, effort));
-        let wrong = |source| PlanError::Layer { layer: number, source };
+        let in_layer = |source| PlanError::Layer { layer: number, source };
         Ok(Covers {
-            continuous: continuous.transpose().map_err(wrong)?,
-            by_zones: by_zones.transpose().map_err(wrong)?,
+            continuous: continuous.transpose().map_err(in_layer)?,
+            by_zones: by_zones.transpose().map_err(in_layer)?,
         })
     }
 }
 
-/// The better of two covers; of equal ones the one that keeps more, or fewer, of the links below.
+/// The better one of two covers of a layer: `alone` was made from scratch, `based` from the path
+/// below.
+/// Of equally good ones, `stacking` decides.
 fn better(
     alone: Option<Cover>,
-    aware: Option<Cover>,
+    based: Option<Cover>,
     below: Option<&Path>,
     stacking: Stacking,
 ) -> Option<Cover> {
-    let (alone, aware) = (alone?, aware?);
+    let (alone, based) = (alone?, based?);
     let merit = |cover: &Cover| (cover.pieces, cover.cost);
     let kept = |cover: &Cover| below.map_or(0, |below| kept_links(below, &cover.path));
-    let takes_aware = match merit(&aware).cmp(&merit(&alone)) {
+    let takes_based = match merit(&based).cmp(&merit(&alone)) {
         Ordering::Less => true,
         Ordering::Greater => false,
         Ordering::Equal => match stacking {
-            Stacking::Keep => kept(&aware) >= kept(&alone),
-            Stacking::Break => kept(&aware) < kept(&alone),
+            Stacking::Keep => kept(&based) >= kept(&alone),
+            Stacking::Break => kept(&based) < kept(&alone),
         },
     };
-    Some(if takes_aware { aware } else { alone })
+    Some(if takes_based { based } else { alone })
 }

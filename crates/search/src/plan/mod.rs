@@ -1,36 +1,43 @@
-//! Plans of a whole part: what the layers decide together.
+//! Plans of whole parts: what the layers decide together.
 //!
-//! [`tools_plan`] plans a part: the beads of every layer and their order, for the least sum of tool
-//! changes and lifts.
+//! [`tools::solve`] plans a part: the beads of every layer and their order, for the minimum sum of
+//! tool changes and lifts.
+//!
+//! [`order()`] decides only in which order the layers use their tools.
 //! A layer of several materials may be printed tool by tool, and the tool that ends one layer may
-//! begin the next: [`order()`] finds the cheapest order of the tools over all layers of a part,
-//! exactly, with a bound that no other way of printing beats; [`fixed_order_cost`] tells what
-//! printing every layer in the same rising order costs beside it.
+//! begin the next.
+//! The result comes with a lower bound that no other way of printing can beat;
+//! [`fixed_order_cost`] is the cost of printing every layer in the same rising order, for
+//! comparison.
 //!
-//! # Example
+//! # Examples
 //! ```
-//! use beadwork_search::plan::{Constraints, ToolCosts, fixed_order_cost, order};
+//! use beadwork_base::Control;
+//! use beadwork_search::CostMatrix;
+//! use beadwork_search::plan::{Constraints, fixed_order_cost, order};
 //!
 //! // Four layers of the same two tools: begin each layer with the tool that ended the one before.
 //! let layers = vec![vec![0, 1]; 4];
-//! let costs = ToolCosts::uniform(2);
-//! let best = order(&layers, &costs, &Constraints::default())?;
+//! let costs = CostMatrix::uniform(2);
+//! let best = order(&layers, &costs, &Constraints::default(), &Control::default())?;
 //! assert_eq!(best.orders, [[0, 1], [1, 0], [0, 1], [1, 0]]);
-//! assert_eq!((best.changes, best.least_changes), (4, 4));
-//! assert_eq!(fixed_order_cost(&layers, &costs)?.changes, 7);
+//! assert_eq!((best.changes, best.min_changes), (4, 4));
+//! assert_eq!(fixed_order_cost(&layers, &costs, None)?.changes, 7);
 //! # Ok::<(), beadwork_search::plan::OrderError>(())
 //! ```
 //!
 //! ```
+//! use beadwork_base::Control;
 //! use beadwork_grid::{Layout, LayoutSpec, Region};
-//! use beadwork_search::plan::{Constraints, LayerRef, Settings, ToolCosts, tools_plan};
+//! use beadwork_search::CostMatrix;
+//! use beadwork_search::plan::tools::{self, LayerRef, Settings};
 //!
 //! let region = Region::rectangle(20, 20)?;
 //! let zones = LayoutSpec::new(Layout::LeftRight).zones(&region, 0)?;
 //! let layers = [LayerRef { region: &region, zones: &zones }; 3];
-//! let (costs, constraints) = (ToolCosts::uniform(2), Constraints::default());
-//! let plan = tools_plan(&layers, &Settings { lift_cost: 1, ..Settings::new(&costs, &constraints) })?;
-//! // One bead a layer, from one half to the other and back.
+//! let settings = Settings { lift_cost: 1.0, ..Settings::default() };
+//! let plan = tools::solve(&layers, &CostMatrix::uniform(2), &settings, &Control::default())?;
+//! // Each layer is one bead, from one half to the other or back.
 //! assert_eq!((plan.tool_changes(), plan.lifts), (3, 0));
 //! assert!(plan.layers.iter().all(|layer| layer.is_optimal()));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -44,13 +51,7 @@ mod options;
 mod order;
 mod sequence;
 mod stack;
-mod tool_costs;
-mod tools;
+pub mod tools;
 
-pub use cover::LayerRef;
 pub use order::{Constraints, FixedOrder, OrderError, ToolOrder, fixed_order_cost, order};
 pub use stack::kept_links;
-pub use tool_costs::{ToolCosts, ToolCostsError};
-pub use tools::{
-    FrontierPoint, LayerPlan, Mode, PlanError, Progress, Settings, Stacking, ToolPlan, tools_plan,
-};

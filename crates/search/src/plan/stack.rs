@@ -1,19 +1,19 @@
-//! How the path of a layer lies on that of the layer below.
+//! Comparison of the path of a layer with the path of the layer below.
 
 use beadwork_grid::{Cell, Path};
 
-/// Links that two paths on planes of the same size have in common.
+/// Number of links that two paths on grids of the same size have in common.
 ///
-/// A bead on a bead of the same course continues its seam; one that crosses it binds the layers.
+/// Beads along the beads below stack their seams; beads across those below bind the layers.
 /// Linear in the cells of the second path.
 ///
 /// # Panics
-/// If the planes differ in size.
+/// If the grids differ in size.
 pub fn kept_links(below: &Path, path: &Path) -> u32 {
     assert_eq!(
         (below.width(), below.height()),
         (path.width(), path.height()),
-        "paths on one plane"
+        "paths on grids of one size"
     );
     let is_kept = |&cell: &Cell| {
         let right = path.linked_right(cell) && below.linked_right(cell);

@@ -5,7 +5,8 @@ use beadwork_console::chart::{
 };
 use beadwork_console::search::{Generation, Row};
 use beadwork_grid::Layout;
-use beadwork_search::{Preset, genetic};
+use beadwork_search::anneal::Preset;
+use beadwork_search::genetic;
 
 use super::{Column, Runs};
 use crate::eval::statistics::mean;

@@ -11,9 +11,10 @@ use beadwork_base::{Control, Threads};
 use beadwork_console::search::{Breeding, Choice, Row, Search};
 use beadwork_console::{cancel, control, machine, output};
 use beadwork_grid::{Crossings, LayoutSpec, Region, Start};
+use beadwork_search::anneal::Preset;
 use beadwork_search::bound::Bounds;
 use beadwork_search::genetic::{self, Seeding};
-use beadwork_search::{Move, Preset, exact};
+use beadwork_search::{Move, exact};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -169,19 +170,17 @@ fn every_method(
     let path = start.path(region, &Control::default())?;
     let bounds =
         Some(control::quiet(Threads::One, |control| Bounds::new(region, zones, control))??);
-    let cancel = cancel::token()?.as_flag();
+    let control = Control { cancel: Some(cancel::token()?), ..Control::default() };
     // Presets with the same annealing runs share them.
     let mut populations: Vec<(Seeding, Vec<Vec<Move>>, f64)> = Vec::new();
     for &preset in presets {
-        let bound = bounds.map(|bounds| i64::from(bounds.crossings()));
-        let settings = genetic::Settings {
-            bound,
-            cancel: Some(cancel),
-            ..genetic::Settings::preset(preset, seed)
-        };
+        let proven_bound = bounds.map(|bounds| i64::from(bounds.crossings()));
+        let settings =
+            genetic::Settings { proven_bound, ..genetic::Settings::preset(preset, seed) };
         if populations.iter().all(|(made, ..)| *made != settings.seeding) {
             let begin = Instant::now();
-            let population = genetic::annealed(&path, &Crossings::new(region, zones), &settings);
+            let crossings = Crossings::new(region, zones);
+            let population = genetic::annealed(&path, &crossings, &settings, &control);
             populations.push((settings.seeding, population, begin.elapsed().as_secs_f64()));
         }
     }
@@ -200,8 +199,7 @@ fn every_method(
             .find(|(made, ..)| *made == seeding)
             .expect("there is a population for each preset");
         let population = Some((&population[..], *seconds));
-        let mut row =
-            search(Choice::Genetic(Breeding { preset, pool: None, observer: None, population }))?;
+        let mut row = search(Choice::Genetic(Breeding { preset, population }))?;
         if let Some(genetic) = &mut row.genetic {
             let last = genetic.history.len() as u32 - 1;
             genetic.history.retain(|it| it.number == last || is_milestone(it.number));
@@ -211,7 +209,7 @@ fn every_method(
     rows.push(search(Choice::Exact(exact::Settings::default()))?);
     // The exact search may prove more than the bounds alone.
     // What is proven holds for all.
-    let bound = rows.iter().filter_map(|row| row.bound).max();
+    let bound = rows.iter().filter_map(|row| row.bound).reduce(f64::max);
     rows.iter_mut().for_each(|row| row.bound = bound);
     Ok(rows)
 }

@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use beadwork_console::search::Row;
 use beadwork_grid::Layout;
-use beadwork_search::{Preset, genetic};
+use beadwork_search::anneal::Preset;
+use beadwork_search::genetic;
 use serde_json::{Value, json};
 
 use super::{Column, Runs};
@@ -43,7 +44,7 @@ pub(super) fn summary(runs: &Runs, presets: &[genetic::Preset]) -> Value {
     });
     json!({
         "layout": cell.layout.name(), "size": cell.size.to_string(), "instances": runs.instances(),
-        "mean_bound": runs.mean(Column::Exact, |row| row.bound.unwrap_or_default() as f64),
+        "mean_bound": runs.mean(Column::Exact, |row| row.bound.unwrap_or_default()),
         "paper": {
             "zigzag": cell.zigzag, "anneal_best_percent": cell.best, "anneal_mean_percent": cell.mean,
             "genetic_best_percent": cell.genetic,
@@ -53,7 +54,7 @@ pub(super) fn summary(runs: &Runs, presets: &[genetic::Preset]) -> Value {
 }
 
 fn gap(row: &Row) -> f64 {
-    f64::from(row.crossings) - row.bound.unwrap_or_default() as f64
+    f64::from(row.crossings) - row.bound.unwrap_or_default()
 }
 
 /// Writes all tables.
@@ -128,7 +129,7 @@ fn crossings(text: &mut String, all: &[Runs], presets: &[genetic::Preset]) -> st
             runs.cell.layout,
             runs.cell.size,
             values.collect::<Vec<_>>().join(" | "),
-            runs.mean(Column::Exact, |row| row.bound.unwrap_or_default() as f64),
+            runs.mean(Column::Exact, |row| row.bound.unwrap_or_default()),
             least(Column::AnnealAny),
             least(Column::GeneticAny),
             least(Column::Exact),

@@ -3,17 +3,18 @@
 use std::fmt::Write;
 use std::time::Instant;
 
-use beadwork_console::cancel;
+use beadwork_base::Threads;
+use beadwork_console::control;
 use beadwork_console::plan::{print, refs};
 use beadwork_console::printer::{Profile, tool_costs};
 use beadwork_console::progress::ProgressBar;
-use beadwork_search::plan::{Constraints, Mode, Settings, tools_plan};
+use beadwork_search::plan::tools::{self, Mode, Settings};
 use serde::Serialize;
 
 use super::Case;
 
 /// What a lift costs in these tables, in mm³; a change of tools purges 140.
-const LIFT_COST: u32 = 2;
+const LIFT_COST: f64 = 2.0;
 
 /// One part in one mode.
 #[derive(Serialize)]
@@ -46,7 +47,6 @@ pub(super) fn measure(
     bar: &ProgressBar,
 ) -> anyhow::Result<Vec<Row>> {
     let profile = Profile::for_tables();
-    let constraints = Constraints::default();
     let mut rows = Vec::new();
     for Case { name, part, .. } in cases {
         for (mode, mode_name) in
@@ -55,16 +55,11 @@ pub(super) fn measure(
             let settings = profile.complete(&part.model.materials)?;
             let costs =
                 tool_costs(settings.purge.as_ref().expect("complete settings have volumes"))?;
-            let how = Settings {
-                mode,
-                seed,
-                lift_cost: LIFT_COST,
-                pool: Some(pool),
-                cancel: Some(cancel::token()?.as_flag()),
-                ..Settings::new(&costs, &constraints)
-            };
+            let how = Settings { mode, seed, lift_cost: LIFT_COST, ..Settings::default() };
             let begin = Instant::now();
-            let plan = tools_plan(&refs(&part.layers), &how)?;
+            let plan = control::quiet(Threads::Pool(pool), |control| {
+                tools::solve(&refs(&part.layers), &costs, &how, control)
+            })??;
             let plan_seconds = begin.elapsed().as_secs_f64();
             let begin = Instant::now();
             let printed = print(part, &plan, &profile, settings)?;
@@ -81,8 +76,8 @@ pub(super) fn measure(
                 cells: part.layers.cell_count(),
                 cells_checked: printed.checked.cells,
                 tool_changes: plan.tool_changes(),
-                least_tool_changes: plan.order.as_ref().map(|order| order.least_changes),
-                fixed_order_changes: plan.fixed.map(|fixed| fixed.changes),
+                least_tool_changes: Some(plan.order.min_changes),
+                fixed_order_changes: Some(plan.fixed.changes),
                 lifts: plan.lifts,
                 layers_optimal: plan.layers.iter().filter(|layer| layer.is_optimal()).count(),
                 print_seconds: printed.totals.print_seconds,
@@ -93,7 +88,7 @@ pub(super) fn measure(
                 frontier: plan
                     .frontier
                     .iter()
-                    .map(|point| (point.lifts, point.tool_cost))
+                    .map(|point| (point.lifts, point.tool_cost as u64))
                     .collect(),
             });
         }

@@ -7,10 +7,10 @@ use beadwork_base::Control;
 use beadwork_console::plan::refs;
 use beadwork_console::progress::ProgressBar;
 use beadwork_grid::Path;
+use beadwork_search::CostMatrix;
 use beadwork_search::exact::{self, solve};
-use beadwork_search::plan::{
-    Constraints, Mode, Settings, Stacking, ToolCosts, kept_links, tools_plan,
-};
+use beadwork_search::plan::kept_links;
+use beadwork_search::plan::tools::{self, Mode, Settings, Stacking};
 use serde::Serialize;
 
 use super::Case;
@@ -61,8 +61,7 @@ pub(super) fn measure(cases: &[Case], seed: u64, bar: &ProgressBar) -> anyhow::R
             rows.push(row(name, start, &solved, begin));
         }
         // The better of both, where each layer stands on the one chosen before it.
-        let (costs, constraints) =
-            (ToolCosts::uniform(part.layers.tools() as u8), Constraints::default());
+        let costs = CostMatrix::uniform(part.layers.tools() as usize);
         for (stacking, start) in [
             (Stacking::Keep, "better of both, more kept"),
             (Stacking::Break, "better of both, fewer kept"),
@@ -72,9 +71,9 @@ pub(super) fn measure(cases: &[Case], seed: u64, bar: &ProgressBar) -> anyhow::R
                 mode: Mode::Continuous,
                 stacking: Some(stacking),
                 seed,
-                ..Settings::new(&costs, &constraints)
+                ..Settings::default()
             };
-            let plan = tools_plan(&layers, &settings)?;
+            let plan = tools::solve(&layers, &costs, &settings, &Control::default())?;
             let solved = plan.layers.into_iter().map(|layer| {
                 let is_optimal = layer.is_optimal();
                 Solved { path: layer.path, crossings: layer.crossings, is_optimal }

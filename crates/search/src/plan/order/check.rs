@@ -1,58 +1,70 @@
-//! The layers of a part and the constraints on them, checked.
+//! The layers of a part and the constraints on their tools, checked.
 
 use std::collections::BTreeMap;
 
-use super::{Constraints, MAX_TOOLS, OrderError, ToolCosts};
+use super::constraints::{Constraints, OrderError};
+use crate::CostMatrix;
 
-/// The sets of tools of all layers.
+/// The sets of tools of the layers that use any, and constraints that have been checked.
 ///
-/// Invariant: each set is sorted, without doubles, of 1..=12 tools that have costs.
+/// Invariant: each set is sorted, without duplicates, not empty, and its tools have costs.
 pub(super) struct Layers {
     /// The different sets.
     pub(super) kinds: Vec<Vec<u8>>,
-    /// For each layer, the number of its set.
+    /// For each layer that uses tools, the number of its set.
     pub(super) kind_of: Vec<usize>,
+    /// For each layer that uses tools, its number among all layers.
+    pub(super) number: Vec<usize>,
+    /// Number of all layers.
+    count: usize,
 }
 
 impl Layers {
-    /// Checks layers and constraints, but for what one permutation of all tools asks besides.
+    /// Checks layers and constraints, except whether one permutation of all tools can obey them.
     pub(super) fn new(
         layers: &[Vec<u8>],
-        costs: &ToolCosts,
+        costs: &CostMatrix,
         constraints: &Constraints,
+        max_tools: usize,
     ) -> Result<Self, OrderError> {
-        let tools = costs.tools();
-        let known = |&tool: &u8| {
+        let tools = costs.size();
+        let is_known = |&tool: &u8| {
             if usize::from(tool) < tools {
                 Ok(())
             } else {
                 Err(OrderError::UnknownTool { tool, tools })
             }
         };
-        let mut kinds = Vec::new();
-        let mut kind_of = Vec::with_capacity(layers.len());
+        let mut checked = Self {
+            kinds: Vec::new(),
+            kind_of: Vec::new(),
+            number: Vec::new(),
+            count: layers.len(),
+        };
         let mut numbers: BTreeMap<Vec<u8>, usize> = BTreeMap::new();
         for (layer, tools) in layers.iter().enumerate() {
             let mut set = tools.clone();
             set.sort_unstable();
             set.dedup();
-            set.iter().try_for_each(known)?;
-            match set.len() {
-                0 => return Err(OrderError::EmptyLayer { layer }),
-                got if got > MAX_TOOLS => return Err(OrderError::TooManyTools { layer, got }),
-                _ => {}
+            set.iter().try_for_each(is_known)?;
+            if set.len() > max_tools {
+                return Err(OrderError::TooManyTools { layer, got: set.len(), max: max_tools });
             }
-            let number = *numbers.entry(set).or_insert_with_key(|set| {
-                kinds.push(set.clone());
-                kinds.len() - 1
+            if set.is_empty() {
+                continue;
+            }
+            let kind = *numbers.entry(set).or_insert_with_key(|set| {
+                checked.kinds.push(set.clone());
+                checked.kinds.len() - 1
             });
-            kind_of.push(number);
+            checked.kind_of.push(kind);
+            checked.number.push(layer);
         }
-        let checked = Self { kinds, kind_of };
-        constraints.before.iter().flat_map(|(a, b)| [a, b]).try_for_each(known)?;
-        constraints.first.iter().try_for_each(known)?;
-        if let Some((a, b)) = circle(&constraints.before) {
-            return Err(OrderError::Circle { a, b });
+        constraints.before.iter().flat_map(|(a, b)| [a, b]).try_for_each(is_known)?;
+        constraints.first.iter().try_for_each(is_known)?;
+        constraints.loaded.iter().try_for_each(is_known)?;
+        if let Some((a, b)) = find_cycle(&constraints.before) {
+            return Err(OrderError::Cycle { a, b });
         }
         if let Some(first) = constraints.first {
             let set = checked.iter().next().filter(|set| set.contains(&first));
@@ -68,32 +80,43 @@ impl Layers {
         Ok(checked)
     }
 
-    /// The set of each layer.
+    /// The set of each layer that uses tools.
     pub(super) fn iter(&self) -> impl Iterator<Item = &[u8]> {
         self.kind_of.iter().map(|&kind| self.kinds[kind].as_slice())
     }
+
+    /// One order for each layer, with empty ones for the layers that use no tool, from the orders
+    /// of the others.
+    pub(super) fn with_empty(&self, orders: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
+        let mut all = vec![Vec::new(); self.count];
+        for (&number, order) in self.number.iter().zip(orders) {
+            all[number] = order;
+        }
+        all
+    }
 }
 
-/// A pair that is part of a circle of pairs, if there is one.
-fn circle(before: &[(u8, u8)]) -> Option<(u8, u8)> {
-    // What nothing has to come before is in no circle; without it, neither are those that only it
-    // came before.
-    let mut left = before.to_vec();
+/// A pair of a cycle of pairs, if there is a cycle.
+fn find_cycle(before: &[(u8, u8)]) -> Option<(u8, u8)> {
+    // A tool before which nothing must come lies on no cycle.
+    // Removing its pairs may leave more such tools; what remains in the end has cycles only.
+    let mut remaining = before.to_vec();
     loop {
-        let count = left.len();
+        let count = remaining.len();
+        let kept = remaining.iter().copied();
         let kept: Vec<(u8, u8)> =
-            left.iter().copied().filter(|&(a, _)| left.iter().any(|&(_, b)| a == b)).collect();
-        left = kept;
-        if left.len() == count {
+            kept.filter(|&(a, _)| remaining.iter().any(|&(_, b)| a == b)).collect();
+        remaining = kept;
+        if remaining.len() == count {
             break;
         }
     }
-    // Each tool left has one before it: going back comes round in the end.
-    let mut tool = left.first()?.1;
+    // Each remaining tool has one before it, so going backwards must come to a tool again.
+    let mut tool = remaining.first()?.1;
     let mut seen = Vec::new();
     loop {
         seen.push(tool);
-        let earlier = left.iter().find(|&&(_, b)| b == tool).map(|&(a, _)| a)?;
+        let earlier = remaining.iter().find(|&&(_, b)| b == tool).map(|&(a, _)| a)?;
         if seen.contains(&earlier) {
             return Some((earlier, tool));
         }

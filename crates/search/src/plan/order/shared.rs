@@ -1,108 +1,144 @@
 //! One permutation of all tools that every layer follows.
 //!
-//! Built from the front, tool by tool.
-//! What the tools placed so far mean for the rest is little: which they are, the last one of each
-//! kind of layer that is not yet complete, and of those that follow each other the ends that still
-//! wait for the other.
-//! Of all beginnings that agree in that (a **label**) only the cheapest matters.
+//! The permutation is built from its front, tool by tool.
+//! Each layer uses the tools of the permutation that it needs, in that order, so placing a tool
+//! adds costs to all layers that use it:
+//!
+//! - Within a layer: the change from the last placed tool of that layer.
+//! - Between two layers: the change from the last tool of the lower one to the first tool of the
+//!   upper one.
+//!   It is known as soon as the lower layer is complete and the upper one has a tool.
+//!
+//! For the costs of the tools still to come, little of the beginning of a permutation matters:
+//! which tools are placed, the last one in each layer that is not yet complete, and the first and
+//! last ones that a layer above or below still waits for.
+//! This is a **label**.
+//! Of all beginnings with the same label only the cheapest can lead to the cheapest permutation, so
+//! the search keeps one beginning for each label, and extends them all by one tool at a time: a
+//! dynamic programme over labels.
+//!
+//! Layers with the same set of tools make the same changes, so they are counted instead of
+//! repeated: a **kind** of layer.
+//! The number of labels still grows exponentially in the worst case.
+//! Beyond a limit the search is abandoned, and the result is the best permutation of a local search
+//! that moves one tool at a time.
 
 use std::collections::{BTreeMap, HashMap};
 
+use beadwork_base::Control;
+
 use super::check::Layers;
-use super::free::Free;
-use super::{Constraints, OrderError, ToolCosts};
+use super::constraints::{Constraints, OrderError};
+use super::layered::Layered;
+use crate::CostMatrix;
 
-/// The most labels of a search, where layers are of few kinds.
-pub(super) const MOST_LABELS: usize = 1_000_000;
+/// Maximum number of labels of a search, if there are few kinds of layers.
+pub(super) const MAX_LABELS: usize = 1_000_000;
 
-/// Labels times kinds of layers and pairs of them: longer labels take more memory and time each.
-const MOST_WORK: usize = 16_000_000;
+/// Maximum of the number of labels times the number of kinds and pairs of kinds, to which the size
+/// of a label is proportional.
+const MAX_WORK: usize = 16_000_000;
 
-/// Steps of the search by moves: beyond, it keeps what it has.
-const MOST_STEPS: usize = 200_000_000;
+/// Maximum number of steps of a local search.
+const MAX_STEPS: usize = 200_000_000;
 
 /// No tool.
 const NONE: u8 = u8::MAX;
 
-/// A search ended early.
+/// The search was abandoned: it has too many labels, or was interrupted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct TooManyLabels;
+pub(super) struct Abandoned;
 
-/// Two kinds of layers that follow each other.
+/// A kind of layer, and another one that follows on top of it somewhere in the part.
 struct Pair {
-    before: usize,
-    after: usize,
+    lower: usize,
+    upper: usize,
+    /// How often it does.
     times: u64,
 }
 
-/// The part as permutations see it.
-/// Tools are numbered anew, by rising number, without those that no layer uses.
+/// The part as far as permutations are concerned.
+/// The tools that are used have indices, in rising order.
 pub(super) struct Shared<'a> {
-    costs: &'a ToolCosts,
+    costs: &'a CostMatrix,
+    /// The number of each tool.
     pub(super) tools: Vec<u8>,
     /// The tools of each kind of layer.
     kinds: Vec<Vec<usize>>,
-    /// How many layers are of each kind.
+    /// The number of layers of each kind.
     times: Vec<u64>,
     pairs: Vec<Pair>,
-    /// For each tool, the kinds that use it.
+    /// For each tool, the kinds of layers that use it.
     kinds_of: Vec<Vec<usize>>,
     /// For each tool, those that must come before it.
     earlier: Vec<Vec<usize>>,
+    /// The kind of the first layer, and the cost of changing to each tool from the loaded one.
+    begin: Option<(usize, Vec<u64>)>,
+    /// Cost of a forbidden change: more than the sum of all others that a permutation can have.
+    penalty: u64,
 }
 
-/// The cheapest permutation found, and whether it is proven to be the cheapest.
-/// `free` is the best plan without one.
+/// The cheapest permutation that was found, and whether it is proven to be the cheapest.
+///
+/// `layered` is the best plan found without one permutation, and `bound` a lower bound of its cost.
 pub(super) fn shared(
     layers: &Layers,
-    costs: &ToolCosts,
+    costs: &CostMatrix,
     constraints: &Constraints,
-    free: &Free,
-    most_labels: usize,
+    layered: &Layered,
+    bound: u64,
+    max_labels: usize,
+    control: &Control<'_>,
 ) -> Result<(Vec<u8>, bool), OrderError> {
     let part = Shared::new(layers, costs, constraints);
     let Some(rising) = part.sorted(&part.earlier, |tool| tool) else {
         return Err(part.contradiction(layers, constraints));
     };
-    let name =
+    let numbers =
         |permutation: Vec<usize>| permutation.into_iter().map(|tool| part.tools[tool]).collect();
-    // Often the best orders of the layers already agree.
-    let mut agreed = part.earlier.clone();
-    for pair in free.orders.iter().flat_map(|order| order.windows(2)) {
-        agreed[part.number(pair[1])].push(part.number(pair[0]));
+    // Often one permutation agrees with the best orders of all layers.
+    if layered.cost == bound {
+        let mut agreed = part.earlier.clone();
+        for pair in layered.orders.iter().flat_map(|order| order.windows(2)) {
+            agreed[part.index(pair[1])].push(part.index(pair[0]));
+        }
+        if let Some(permutation) = part.sorted(&agreed, |tool| tool) {
+            return Ok((numbers(permutation), true));
+        }
     }
-    if let Some(permutation) = part.sorted(&agreed, |tool| tool) {
-        return Ok((name(permutation), true));
-    }
-    let means = part.mean_places(free);
-    let alike =
+    // Two starts for the local search: rising numbers, and the mean positions in the best orders.
+    let means = part.mean_positions(layered);
+    let by_means =
         part.sorted(&part.earlier, |tool| (means[tool], tool)).unwrap_or_else(|| rising.clone());
-    let (cost, permutation) = [rising, alike]
+    let (cost, permutation) = [rising, by_means]
         .into_iter()
-        .map(|start| part.improve(start))
+        .map(|start| part.improve(start, control))
         .min()
         .expect("there are two starts");
-    if cost == free.cost {
-        return Ok((name(permutation), true));
+    if cost == bound {
+        return Ok((numbers(permutation), true));
     }
-    let most_labels = most_labels.min(MOST_WORK / (part.kinds.len() + part.pairs.len()));
-    Ok(match part.search(cost, most_labels) {
-        Ok(Some(cheaper)) => (name(cheaper), true),
-        Ok(None) => (name(permutation), true),
-        Err(TooManyLabels) => (name(permutation), false),
-    })
+    // With forbidden changes a permutation is of no use, so only others are searched for.
+    let is_feasible = cost < part.penalty;
+    let max_labels = max_labels.min(MAX_WORK / (part.kinds.len() + part.pairs.len()));
+    match part.search(cost.min(part.penalty), max_labels, control) {
+        Ok(Some(cheaper)) => Ok((numbers(cheaper), true)),
+        Ok(None) if is_feasible => Ok((numbers(permutation), true)),
+        Err(Abandoned) if is_feasible => Ok((numbers(permutation), false)),
+        Ok(None) | Err(Abandoned) => Err(OrderError::NoPermutation),
+    }
 }
 
 impl<'a> Shared<'a> {
-    pub(super) fn new(layers: &Layers, costs: &'a ToolCosts, constraints: &Constraints) -> Self {
+    pub(super) fn new(layers: &Layers, costs: &'a CostMatrix, constraints: &Constraints) -> Self {
         let mut tools = layers.kinds.concat();
         tools.sort_unstable();
         tools.dedup();
-        let number = |tool: u8| tools.binary_search(&tool).ok();
+        let index = |tool: u8| tools.binary_search(&tool).ok();
         let kinds: Vec<Vec<usize>> = layers
             .kinds
             .iter()
-            .map(|set| set.iter().filter_map(|&tool| number(tool)).collect())
+            .map(|set| set.iter().filter_map(|&tool| index(tool)).collect())
             .collect();
         let mut times = vec![0; kinds.len()];
         layers.kind_of.iter().for_each(|&kind| times[kind] += 1);
@@ -110,39 +146,52 @@ impl<'a> Shared<'a> {
         for pair in layers.kind_of.windows(2) {
             *pairs.entry((pair[0], pair[1])).or_default() += 1;
         }
-        let pairs = pairs
-            .into_iter()
-            .map(|((before, after), times)| Pair { before, after, times })
-            .collect();
+        let pairs =
+            pairs.into_iter().map(|((lower, upper), times)| Pair { lower, upper, times }).collect();
         let mut kinds_of = vec![Vec::new(); tools.len()];
         for (kind, set) in kinds.iter().enumerate() {
             set.iter().for_each(|&tool| kinds_of[tool].push(kind));
         }
         let mut earlier = vec![Vec::new(); tools.len()];
         for &(a, b) in &constraints.before {
-            let (Some(a), Some(b)) = (number(a), number(b)) else { continue };
-            // Tools that never meet in a layer are free.
+            let (Some(a), Some(b)) = (index(a), index(b)) else { continue };
+            // The pair means nothing to tools that no layer uses together.
             if kinds.iter().any(|set| set.contains(&a) && set.contains(&b)) {
                 earlier[b].push(a);
             }
         }
-        if let Some(first) = constraints.first.and_then(number) {
+        if let Some(first) = constraints.first.and_then(index) {
             let others = kinds[layers.kind_of[0]].iter().filter(|&&tool| tool != first);
             others.for_each(|&tool| earlier[tool].push(first));
         }
-        Self { costs, tools, kinds, times, pairs, kinds_of, earlier }
+        let steps: u64 = layers.iter().map(|set| set.len() as u64).sum();
+        let penalty = u64::from(costs.max_scaled()) * (steps + 1) + 1;
+        let begin = layers.kind_of.first().zip(constraints.loaded);
+        let begin = begin.map(|(&kind, loaded)| {
+            let step = |&tool: &u8| costs.step(loaded, tool).min(penalty);
+            (kind, tools.iter().map(step).collect())
+        });
+        Self { costs, tools, kinds, times, pairs, kinds_of, earlier, begin, penalty }
     }
 
-    fn number(&self, tool: u8) -> usize {
-        self.tools.binary_search(&tool).expect("a layer's tools are numbered")
+    fn index(&self, tool: u8) -> usize {
+        self.tools.binary_search(&tool).expect("a layer's tools have indices")
     }
 
     fn step(&self, from: usize, to: usize) -> u64 {
-        u64::from(self.costs.cost(self.tools[from], self.tools[to]))
+        self.costs.step(self.tools[from], self.tools[to]).min(self.penalty)
     }
 
-    /// All tools, each after those that must come earlier, otherwise by rising `key`; `None` if
-    /// they go round in a circle.
+    /// Cost of changing from the loaded tool, if `tool` is the first one of this kind of layer.
+    fn begin(&self, kind: usize, tool: usize) -> u64 {
+        match &self.begin {
+            Some((first, steps)) if *first == kind => steps[tool],
+            _ => 0,
+        }
+    }
+
+    /// All tools, each after those that must come earlier, otherwise by rising `key`; `None` if the
+    /// constraints form a cycle.
     fn sorted<K: Ord>(
         &self,
         earlier: &[Vec<usize>],
@@ -160,11 +209,11 @@ impl<'a> Shared<'a> {
         Some(order)
     }
 
-    /// Why no permutation obeys all pairs, which alone make no circle: one of the first layer's
-    /// tools must come before its first.
+    /// Why no permutation obeys all constraints, although the pairs alone form no cycle: some tool
+    /// of the first layer must come before the one with which that layer must begin.
     fn contradiction(&self, layers: &Layers, constraints: &Constraints) -> OrderError {
-        let first = constraints.first.expect("without a first tool there is no circle");
-        let start = self.number(first);
+        let first = constraints.first.expect("without a first tool there is no cycle");
+        let start = self.index(first);
         let set = &self.kinds[layers.kind_of[0]];
         let mut seen = vec![start];
         let mut at = 0;
@@ -179,16 +228,16 @@ impl<'a> Shared<'a> {
             }
             at += 1;
         }
-        unreachable!("a circle that the first tool closes goes through its layer's others")
+        unreachable!("a cycle that the first tool closes contains another tool of its layer")
     }
 
-    /// For each tool its mean place in the orders of the layers, in thousandths of a layer.
-    fn mean_places(&self, free: &Free) -> Vec<usize> {
+    /// For each tool its mean position in the orders of the layers, in thousandths of an order.
+    fn mean_positions(&self, layered: &Layered) -> Vec<usize> {
         let mut sums = vec![(0, 0); self.tools.len()];
-        for order in &free.orders {
-            for (place, &tool) in order.iter().enumerate() {
-                let (sum, count) = &mut sums[self.number(tool)];
-                *sum += (2 * place + 1) * 500 / order.len();
+        for order in &layered.orders {
+            for (position, &tool) in order.iter().enumerate() {
+                let (sum, count) = &mut sums[self.index(tool)];
+                *sum += (2 * position + 1) * 500 / order.len();
                 *count += 1;
             }
         }
@@ -198,34 +247,41 @@ impl<'a> Shared<'a> {
     /// Cost of a permutation; `None` if it breaks a constraint.
     fn cost(&self, permutation: &[usize]) -> Option<u64> {
         let mut placed = vec![false; self.tools.len()];
+        // The first tool and the last one so far of each kind of layer.
         let mut ends: Vec<Option<(usize, usize)>> = vec![None; self.kinds.len()];
-        let mut cost = 0;
+        let mut cost = 0_u64;
         for &tool in permutation {
             if !self.earlier[tool].iter().all(|&other| placed[other]) {
                 return None;
             }
             placed[tool] = true;
             for &kind in &self.kinds_of[tool] {
-                let (first, last) = ends[kind].unwrap_or((tool, tool));
-                cost += self.times[kind] * self.step(last, tool);
-                ends[kind] = Some((first, tool));
+                let added = match ends[kind] {
+                    None => self.begin(kind, tool),
+                    Some((_, last)) => self.times[kind].saturating_mul(self.step(last, tool)),
+                };
+                cost = cost.saturating_add(added);
+                ends[kind] = Some((ends[kind].map_or(tool, |(first, _)| first), tool));
             }
         }
         for pair in &self.pairs {
-            if let (Some((_, last)), Some((first, _))) = (ends[pair.before], ends[pair.after]) {
-                cost += pair.times * self.step(last, first);
+            if let (Some((_, last)), Some((first, _))) = (ends[pair.lower], ends[pair.upper]) {
+                cost = cost.saturating_add(pair.times.saturating_mul(self.step(last, first)));
             }
         }
         Some(cost)
     }
 
-    /// Moves one tool at a time to where it is cheaper, until no such move is left.
-    fn improve(&self, mut permutation: Vec<usize>) -> (u64, Vec<usize>) {
+    /// Moves one tool at a time to a position where the permutation is cheaper, until there is no
+    /// such move, or the limit of steps is reached.
+    fn improve(&self, mut permutation: Vec<usize>, control: &Control<'_>) -> (u64, Vec<usize>) {
         let count = permutation.len();
         let size = count + self.pairs.len() + self.kinds.iter().map(Vec::len).sum::<usize>();
-        let mut trials = MOST_STEPS / size.max(1);
-        let mut best = self.cost(&permutation).expect("a search starts from what is allowed");
-        // How many moves in turn were no better: with all of them tried, there is none.
+        let mut trials = MAX_STEPS / size.max(1);
+        let mut best = self
+            .cost(&permutation)
+            .expect("a search starts from a permutation that obeys the constraints");
+        // The number of moves in a row that were not better; if that is all of them, none is.
         let mut failed = 0;
         let mut number = 0;
         let moves = count * count;
@@ -237,6 +293,9 @@ impl<'a> Shared<'a> {
                 continue;
             }
             trials -= 1;
+            if trials % 256 == 0 && control.interrupted().is_some() {
+                break;
+            }
             let tool = permutation.remove(from);
             permutation.insert(to, tool);
             match self.cost(&permutation) {
@@ -253,26 +312,31 @@ impl<'a> Shared<'a> {
         (best, permutation)
     }
 
-    /// The cheapest permutation, if one costs less than `limit`.
+    /// The cheapest permutation, if one costs less than `limit`; of equally cheap ones the
+    /// lexicographically first.
     pub(super) fn search(
         &self,
         limit: u64,
-        most_labels: usize,
-    ) -> Result<Option<Vec<usize>>, TooManyLabels> {
-        // The map's own order never matters: of two beginnings with one label the lesser (cost,
-        // beginning) stays.
+        max_labels: usize,
+        control: &Control<'_>,
+    ) -> Result<Option<Vec<usize>>, Abandoned> {
+        // The order of iteration over the map does not matter: of two beginnings with the same
+        // label, the one with the smaller (cost, beginning) stays.
         let mut labels: HashMap<Label, (u64, Vec<u8>)> = HashMap::new();
         labels.insert(Label::new(self), (0, Vec::new()));
         let mut count = 0;
         for _ in 0..self.tools.len() {
             let mut longer: HashMap<Label, (u64, Vec<u8>)> = HashMap::new();
             for (label, (cost, beginning)) in &labels {
+                if control.interrupted().is_some() {
+                    return Err(Abandoned);
+                }
                 for tool in (0..self.tools.len()).filter(|&tool| !label.placed[tool]) {
                     if !self.earlier[tool].iter().all(|&other| label.placed[other]) {
                         continue;
                     }
                     let (next, step) = label.with(self, tool);
-                    let cost = cost + step;
+                    let cost = cost.saturating_add(step);
                     if cost >= limit {
                         continue;
                     }
@@ -286,8 +350,8 @@ impl<'a> Shared<'a> {
                     if found < *kept {
                         *kept = found;
                     }
-                    if count > most_labels {
-                        return Err(TooManyLabels);
+                    if count > max_labels {
+                        return Err(Abandoned);
                     }
                 }
             }
@@ -298,12 +362,13 @@ impl<'a> Shared<'a> {
     }
 }
 
-/// What a beginning of a permutation means for the rest of it.
+/// All of the beginning of a permutation that matters for the costs of the rest.
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct Label {
     placed: Vec<bool>,
-    /// For each kind of layer: how many of its tools are placed, the first and the last of them.
-    /// Ends that nothing waits for are forgotten, so that more beginnings agree.
+    /// For each kind of layer: how many of its tools are placed, and the first and the last of
+    /// them, or [`NONE`] if no cost depends on them any more, so that more beginnings have the same
+    /// label.
     kinds: Vec<(u8, u8, u8)>,
 }
 
@@ -315,45 +380,51 @@ impl Label {
         }
     }
 
-    /// With one more tool, and what that adds to the cost.
+    /// The label after placing one more tool, and the cost that this adds.
     fn with(&self, part: &Shared<'_>, tool: usize) -> (Self, u64) {
         let mut next = self.clone();
         next.placed[tool] = true;
-        let mut cost = 0;
+        let mut cost = 0_u64;
         for &kind in &part.kinds_of[tool] {
             let (count, first, last) = &mut next.kinds[kind];
             if *count == 0 {
                 *first = tool as u8;
+                cost = cost.saturating_add(part.begin(kind, tool));
             } else {
-                cost += part.times[kind] * part.step(usize::from(*last), tool);
+                let step = part.step(usize::from(*last), tool);
+                cost = cost.saturating_add(part.times[kind].saturating_mul(step));
             }
             *last = tool as u8;
             *count += 1;
         }
         let is_complete =
             |label: &Self, kind: usize| usize::from(label.kinds[kind].0) == part.kinds[kind].len();
-        let is_due = |label: &Self, pair: &Pair| {
-            is_complete(label, pair.before) && label.kinds[pair.after].0 > 0
+        // The change between two layers is known once the last tool of the lower one and the first
+        // tool of the upper one are.
+        let is_known = |label: &Self, pair: &Pair| {
+            is_complete(label, pair.lower) && label.kinds[pair.upper].0 > 0
         };
-        // Which ends something still waits for.
-        let mut wanted = vec![(false, false); part.kinds.len()];
-        for (kind, (_, last)) in wanted.iter_mut().enumerate() {
+        // Whether the first and the last tool of each kind still matter.
+        let mut matters = vec![(false, false); part.kinds.len()];
+        for (kind, (_, last)) in matters.iter_mut().enumerate() {
             *last = !is_complete(&next, kind);
         }
         for pair in &part.pairs {
-            if !is_due(&next, pair) {
-                wanted[pair.before].1 = true;
-                wanted[pair.after].0 = true;
-            } else if !is_due(self, pair) {
-                let (last, first) = (next.kinds[pair.before].2, next.kinds[pair.after].1);
-                cost += pair.times * part.step(usize::from(last), usize::from(first));
+            if !is_known(&next, pair) {
+                matters[pair.lower].1 = true;
+                matters[pair.upper].0 = true;
+            } else if !is_known(self, pair) {
+                let (last, first) = (next.kinds[pair.lower].2, next.kinds[pair.upper].1);
+                let step = part.step(usize::from(last), usize::from(first));
+                cost = cost.saturating_add(pair.times.saturating_mul(step));
             }
         }
-        for ((_, first, last), (first_wanted, last_wanted)) in next.kinds.iter_mut().zip(wanted) {
-            if !first_wanted {
+        for ((_, first, last), (first_matters, last_matters)) in next.kinds.iter_mut().zip(matters)
+        {
+            if !first_matters {
                 *first = NONE;
             }
-            if !last_wanted {
+            if !last_matters {
                 *last = NONE;
             }
         }

@@ -1,13 +1,15 @@
-//! The fast programme against all plans there are.
+//! Orders compared with all plans.
 
 use std::collections::BTreeMap;
 
 use proptest::prelude::*;
 
-use super::shared::{MOST_LABELS, Shared, TooManyLabels};
+use super::layered::layered;
+use super::shared::{Abandoned, MAX_LABELS, Shared};
+use super::within::NEVER;
 use super::*;
 
-/// All orders of some tools, rising.
+/// All orders of some tools, in lexicographic order.
 fn permutations(tools: &[u8]) -> Vec<Vec<u8>> {
     if tools.is_empty() {
         return vec![Vec::new()];
@@ -30,21 +32,29 @@ fn set(tools: &[u8]) -> Vec<u8> {
     set
 }
 
-fn is_allowed(orders: &[Vec<u8>], constraints: &Constraints) -> bool {
+/// Whether orders obey the constraints and avoid forbidden changes.
+fn is_allowed(orders: &[Vec<u8>], costs: &CostMatrix, constraints: &Constraints) -> bool {
     let obeys = |order: &Vec<u8>| {
-        let place = |tool: u8| order.iter().position(|&one| one == tool);
-        constraints.before.iter().all(|&(a, b)| match (place(a), place(b)) {
+        let position = |tool: u8| order.iter().position(|&one| one == tool);
+        constraints.before.iter().all(|&(a, b)| match (position(a), position(b)) {
             (Some(a), Some(b)) => a < b,
             _ => true,
         })
     };
-    orders.iter().all(obeys) && constraints.first.is_none_or(|first| orders[0][0] == first)
+    let first = orders.iter().flatten().next();
+    orders.iter().all(obeys)
+        && constraints.first.is_none_or(|tool| first == Some(&tool))
+        && cost_of(orders, costs, constraints) != NEVER
 }
 
-/// The cheapest plan, of equal ones the first in the alphabet, by trying all.
-fn slow_free(
+fn cost_of(orders: &[Vec<u8>], costs: &CostMatrix, constraints: &Constraints) -> u64 {
+    sum(orders, costs, constraints.loaded).0
+}
+
+/// The cheapest plan, of equally cheap ones the lexicographically first, by trying all.
+fn slow_layered(
     layers: &[Vec<u8>],
-    costs: &ToolCosts,
+    costs: &CostMatrix,
     constraints: &Constraints,
 ) -> Option<(u64, Vec<Vec<u8>>)> {
     let mut plans: Vec<Vec<Vec<u8>>> = vec![Vec::new()];
@@ -59,19 +69,20 @@ fn slow_free(
             })
             .collect();
     }
-    plans.retain(|plan| is_allowed(plan, constraints));
-    plans.into_iter().map(|plan| (sum(&plan, costs).cost, plan)).min()
+    plans.retain(|plan| is_allowed(plan, costs, constraints));
+    plans.into_iter().map(|plan| (cost_of(&plan, costs, constraints), plan)).min()
 }
 
 /// The cheapest permutation for all layers, by trying all.
 fn slow_shared(
     layers: &[Vec<u8>],
-    costs: &ToolCosts,
+    costs: &CostMatrix,
     constraints: &Constraints,
 ) -> Option<(u64, Vec<u8>)> {
     let tried = permutations(&set(&layers.concat())).into_iter().filter_map(|permutation| {
         let orders = followed(layers, &permutation);
-        is_allowed(&orders, constraints).then(|| (sum(&orders, costs).cost, permutation))
+        is_allowed(&orders, costs, constraints)
+            .then(|| (cost_of(&orders, costs, constraints), permutation))
     });
     tried.min()
 }
@@ -83,11 +94,16 @@ fn followed(layers: &[Vec<u8>], permutation: &[u8]) -> Vec<Vec<u8>> {
     layers.iter().map(follow).collect()
 }
 
-/// The least cost of any plan, tools used as often as it likes: the nearest of all states by
-/// Dijkstra's method.
-/// A state is a layer, the tools used in it, and the tool in use; `before` holds for first visits.
-fn slow_bound(layers: &[Vec<u8>], costs: &ToolCosts, constraints: &Constraints) -> Option<u64> {
-    let tools = costs.tools() as u8;
+/// The minimum cost of a plan that may use tools repeatedly, by Dijkstra's algorithm.
+/// A state is a layer, the set of the tools used in it, and the current tool; `before` holds for
+/// first uses.
+fn slow_bound(layers: &[Vec<u8>], costs: &CostMatrix, constraints: &Constraints) -> Option<u64> {
+    let tools = costs.size() as u8;
+    let layers: Vec<&Vec<u8>> = layers.iter().filter(|layer| !layer.is_empty()).collect();
+    if layers.is_empty() {
+        return Some(0);
+    }
+    let detours = costs.with_detours();
     let visit = |layer: usize, used: u16, tool: u8| -> Option<u16> {
         let is_new = layers[layer].contains(&tool) && used & 1 << tool == 0;
         let blocked = constraints
@@ -103,7 +119,10 @@ fn slow_bound(layers: &[Vec<u8>], costs: &ToolCosts, constraints: &Constraints) 
     let mut open: BTreeMap<(usize, u16, u8), u64> = BTreeMap::new();
     for tool in (0..tools).filter(|&tool| constraints.first.is_none_or(|first| first == tool)) {
         if let Some(used) = visit(0, 0, tool) {
-            open.insert((0, used, tool), 0);
+            let cost = constraints.loaded.map_or(0, |loaded| detours.step(loaded, tool));
+            if cost != NEVER {
+                open.insert((0, used, tool), cost);
+            }
         }
     }
     let mut done = BTreeMap::new();
@@ -116,12 +135,15 @@ fn slow_bound(layers: &[Vec<u8>], costs: &ToolCosts, constraints: &Constraints) 
             if layer + 1 == layers.len() {
                 return Some(cost);
             }
-            // The tool in use need not print in the next layer at once.
+            // The current tool need not print in the next layer at once.
             next.push(((layer + 1, 0, now), cost));
             next.extend(visit(layer + 1, 0, now).map(|used| ((layer + 1, used, now), cost)));
         }
         for tool in 0..tools {
-            let step = cost + u64::from(costs.cost(now, tool));
+            let step = cost.saturating_add(costs.step(now, tool));
+            if step == NEVER {
+                continue;
+            }
             next.extend(visit(layer, used, tool).map(|used| ((layer, used, tool), step)));
         }
         for (state, cost) in next {
@@ -137,67 +159,87 @@ fn slow_bound(layers: &[Vec<u8>], costs: &ToolCosts, constraints: &Constraints) 
 #[derive(Clone, Debug)]
 struct Case {
     layers: Vec<Vec<u8>>,
-    costs: ToolCosts,
+    costs: CostMatrix,
     constraints: Constraints,
 }
 
-/// Few costs make many ties, and many of them detours.
-fn any_costs(tools: usize) -> impl Strategy<Value = ToolCosts> {
-    (1..60_u32).prop_flat_map(move |most| {
-        prop::collection::vec(0..=most, tools * tools).prop_map(move |costs| {
-            let rows = costs.chunks(tools).enumerate().map(|(from, row)| {
-                let row = row.iter().enumerate();
-                row.map(|(to, &cost)| if from == to { 0 } else { cost }).collect()
-            });
-            ToolCosts::new(&rows.collect::<Vec<_>>()).unwrap()
+/// Costs from a small range cause many ties, costs from a large range many detours.
+/// In half of the cases a tenth of the changes is forbidden.
+fn any_costs(tools: usize) -> impl Strategy<Value = CostMatrix> {
+    (1..60_u32, any::<bool>()).prop_flat_map(move |(max, forbids)| {
+        let cost = (0..=max, 0..10).prop_map(move |(cost, drawn)| {
+            if forbids && drawn == 0 { f64::INFINITY } else { cost.into() }
+        });
+        prop::collection::vec(cost, tools * tools).prop_map(move |costs| {
+            CostMatrix::from_fn(tools, |from, to| costs[from * tools + to]).unwrap()
         })
     })
 }
 
-fn any_case(tools: u8, most_tools: usize, most_layers: usize) -> impl Strategy<Value = Case> {
-    let layer = prop::collection::vec(0..tools, 1..=most_tools);
-    let layers = prop::collection::vec(layer, 1..=most_layers);
+fn any_case(tools: u8, max_tools: usize, max_layers: usize) -> impl Strategy<Value = Case> {
+    // One layer in ten is empty.
+    let layer = prop::collection::vec(0..tools, 1..=max_tools);
+    let layer = (layer, 0..10).prop_map(|(layer, drawn)| if drawn == 0 { vec![] } else { layer });
+    let layers = prop::collection::vec(layer, 1..=max_layers);
     let pairs = prop::collection::vec((0..tools, 0..tools), 0..=2);
     let first = prop::option::of(any::<prop::sample::Index>());
-    (layers, any_costs(usize::from(tools)), pairs, 0..tools, first).prop_map(
-        move |(layers, costs, pairs, shift, first)| {
-            // No circles: all pairs rise in some order.
+    let loaded = prop::option::of(0..tools);
+    (layers, any_costs(usize::from(tools)), pairs, 0..tools, first, loaded).prop_map(
+        move |(layers, costs, pairs, shift, first, loaded)| {
+            // No cycles: all pairs rise in some order.
             let rank = |tool: u8| (tool + shift) % tools;
             let pairs = pairs.into_iter().filter(|(a, b)| a != b);
             let before =
                 pairs.map(|(a, b)| if rank(a) < rank(b) { (a, b) } else { (b, a) }).collect();
-            let first = first.map(|index| *index.get(&layers[0]));
-            Case { layers, costs, constraints: Constraints { before, first, same_order: false } }
+            let begin = layers.iter().find(|layer| !layer.is_empty());
+            let first = first.zip(begin).map(|(index, layer)| *index.get(layer));
+            let constraints = Constraints { before, first, loaded, same_order: false };
+            Case { layers, costs, constraints }
         },
     )
 }
 
 fn check_plan(case: &Case, plan: &ToolOrder) {
-    assert!(is_allowed(&plan.orders, &case.constraints));
+    assert!(is_allowed(&plan.orders, &case.costs, &case.constraints));
     for (layer, order) in case.layers.iter().zip(&plan.orders) {
         assert_eq!(set(order), set(layer));
         assert_eq!(order.len(), set(layer).len());
     }
-    let FixedOrder { cost, changes } = sum(&plan.orders, &case.costs);
-    assert_eq!((plan.cost, plan.changes), (cost, changes));
+    let (cost, changes) = sum(&plan.orders, &case.costs, case.constraints.loaded);
+    assert_eq!((plan.cost.to_bits(), plan.changes), ((cost as f64).to_bits(), changes));
     assert!(plan.bound <= plan.once_bound && plan.once_bound <= plan.cost);
-    assert!(plan.least_changes <= plan.changes);
+    assert!(plan.min_changes <= plan.changes);
+    assert_eq!(plan.is_optimal(), plan.stop == Stop::Optimal);
+}
+
+/// Calls [`order`] without control.
+fn solve(case: &Case) -> Result<ToolOrder, OrderError> {
+    order(&case.layers, &case.costs, &case.constraints, &Control::default())
 }
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 3_000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn free_orders_are_the_best_of_all(case in any_case(5, 4, 3)) {
-        let slow = slow_free(&case.layers, &case.costs, &case.constraints);
-        match order(&case.layers, &case.costs, &case.constraints) {
+    fn orders_are_the_best_of_all(case in any_case(5, 4, 3)) {
+        let slow = slow_layered(&case.layers, &case.costs, &case.constraints);
+        match solve(&case) {
             Ok(plan) => {
                 check_plan(&case, &plan);
                 prop_assert!(plan.is_optimal());
-                prop_assert_eq!(Some((plan.cost, plan.orders)), slow);
-                let uniform = ToolCosts::uniform(5);
-                let (least, _) = slow_free(&case.layers, &uniform, &case.constraints).unwrap();
-                prop_assert_eq!(u64::from(plan.least_changes), least);
+                prop_assert_eq!(Some((plan.cost as u64, plan.orders)), slow);
+                let uniform = CostMatrix::uniform(5);
+                let (changes, _) = slow_layered(&case.layers, &uniform, &case.constraints).unwrap();
+                prop_assert_eq!(u64::from(plan.min_changes), changes);
+            }
+            Err(OrderError::Forbidden { layer }) => {
+                prop_assert_eq!(slow, None);
+                // The layers below have an order, but not together with this one.
+                let slow = |layers| slow_layered(layers, &case.costs, &case.constraints);
+                prop_assert_eq!(slow(&case.layers[..=layer]), None);
+                let below = &case.layers[..layer];
+                let is_begin = case.constraints.first.is_some() && below.iter().all(Vec::is_empty);
+                prop_assert!(is_begin || slow(below).is_some());
             }
             Err(error) => {
                 assert!(matches!(error, OrderError::FirstContradicted { .. }), "{error}");
@@ -207,56 +249,75 @@ proptest! {
     }
 
     #[test]
-    fn no_plan_of_many_visits_beats_the_bound(mut case in any_case(4, 4, 4)) {
-        if let Ok(plan) = order(&case.layers, &case.costs, &case.constraints) {
-            prop_assert!(plan.bound <= slow_bound(&case.layers, &case.costs, &case.constraints).unwrap());
+    fn no_plan_of_repeated_uses_beats_the_bound(mut case in any_case(4, 4, 4)) {
+        let slow = |case: &Case| slow_bound(&case.layers, &case.costs, &case.constraints);
+        if let Ok(plan) = solve(&case) {
+            prop_assert!(plan.bound as u64 <= slow(&case).unwrap());
         }
         case.constraints.before.clear();
-        let plan = order(&case.layers, &case.costs, &case.constraints).unwrap();
-        let slow = slow_bound(&case.layers, &case.costs, &case.constraints);
-        prop_assert_eq!(Some(plan.bound), slow, "without pairs some plan meets it");
+        let Ok(plan) = solve(&case) else { return Ok(()) };
+        prop_assert_eq!(Some(plan.bound as u64), slow(&case), "without pairs some plan meets it");
         if case.costs.is_metric() {
-            prop_assert_eq!(plan.gap(), 0);
+            prop_assert!(plan.gap() <= 0.0);
         }
-        let metric = case.costs.with_detours();
-        prop_assert_eq!(order(&case.layers, &metric, &case.constraints).unwrap().cost, plan.bound);
+        let metric = Case { costs: case.costs.with_detours(), ..case };
+        prop_assert_eq!(solve(&metric).unwrap().cost.to_bits(), plan.bound.to_bits());
     }
 
     #[test]
     fn shared_orders_are_the_best_of_all(mut case in any_case(5, 4, 6)) {
         case.constraints.same_order = true;
         let slow = slow_shared(&case.layers, &case.costs, &case.constraints);
-        let plan = match order(&case.layers, &case.costs, &case.constraints) {
+        let plan = match solve(&case) {
             Ok(plan) => plan,
             Err(error) => {
-                assert!(matches!(error, OrderError::FirstContradicted { .. }), "{error}");
+                let is_expected = matches!(
+                    error,
+                    OrderError::FirstContradicted { .. }
+                        | OrderError::Forbidden { .. }
+                        | OrderError::NoPermutation
+                );
+                prop_assert!(is_expected, "{error}");
                 prop_assert_eq!(slow, None);
                 return Ok(());
             }
         };
         check_plan(&case, &plan);
-        let (least, permutation) = slow.unwrap();
+        let (min, permutation) = slow.unwrap();
         prop_assert!(plan.is_optimal());
-        prop_assert_eq!(plan.cost, least);
+        prop_assert_eq!(plan.cost as u64, min);
         prop_assert_eq!(&plan.orders, &followed(&case.layers, plan.permutation.as_ref().unwrap()));
 
-        // The search alone, with no good start and no shortcut.
-        let layers = Layers::new(&case.layers, &case.costs, &case.constraints).unwrap();
+        // The search alone, without a good start or a shortcut.
+        let control = Control::default();
+        let layers = Layers::new(&case.layers, &case.costs, &case.constraints, 12).unwrap();
         let part = Shared::new(&layers, &case.costs, &case.constraints);
-        let found = part.search(u64::MAX, MOST_LABELS).unwrap().unwrap();
+        let found = part.search(u64::MAX, MAX_LABELS, &control).unwrap().unwrap();
         let found: Vec<u8> = found.into_iter().map(|tool| part.tools[tool]).collect();
         prop_assert_eq!(found, permutation);
-        prop_assert_eq!(part.search(least, MOST_LABELS), Ok(None));
-        prop_assert_eq!(part.search(u64::MAX, 0), Err(TooManyLabels));
+        if !layers.kinds.is_empty() {
+            prop_assert_eq!(part.search(min, MAX_LABELS, &control), Ok(None));
+            prop_assert_eq!(part.search(u64::MAX, 0, &control), Err(Abandoned));
+        }
 
-        // And without the search: good if not best, and never said to be better than it is.
-        let best = free(&layers, &case.costs, &case.constraints);
-        let (permutation, proven) = shared(&layers, &case.costs, &case.constraints, &best, 0).unwrap();
+        // Without the search the result may not be the best, and is not said to be.
+        let table = |set: &Vec<u8>| Within::new(set, &case.costs, &case.constraints.before);
+        let tables: Vec<Within> = layers.kinds.iter().map(table).collect();
+        let best = layered(&layers, &tables, &case.costs, &case.constraints).ok().unwrap();
+        let found =
+            shared(&layers, &case.costs, &case.constraints, &best, best.cost, 0, &control);
+        let (permutation, is_proven) = match found {
+            Err(error) => {
+                prop_assert_eq!(error, OrderError::NoPermutation);
+                return Ok(());
+            }
+            Ok(found) => found,
+        };
         let orders = followed(&case.layers, &permutation);
-        let cost = sum(&orders, &case.costs).cost;
-        prop_assert!(is_allowed(&orders, &case.constraints));
-        prop_assert!(best.cost <= least && least <= cost);
-        prop_assert!(!proven || cost == least);
+        let cost = cost_of(&orders, &case.costs, &case.constraints);
+        prop_assert!(is_allowed(&orders, &case.costs, &case.constraints));
+        prop_assert!(best.cost <= min && min <= cost);
+        prop_assert!(!is_proven || cost == min);
     }
 }
 
@@ -264,115 +325,177 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 50, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn all_layers_alike(case in any_case(5, 5, 1), count in 2..40_usize) {
-        let case = Case { layers: vec![case.layers[0].clone(); count], ..case };
-        let constraints = Constraints { same_order: true, ..case.constraints };
-        if let Ok(plan) = order(&case.layers, &case.costs, &constraints) {
-            let (least, _) = slow_shared(&case.layers, &case.costs, &constraints).unwrap();
-            prop_assert_eq!(plan.cost, least);
+    fn many_equal_layers(case in any_case(5, 5, 1), count in 2..40_usize) {
+        let mut case = Case { layers: vec![case.layers[0].clone(); count], ..case };
+        case.constraints.same_order = true;
+        if let Ok(plan) = solve(&case) {
+            let (min, _) = slow_shared(&case.layers, &case.costs, &case.constraints).unwrap();
+            prop_assert_eq!(plan.cost as u64, min);
             prop_assert!(plan.is_optimal());
         }
     }
+}
+
+fn order_alone(
+    layers: &[Vec<u8>],
+    costs: &CostMatrix,
+    constraints: &Constraints,
+) -> Result<ToolOrder, OrderError> {
+    order(layers, costs, constraints, &Control::default())
 }
 
 #[test]
 fn two_tools_alternate() {
     for count in 1..30 {
         let layers = vec![vec![1, 0]; count];
-        let costs = ToolCosts::uniform(2);
-        let plan = order(&layers, &costs, &Constraints::default()).unwrap();
-        assert_eq!((plan.changes as usize, plan.bound), (count, count as u64));
-        let fixed = fixed_order_cost(&layers, &costs).unwrap();
-        assert_eq!((fixed.changes as usize, fixed.cost), (2 * count - 1, 2 * count as u64 - 1));
-        let same =
-            order(&layers, &costs, &Constraints { same_order: true, ..Constraints::default() })
-                .unwrap();
+        let costs = CostMatrix::uniform(2);
+        let plan = order_alone(&layers, &costs, &Constraints::default()).unwrap();
+        assert_eq!((plan.changes as usize, plan.bound as usize), (count, count));
+        let fixed = fixed_order_cost(&layers, &costs, None).unwrap();
+        assert_eq!((fixed.changes as usize, fixed.cost as usize), (2 * count - 1, 2 * count - 1));
+        let constraints = Constraints { same_order: true, ..Constraints::default() };
+        let same = order_alone(&layers, &costs, &constraints).unwrap();
         assert_eq!((same.changes, same.is_optimal()), (fixed.changes, true));
-        assert_eq!((same.bound, same.least_changes as usize), (count as u64, count));
+        assert_eq!((same.bound as usize, same.min_changes as usize), (count, count));
     }
 }
 
-/// Costs that look drawn.
-fn uneven(tools: usize) -> ToolCosts {
-    let cost = |from: usize, to: usize| {
-        if from == to { 0 } else { 50 + (from * 7_919 + to * 104_729) % 97 }
-    };
-    let rows: Vec<Vec<u32>> =
-        (0..tools).map(|from| (0..tools).map(|to| cost(from, to) as u32).collect()).collect();
-    ToolCosts::new(&rows).unwrap()
+/// Costs without any pattern.
+fn uneven(tools: usize) -> CostMatrix {
+    let cost = |from: usize, to: usize| (50 + (from * 7_919 + to * 104_729) % 97) as f64;
+    CostMatrix::from_fn(tools, cost).unwrap()
 }
 
 #[test]
 fn twelve_tools_in_a_thousand_layers() {
     let layers = vec![(0..12).collect::<Vec<u8>>(); 1_000];
     let costs = uneven(12);
-    let plan = order(&layers, &costs, &Constraints::default()).unwrap();
+    let plan = order_alone(&layers, &costs, &Constraints::default()).unwrap();
     assert!(plan.is_optimal());
-    assert_eq!(plan.least_changes, 11_000);
-    assert_eq!(order(&layers, &costs, &Constraints::default()), Ok(plan.clone()));
-    let constraints = Constraints { same_order: true, first: Some(5), before: vec![(3, 2)] };
-    let same = order(&layers, &costs, &constraints).unwrap();
+    assert_eq!(plan.min_changes, 11_000);
+    assert_eq!(order_alone(&layers, &costs, &Constraints::default()), Ok(plan.clone()));
+    let constraints = Constraints {
+        same_order: true,
+        first: Some(5),
+        before: vec![(3, 2)],
+        ..Constraints::default()
+    };
+    let same = order_alone(&layers, &costs, &constraints).unwrap();
     assert!(same.is_optimal() && same.cost >= plan.cost);
     assert_eq!(same.orders[0][0], 5);
-    assert!(same.cost <= fixed_order_cost(&layers, &costs).unwrap().cost);
+    assert!(same.cost <= fixed_order_cost(&layers, &costs, None).unwrap().cost);
+}
+
+/// Each layer uses five of 40 tools: the permutations have far too many labels.
+fn many_kinds() -> (Vec<Vec<u8>>, CostMatrix) {
+    let layers: Vec<Vec<u8>> = (0..200_u32)
+        .map(|layer| (0..5).map(|tool| ((layer * 13 + tool * tool * 7) % 40) as u8).collect())
+        .collect();
+    (layers, uneven(40))
 }
 
 #[test]
 fn many_kinds_of_layers_end_early_with_a_bound() {
-    // Each layer uses five of 40 tools: far too many beginnings of one permutation to tell apart.
-    let layers: Vec<Vec<u8>> = (0..200_u32)
-        .map(|layer| (0..5).map(|tool| ((layer * 13 + tool * tool * 7) % 40) as u8).collect())
-        .collect();
-    let costs = uneven(40);
+    let (layers, costs) = many_kinds();
     let constraints = Constraints { same_order: true, ..Constraints::default() };
-    let plan = order(&layers, &costs, &constraints).unwrap();
+    let plan = order_alone(&layers, &costs, &constraints).unwrap();
     assert!(!plan.is_optimal());
-    assert_eq!(plan.once_bound, order(&layers, &costs, &Constraints::default()).unwrap().cost);
-    assert!(plan.cost < fixed_order_cost(&layers, &costs).unwrap().cost);
-    assert_eq!(order(&layers, &costs, &constraints), Ok(plan));
+    assert_eq!(plan.stop, Stop::Done);
+    let free = order_alone(&layers, &costs, &Constraints::default()).unwrap();
+    assert_eq!(plan.once_bound.to_bits(), free.cost.to_bits());
+    assert!(plan.cost < fixed_order_cost(&layers, &costs, None).unwrap().cost);
+    assert_eq!(order_alone(&layers, &costs, &constraints), Ok(plan));
 }
 
 #[test]
-fn what_has_no_order_is_refused() {
-    let costs = ToolCosts::uniform(20);
+fn costs_are_reported_in_their_unit() {
+    let layers = vec![vec![0, 1, 2], vec![], vec![2, 1]];
+    let (whole, quarters) =
+        (uneven(3), CostMatrix::from_fn(3, |a, b| uneven(3).cost(a as u8, b as u8) / 4.0));
+    let constraints = Constraints { loaded: Some(2), ..Constraints::default() };
+    let plan = |costs: &CostMatrix| order_alone(&layers, costs, &constraints).unwrap();
+    let (whole, quarters) = (plan(&whole), plan(&quarters.unwrap()));
+    assert_eq!(whole.orders, quarters.orders);
+    for (whole, quarter) in [(whole.cost, quarters.cost), (whole.bound, quarters.bound)] {
+        assert_eq!((whole / 4.0).to_bits(), quarter.to_bits());
+    }
+}
+
+#[test]
+fn impossible_orders_are_refused() {
+    let costs = CostMatrix::uniform(20);
     let error = |layers: &[Vec<u8>], constraints: Constraints| {
-        order(layers, &costs, &constraints).unwrap_err()
+        order_alone(layers, &costs, &constraints).unwrap_err()
     };
     let none = Constraints::default;
-    assert_eq!(error(&[vec![1], vec![]], none()), OrderError::EmptyLayer { layer: 1 });
-    assert_eq!(error(&[(0..13).collect()], none()), OrderError::TooManyTools { layer: 0, got: 13 });
     assert_eq!(error(&[vec![20]], none()), OrderError::UnknownTool { tool: 20, tools: 20 });
     let before = |pairs: &[(u8, u8)]| Constraints { before: pairs.to_vec(), ..none() };
-    assert_eq!(
-        error(&[vec![1]], before(&[(1, 30)])),
-        OrderError::UnknownTool { tool: 30, tools: 20 }
-    );
-    let circle = error(&[vec![1]], before(&[(0, 1), (1, 2), (2, 3), (3, 1), (3, 4), (4, 5)]));
-    assert!(matches!(circle, OrderError::Circle { a: 1..=3, b: 1..=3 }), "{circle}");
-    assert_eq!(error(&[vec![1]], before(&[(4, 4)])), OrderError::Circle { a: 4, b: 4 });
+    let unknown = OrderError::UnknownTool { tool: 30, tools: 20 };
+    assert_eq!(error(&[vec![1]], before(&[(1, 30)])), unknown);
+    assert_eq!(error(&[vec![1]], Constraints { loaded: Some(30), ..none() }), unknown);
+    let cycle = error(&[vec![1]], before(&[(0, 1), (1, 2), (2, 3), (3, 1), (3, 4), (4, 5)]));
+    assert!(matches!(cycle, OrderError::Cycle { a: 1..=3, b: 1..=3 }), "{cycle}");
+    assert_eq!(error(&[vec![1]], before(&[(4, 4)])), OrderError::Cycle { a: 4, b: 4 });
     let first = |first| Constraints { first: Some(first), ..none() };
     assert_eq!(error(&[vec![1], vec![2]], first(2)), OrderError::FirstMissing { first: 2 });
     assert_eq!(error(&[], first(2)), OrderError::FirstMissing { first: 2 });
+    assert!(order_alone(&[vec![], vec![2]], &costs, &first(2)).is_ok());
     let later = Constraints { before: vec![(3, 2)], ..first(2) };
     let contradicted = OrderError::FirstContradicted { first: 2, other: 3 };
     assert_eq!(error(&[vec![2, 3]], later.clone()), contradicted);
-    assert!(order(&[vec![2], vec![2, 3]], &costs, &later).is_ok());
-    // Through a third tool that only other layers use: no matter, unless all layers share one
-    // order.
+    assert!(order_alone(&[vec![2], vec![2, 3]], &costs, &later).is_ok());
+    // Tool 2 must come after tool 4 and that after tool 3, but no layer uses all three: only one
+    // order for all layers is impossible.
     let layers = [vec![2, 3], vec![3, 4], vec![4, 2]];
     let round = Constraints { before: vec![(3, 4), (4, 2)], ..first(2) };
-    assert!(order(&layers, &costs, &round).is_ok());
+    assert!(order_alone(&layers, &costs, &round).is_ok());
     assert_eq!(error(&layers, Constraints { same_order: true, ..round }), contradicted);
 }
 
 #[test]
-fn parts_of_no_layer_and_of_one_tool() {
-    let costs = ToolCosts::uniform(3);
+fn forbidden_changes_are_avoided() {
+    // From 0 only to 1, from 1 only to 2, from 2 only to 0.
+    let cost = |from, to| if to == (from + 1) % 3 { 1.0 } else { f64::INFINITY };
+    let costs = CostMatrix::from_fn(3, cost).unwrap();
+    let layers = vec![vec![0, 1], vec![], vec![0, 2], vec![1]];
+    let constraints = Constraints { loaded: Some(0), ..Constraints::default() };
+    let plan = order_alone(&layers, &costs, &constraints).unwrap();
+    assert_eq!(plan.orders, [vec![0, 1], vec![], vec![2, 0], vec![1]]);
+    assert_eq!((plan.cost as u32, plan.changes, plan.min_changes), (4, 4, 4));
+    let error = |layers: &[Vec<u8>]| order_alone(layers, &costs, &constraints).unwrap_err();
+    let blocked = error(&[vec![0], vec![1], vec![0]]);
+    assert_eq!(blocked, OrderError::Forbidden { layer: 2 });
+    assert_eq!(blocked.to_string(), "layer 2: no order of its tools avoids the forbidden changes");
+    assert_eq!(error(&[vec![], vec![2]]), OrderError::Forbidden { layer: 1 });
+    assert!(fixed_order_cost(&layers, &costs, None).unwrap().cost.is_infinite());
+    let constraints = Constraints { same_order: true, ..Constraints::default() };
+    let layers = vec![vec![0, 1], vec![2], vec![2, 0]];
+    assert_eq!(order_alone(&layers, &costs, &constraints).unwrap().orders[2], [2, 0]);
+    let layers = vec![vec![0, 1], vec![1, 2], vec![2, 0]];
+    assert!(order_alone(&layers, &costs, &Constraints::default()).is_ok());
+    let error = order_alone(&layers, &costs, &constraints).unwrap_err();
+    assert_eq!(error, OrderError::NoPermutation);
+}
+
+#[test]
+fn parts_without_layers_and_with_one_tool() {
+    let costs = CostMatrix::uniform(3);
     for same_order in [false, true] {
         let constraints = Constraints { same_order, ..Constraints::default() };
-        let plan = order(&[], &costs, &constraints).unwrap();
-        assert_eq!((plan.orders.len(), plan.cost, plan.bound), (0, 0, 0));
-        let plan = order(&[vec![2, 2], vec![2]], &costs, &constraints).unwrap();
-        assert_eq!((plan.orders, plan.changes), (vec![vec![2], vec![2]], 0));
+        for empty in [vec![], vec![vec![]], vec![vec![], vec![]]] {
+            let plan = order_alone(&empty, &costs, &constraints).unwrap();
+            assert_eq!(plan.orders, empty);
+            assert_eq!((plan.cost as u32, plan.bound as u32, plan.min_changes), (0, 0, 0));
+        }
+        let plan = order_alone(&[vec![2, 2], vec![], vec![2]], &costs, &constraints).unwrap();
+        assert_eq!((plan.orders, plan.changes), (vec![vec![2], vec![], vec![2]], 0));
+        for (loaded, changes) in [(2, 0), (1, 1)] {
+            let constraints = Constraints { loaded: Some(loaded), ..constraints.clone() };
+            let plan = order_alone(&[vec![], vec![2]], &costs, &constraints).unwrap();
+            assert_eq!(
+                (plan.changes, plan.min_changes, plan.cost as u32),
+                (changes, changes, changes)
+            );
+        }
     }
 }

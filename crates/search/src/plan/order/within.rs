@@ -1,75 +1,71 @@
-//! The cheapest order of one set of tools for each pair of ends.
+//! The cheapest orders of one set of tools, for each pair of a first and a last tool.
 
-use crate::plan::ToolCosts;
+use crate::CostMatrix;
 
-/// No order: more than any sum of costs.
+/// Cost of an order that does not exist: more than any sum of costs.
 pub(in crate::plan) const NEVER: u64 = u64::MAX;
 
 /// For each first and each last tool of a set, the cheapest order between them.
+///
+/// Tools are addressed by their index in the sorted set.
 pub(in crate::plan) struct Within {
     /// Number of tools.
     count: usize,
-    /// At `first * count + last`, by places in the set; [`NEVER`] where there is none.
+    /// Scaled costs, at `first * count + last`; [`NEVER`] if there is no order.
     costs: Vec<u64>,
-    /// The orders themselves, of equally cheap ones the first in the alphabet; empty where there is
-    /// none.
+    /// The orders, of equally cheap ones the lexicographically first; empty if there is none.
     orders: Vec<Vec<u8>>,
 }
 
 impl Within {
-    /// Of a sorted set, under the pairs of `before` that lie in it.
+    /// Solves a sorted set of tools by the dynamic programme of Held and Karp, under the
+    /// constraints of `before` between tools of the set.
+    ///
     /// O(2^k k³) steps for k tools.
-    pub(in crate::plan) fn new(set: &[u8], costs: &ToolCosts, before: &[(u8, u8)]) -> Self {
+    pub(in crate::plan) fn new(set: &[u8], costs: &CostMatrix, before: &[(u8, u8)]) -> Self {
         let count = set.len();
-        let place = |tool: u8| set.iter().position(|&one| one == tool);
-        // For each tool, the set of those that must come before it, a bit each.
-        let mut earlier = vec![0_usize; count];
-        for &(a, b) in before {
-            if let (Some(a), Some(b)) = (place(a), place(b)) {
-                earlier[b] |= 1 << a;
-            }
-        }
-        let step = |from: usize, to: usize| u64::from(costs.cost(set[from], set[to]));
+        let earlier = earlier_tools(set, before);
+        let step = |from: usize, to: usize| costs.step(set[from], set[to]);
         let all = (1_usize << count) - 1;
         let mut within = Self {
             count,
             costs: vec![NEVER; count * count],
             orders: vec![Vec::new(); count * count],
         };
-        // At `left * count + now`: the cheapest way to use the tools of `left`, from `now` in it to
-        // the last tool.
-        // Backwards, so that orders can be read off from the front.
+        // For one last tool, at `remaining * count + now`: the minimum cost of using all tools of
+        // the set `remaining`, beginning with `now`, which is one of them, and ending with `last`.
+        // Solving backwards lets the orders be read off from their front.
         let mut to_go = vec![NEVER; (all + 1) * count];
         for last in 0..count {
             to_go.fill(NEVER);
             to_go[(1 << last) * count + last] = 0;
-            for left in (1..=all).filter(|left| left & 1 << last != 0) {
-                for now in (0..count).filter(|&now| now != last && left & 1 << now != 0) {
-                    if earlier[now] & left != 0 {
+            for remaining in (1..=all).filter(|remaining| remaining & 1 << last != 0) {
+                for now in (0..count).filter(|&now| now != last && remaining & 1 << now != 0) {
+                    if earlier[now] & remaining != 0 {
                         continue;
                     }
-                    let rest = left & !(1 << now);
+                    let rest = remaining & !(1 << now);
                     let next = (0..count).filter(|next| rest & 1 << next != 0);
                     let ways =
                         next.map(|next| to_go[rest * count + next].saturating_add(step(now, next)));
-                    to_go[left * count + now] = ways.min().unwrap_or(NEVER);
+                    to_go[remaining * count + now] = ways.min().unwrap_or(NEVER);
                 }
             }
             for first in (0..count).filter(|first| to_go[all * count + first] != NEVER) {
                 within.costs[first * count + last] = to_go[all * count + first];
-                let (mut now, mut left) = (first, all);
+                let (mut now, mut remaining) = (first, all);
                 let mut order = vec![set[first]];
                 while now != last {
-                    let rest = left & !(1 << now);
-                    let cost = to_go[left * count + now];
+                    let rest = remaining & !(1 << now);
+                    let cost = to_go[remaining * count + now];
                     now = (0..count)
                         .find(|&next| {
                             rest & 1 << next != 0
                                 && to_go[rest * count + next].saturating_add(step(now, next))
                                     == cost
                         })
-                        .expect("the least way goes on over one of the tools left");
-                    left = rest;
+                        .expect("the minimum is attained by one of the remaining tools");
+                    remaining = rest;
                     order.push(set[now]);
                 }
                 within.orders[first * count + last] = order;
@@ -78,8 +74,8 @@ impl Within {
         within
     }
 
-    /// The least cost from the `first` tool to the `last`, by their places in the set; [`NEVER`]
-    /// where there is no order.
+    /// Minimum cost from the `first` tool to the `last`, given by their indices; [`NEVER`] if there
+    /// is no order.
     pub(in crate::plan) fn cost(&self, first: usize, last: usize) -> u64 {
         self.costs[first * self.count + last]
     }
@@ -88,4 +84,22 @@ impl Within {
     pub(in crate::plan) fn order(&self, first: usize, last: usize) -> &[u8] {
         &self.orders[first * self.count + last]
     }
+
+    /// The orders and their costs, by rising first and then last tool.
+    pub(in crate::plan) fn iter(&self) -> impl Iterator<Item = (&[u8], u64)> {
+        let orders = self.orders.iter().zip(&self.costs);
+        orders.filter(|(order, _)| !order.is_empty()).map(|(order, &cost)| (order.as_slice(), cost))
+    }
+}
+
+/// For each tool of a set, the tools that must come before it, one bit each.
+fn earlier_tools(set: &[u8], before: &[(u8, u8)]) -> Vec<usize> {
+    let index = |tool: u8| set.iter().position(|&one| one == tool);
+    let mut earlier = vec![0_usize; set.len()];
+    for &(a, b) in before {
+        if let (Some(a), Some(b)) = (index(a), index(b)) {
+            earlier[b] |= 1 << a;
+        }
+    }
+    earlier
 }
