@@ -68,8 +68,8 @@ pub(crate) struct Coefficients {
     /// Radiative heat transfer coefficient, W/(m² K), as a cubic polynomial in θ: coefficients of
     /// θ⁰ to θ³.
     ///
-    /// It is T⁴ - T(air)⁴ divided by θ = T - T(air), times emissivity and the Stefan-Boltzmann
-    /// constant, and therefore exact.
+    /// Equals T⁴ - T(air)⁴ divided by θ = T - T(air), times emissivity and the Stefan-Boltzmann
+    /// constant, so it is exact.
     pub(crate) radiation: [f32; 4],
     /// Coefficients of a voxel, indexed by its byte of [`face`] bits.
     pub(crate) by_faces: Box<[VoxelCoefficients; 256]>,

@@ -5,8 +5,8 @@ use crate::coefficients::face;
 
 /// How a sweep treats one cache line, which is 16 voxels in x.
 ///
-/// It is a single byte, so that a sweep can compare eight of them at a time: the [`face`] bits that
-/// all 16 voxels share, or [`LineCode::MIXED`].
+/// A single byte, so that a sweep can compare eight of them at a time: the [`face`] bits that all
+/// 16 voxels share, or [`LineCode::MIXED`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct LineCode(u8);
 

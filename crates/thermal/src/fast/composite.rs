@@ -66,7 +66,7 @@ impl FastStepper {
         whole.apply(&self.buffers.changes, coefficients);
         // The halo holds fluxes, which must not be summed up as temperatures.
         halo.clear(&mut near);
-        // Births have changed the block grid.
+        // Births have changed the block grid; new blocks start without a pending change.
         let (block_grid, far) = (occupancy.block_grid(), &mut self.buffers.far);
         far.restrict(&near, region, block_grid, coefficients, occupancy.top());
         far.add_change(-1.0, &mut near, region, block_grid, coefficients);

@@ -3,8 +3,9 @@
 //! All lengths are relative to the material and the voxels.
 //! Times are in units of 1 / λ, where λ is the fastest decay rate ([`Coefficients::max_rate`]): a
 //! forward Euler step is stable up to 2 of these units.
-//! Distances are in units of √(2 D t), the standard deviation by which heat spreads in a time t at
-//! a diffusivity D. So one table of numbers serves all materials, voxel sizes and speeds.
+//! Distances are in units of √(2 D t), the standard deviation by which heat spreads in a time t (D
+//! is the diffusivity).
+//! So one table of numbers serves all materials, voxel sizes and speeds.
 
 use crate::coefficients::Coefficients;
 

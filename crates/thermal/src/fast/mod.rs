@@ -26,8 +26,7 @@
 //! Two approximations remain.
 //! Outside its window, a long step does not know of the births that happen in it, so the first heat
 //! that would cross the border is late; **margins** make that heat small.
-//! Inside the window, and everywhere else, older heat counts as smooth enough for the long step;
-//! **ages** make that true.
+//! Heat that is older than the **age** of a level counts as smooth enough for its long step.
 //! Both are chosen for maximum errors of 1 to 2 K (RMS 0.03 K), or of 0.3 to 0.5 K (RMS 0.01 K)
 //! ([`Accuracy`]).
 //!

@@ -166,8 +166,8 @@ impl Patch {
 
 /// Arguments of [`Patch::advance_halo`].
 ///
-/// It runs on vector lanes because most voxels of a small window are halo, so that moving them
-/// costs about as much as a sweep.
+/// The loop runs on vector lanes because most voxels of a small window are halo, so that moving
+/// them costs about as much as a sweep.
 struct AdvanceHalo<'a> {
     window: Window,
     around: Window,

@@ -13,7 +13,7 @@ use crate::shape::Shape;
 
 /// One forward Euler step of a whole patch, from one array into another: the naive scheme.
 ///
-/// It is the first stage of [`TwoSteps`] without the second.
+/// Equals the first stage of [`TwoSteps`] without the second.
 /// `to` must already hold the values of the halo and of empty rows, which are not written.
 pub(crate) struct EulerSweep<'a> {
     pub(crate) coefficients: &'a Coefficients,

@@ -119,8 +119,9 @@ impl BlockStepper {
                 if y > 1 {
                     // Second stage, one plane behind: θ = θ + b J rate + a rate.
                     let start = (y - 1) * plane_len;
-                    // What crosses in this factor is the link times a θ + b rate, which is the
-                    // contribution of this link to the change of θ below.
+                    // What crosses in this factor is the link times the difference of a θ + b rate
+                    // between its blocks: exactly what this link contributes to the change of θ
+                    // below.
                     // Both blocks lie in this plane or the next, whose temperatures this factor has
                     // not changed yet.
                     let rate = |i: usize| match i - start {

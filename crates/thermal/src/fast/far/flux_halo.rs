@@ -28,7 +28,7 @@ pub(crate) struct BorderFluxes(Vec<f32>);
 impl BorderFluxes {
     /// Fluxes from the heat that crosses from the inside to the outside of each pair during a time,
     /// in K voxels.
-    /// It is spread evenly over the time, and over the faces that the two blocks share.
+    /// The heat is spread evenly over the time, and over the faces that the two blocks share.
     pub(super) fn new<'a>(
         crossed: impl Iterator<Item = (&'a BorderPair, f32)>,
         seconds: f64,
