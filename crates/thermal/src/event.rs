@@ -26,8 +26,7 @@ impl DepositionEvent {
 /// travel move between cells that are not neighbours.
 ///
 /// A cell takes its width over [`ProcessParameters::print_mm_s`].
-/// Travel moves are straight lines between centres of cells, at
-/// [`ProcessParameters::travel_mm_s`].
+/// Travel moves are straight lines between centres of cells, at [`ProcessParameters::travel_mm_s`].
 /// The nozzle starts at `from`, the last cell that was deposited before; with `None`, it starts at
 /// the first cell of the order.
 /// Linear in the order's length.

@@ -26,8 +26,8 @@ impl Simulation {
     /// Seppala and Migler 2016, *Additive Manufacturing* 12).
     /// A warm substrate keeps the interface above it for longer.
     /// The interface itself starts at about the mean of bead and substrate temperature, so a
-    /// substrate below the glass transition is common and no defect by itself: use these numbers to
-    /// rank plans.
+    /// substrate below the glass transition is common and not a defect: use these numbers to rank
+    /// plans.
     pub fn interlayer_temperatures(&self, glass_transition_c: f64) -> Vec<InterlayerTemperatures> {
         of_layers(self.part(), glass_transition_c, |voxel| self.substrate_temperature_c(voxel))
     }

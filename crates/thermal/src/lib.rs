@@ -57,12 +57,12 @@
 //! Positions are x, y and z in voxels from the left, the back and the bottom; arrays have the axes
 //! `[z, y, x]`.
 //! Temperatures are in °C, and names say so (`_c`).
-//! Long calls take a [`Control`](beadwork_base::Control) and say what their progress counts and in
-//! which state an interruption leaves things.
+//! Long calls take a [`Control`](beadwork_base::Control); their documentation says what progress
+//! counts, and in which state an interruption leaves a simulation.
 //! The same input gives the same bits on every machine and on any number of threads.
 //!
 //! # Features
-//! - `oracle` (off by default): [`oracle`], slow solvers to test against.
+//! - `oracle` (off by default): the module `oracle`, slow solvers to test against.
 //!
 //! # Limits
 //! Material properties are constants, air has one temperature, beads fill their voxels, and a part

@@ -46,8 +46,8 @@ impl Default for ProcessParameters {
 }
 
 impl ProcessParameters {
-    /// The default with nozzle and plate temperatures that suit a material, by its name: 210 and
-    /// 60 °C for PLA, 240 and 80 °C for PETG, the default's for any other.
+    /// The default with nozzle and plate temperatures that suit a material, by its name: 210 and 60
+    /// °C for PLA, 240 and 80 °C for PETG, the default's for any other.
     pub fn suited_to(material: &ThermalMaterial) -> Self {
         let temperatures =
             |extrusion_c, plate_c| Self { extrusion_c, plate_c: Some(plate_c), ..Self::default() };

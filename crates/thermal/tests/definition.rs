@@ -76,8 +76,8 @@ fn larger_parts_too() {
     }
 }
 
-/// Four steps per voxel are enough to measure the errors of other methods: eight change nothing that
-/// matters.
+/// Four steps per voxel are enough to measure the errors of other methods: eight change nothing
+/// that matters.
 #[test]
 fn the_reference_converges() {
     for seed in 0..8 {

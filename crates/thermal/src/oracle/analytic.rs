@@ -37,14 +37,14 @@ use crate::simulation::{Method, SetupError, Simulation};
 /// A body that cools from a uniform temperature, without radiation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Body {
-    /// A slab of 2 mm on a plate of 80 °C, infinite in x and y and without loss to the air, after
-    /// 4 s.
+    /// A slab of 2 mm on a plate of 80 °C, infinite in x and y and without loss to the air, after 4
+    /// s.
     Slab,
     /// A column on a plate of 80 °C, so tall that its upper end does not matter, after 4 s.
     Deep,
     /// The upper half of a cube of 10 mm in moving air (36 W/(m² K)), after 60 s.
-    /// No heat crosses the horizontal plane of symmetry, so an insulating plate stands for the lower
-    /// half.
+    /// No heat crosses the horizontal plane of symmetry, so an insulating plate stands for the
+    /// lower half.
     Cube {
         /// [`ProcessParameters::surface_resistance`].
         surface_resistance: bool,

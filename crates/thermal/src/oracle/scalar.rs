@@ -64,8 +64,8 @@ struct Flow {
 
 /// A part during its print, stepped voxel by voxel.
 ///
-/// A voxel is active from the start of its event, and held at
-/// [`ProcessParameters::extrusion_c`] until its end.
+/// A voxel is active from the start of its event, and held at [`ProcessParameters::extrusion_c`]
+/// until its end.
 /// It conducts heat to active neighbours.
 /// The lower face of a voxel in layer 0 lies on the build plate, half a voxel below its centre.
 /// Every other face without an active neighbour loses heat to the air.

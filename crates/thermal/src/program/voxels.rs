@@ -66,9 +66,9 @@ pub enum VoxelsError {
 ///
 /// The grid is the smallest one around all beads except those of skirts, supports, prime towers and
 /// custom G-code.
-/// A program that was planned on cells, as by [`print::Print`](beadwork_part::print::Print),
-/// gives the voxels of its part; any other gives those that
-/// [`program_events`](super::program_events) would deposit.
+/// A program that was planned on cells, as by [`print::Print`](beadwork_part::print::Print), gives
+/// the voxels of its part; any other gives those that [`program_events`](super::program_events)
+/// would deposit.
 /// The material of a voxel is the number of the tool that fills it first.
 /// Layers are counted from the bed.
 ///

@@ -43,16 +43,22 @@ const VOXELS_PER_POLL: usize = 1 << 12;
 /// From then on it shrinks by α (Tg - T).
 /// The column below has cooled in part before, so it has less shrinkage left, and the upper layers
 /// pull the edges up once the part is taken off the plate.
-/// Each column of voxels is computed by itself.
+/// Each column of voxels is computed on its own.
 /// With θ = min(T, Tg), and c the stress-free strain of a voxel minus αθ:
 ///
-/// - the length of a column at time t balances its forces: e(t) = mean of c + α θ(t) over its
-///   locked voxels,
-/// - a voxel that locks at time t gets c = e(t) - α Tg, and the lowest of a column c = -α Tg,
-/// - released and cooled to a uniform temperature, the column by itself takes the curvature κ = -Σ
-///   c (z - z̄) h / I, with I = Σ ((z - z̄)² h + h³ / 12); for a full column of height H, this is
-///   -12 / H³ Σ c (z - z̄) h,
-/// - all columns together take the shape that minimizes the bending energy of a plate with free
+/// - The length e of a column at time t balances its forces: e(t) is the mean of c + α θ(t) over
+///   its locked voxels.
+/// - A voxel that locks at time t gets c = e(t) - α Tg; the lowest voxel of a column gets c = -α
+///   Tg.
+/// - Released and cooled to a uniform temperature, the column alone takes the curvature κ.
+///   With h the height of a voxel, z the height of its centre and z̄ the mean of these heights:
+///
+///   ```text
+///   κ = -Σ c (z - z̄) h / Σ ((z - z̄)² h + h³ / 12)
+///   ```
+///
+///   For a full column of height H, the divisor is H³ / 12.
+/// - All columns together take the shape that minimizes the bending energy of a plate with free
 ///   edges (Kirchhoff plate theory).
 ///
 /// For two layers of height h, of which the lower was at T when the upper locked, κ = 3 α (Tg - T)
@@ -91,8 +97,8 @@ pub struct WarpageEstimator {
 /// How much a part is likely to warp.
 #[derive(Clone, Debug)]
 pub struct WarpageEstimate {
-    /// Mean of the curvatures that the columns would take by themselves, weighted by their
-    /// stiffness, 1/m; positive if edges go up.
+    /// Mean of the curvatures that the columns would take alone, weighted by their stiffness, 1/m;
+    /// positive if edges go up.
     pub curvature_1_m: f64,
     /// Maximum height of the outline above the lowest point of the part, mm, at least 0.
     pub corner_lift_mm: f64,

@@ -1,6 +1,6 @@
 //! An elastic plate with free edges that takes the shape of minimum bending energy.
 //!
-//! Each cell of the plate would take a curvature κ by itself, and has a bending stiffness D.
+//! Each cell of the plate has a bending stiffness D and a curvature κ that it would take alone.
 //! Of all deflections w, the plate takes the one that minimizes the energy (Kirchhoff plate theory,
 //! with Poisson's ratio 0)
 //!
@@ -23,7 +23,7 @@ pub(super) struct Plate {
     pub(super) spacing: f64,
     /// Bending stiffness, in any unit; 0 where there is no plate.
     pub(super) stiffness: Vec<f64>,
-    /// The curvature that each cell would take by itself, in one over the unit of `spacing`.
+    /// The curvature that each cell would take alone, in one over the unit of `spacing`.
     pub(super) curvature: Vec<f64>,
 }
 

@@ -1,4 +1,5 @@
-//! Shared by the tests of the solver: random parts, materials, processes and orders, and comparisons.
+//! Shared by the tests of the solver: random parts, materials, processes and orders, and
+//! comparisons.
 
 #![allow(dead_code, reason = "no test uses all of it")]
 #![allow(unreachable_pub, reason = "every test is a crate of its own")]
