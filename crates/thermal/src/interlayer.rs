@@ -24,7 +24,7 @@ impl Simulation {
     /// Two beads weld as polymer chains diffuse through their interface, while that is above the
     /// glass transition (Sun, Rizvi, Bellehumeur and Gu 2008, *Rapid Prototyping Journal* 14;
     /// Seppala and Migler 2016, *Additive Manufacturing* 12).
-    /// A warm substrate keeps the interface above it for longer.
+    /// On a warm substrate the interface cools more slowly.
     /// The interface itself starts at about the mean of bead and substrate temperature, so a
     /// substrate below the glass transition is common and not a defect: use these numbers to rank
     /// plans.

@@ -13,8 +13,8 @@ use crate::interval::Interval;
 /// cheaper.
 const UPDATES_PER_POLL: usize = 1 << 18;
 
-/// Follows one call through its intervals: polls the caller's [`Control`], reports the events that
-/// are complete, and knows how much time has passed if the call is interrupted.
+/// Control of one call to the steppers: polls the caller's [`Control`], reports the number of
+/// complete events, and counts the simulated time in case the call is interrupted.
 ///
 /// Steppers poll only while all voxels of the part have reached the same time, so that an
 /// interrupted simulation is in a valid state.

@@ -157,7 +157,7 @@ fn event_by_event_or_all_at_once() {
 }
 
 #[test]
-fn forks_do_not_touch_each_other() {
+fn clones_are_independent() {
     let (mut random, print) = paper_print(5);
     let half = print.events.len() / 2;
     let (first, second) = print.events.split_at(half);

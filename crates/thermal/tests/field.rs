@@ -71,7 +71,7 @@ fn a_field_that_was_read_is_restored_to_the_bit() {
     }
 }
 
-/// Differences from the air are kept in single precision, and may be smaller than °C can show.
+/// The simulation stores differences from the air, which may be smaller than °C can represent.
 #[test]
 fn temperatures_near_that_of_the_air_are_restored_nearly() {
     for seed in 0..8 {
@@ -101,7 +101,7 @@ fn a_print_goes_on_from_a_field() {
         let all = cold.statistics().unwrap();
         assert!(all.count == 2 && (all.max_c - ambient_c).abs() < 1e-9, "{all:?}");
     }
-    // A clone has temperatures of its own.
+    // A clone has its own temperatures.
     let before = bits(&simulation);
     let mut clone = simulation.clone();
     let warmer = simulation.temperatures_c() + 1.0;
@@ -146,11 +146,11 @@ fn wrong_fields_are_refused() {
     }
     assert_eq!(bits(&simulation), before);
 
-    // What stands where nothing is deposited does not matter.
+    // Values where nothing is deposited do not matter.
     let filled = good.mapv(|celsius| if celsius.is_nan() { 1e9 } else { celsius });
     simulation.set_temperatures_c(filled.view()).unwrap();
     assert_eq!(bits(&simulation), before);
-    // Nor does the order of elements in memory.
+    // The memory layout of the array does not matter either.
     let transposed = good.reversed_axes().as_standard_layout().into_owned();
     simulation.set_temperatures_c(transposed.t()).unwrap();
     assert_eq!(bits(&simulation), before);

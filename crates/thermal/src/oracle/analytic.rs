@@ -1,7 +1,7 @@
 //! Bodies whose cooling has an analytic solution.
 //!
-//! Other tests compare one numerical method with another; these measure how far voxels of some size
-//! are from the continuous heat equation.
+//! Other tests compare one numerical method with another; these measure the discretization error of
+//! the voxels.
 //!
 //! The maximum errors over the centres of all voxels, in K, for ABS that starts at 230 °C in air of
 //! 25 °C, with one step of [`Method::Reference`] per deposition:

@@ -74,9 +74,10 @@ impl Simulation {
     /// Deposited voxels need temperatures from -273.15 to 1000 °C.
     /// Recorded substrate temperatures, time and the set of deposited voxels stay as they are.
     ///
-    /// A field that [`Simulation::temperatures_c`] has returned is restored to the bit, but for
-    /// voxels within 10⁻⁶ K of the ambient temperature, which change by at most 10⁻¹³ K: the
-    /// simulation keeps differences from the ambient temperature in single precision.
+    /// Setting a field that [`Simulation::temperatures_c`] has returned restores the same bits.
+    /// Only voxels within 10⁻⁶ K of the ambient temperature may change, by up to 10⁻¹³ K: the
+    /// simulation stores differences from the ambient temperature, whose small values °C in double
+    /// precision cannot represent.
     ///
     /// [`Method::Fast`](super::Method::Fast) takes long steps away from recently deposited voxels
     /// and assumes that temperatures are smooth there, as those of a print are: sharp steps in a

@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn orders_do_not_see_each_other_nor_the_threads() {
+    fn orders_and_threads_are_independent() {
         let (simulation, orders) = layer_and_orders();
         let sample = |end: &Simulation| {
             end.cell_temperatures_c(1).map(|(_, celsius)| celsius.to_bits()).collect::<Vec<_>>()
