@@ -337,7 +337,7 @@ fn bad_input_is_reported_and_leaves_nothing_behind() {
     assert!(
         refused(&["--layer", "0"]).ends_with("the layer height is 0 mm: it must be more than 0")
     );
-    assert!(refused(&["--method", "naive", "--print-mm-s", "1"]).contains("longest stable step"));
+    assert!(refused(&["--method", "naive", "--print-mm-s", "1"]).contains("maximum stable step"));
     let section = ["--section", "x=46", "--section-out", text(folder.path())];
     assert!(
         refused(&section).ends_with("section x=46 lies outside of the part, which ends at 45 mm")
@@ -351,7 +351,7 @@ fn bad_input_is_reported_and_leaves_nothing_behind() {
     };
     assert!(program(b"G1 X1 F600\n").contains("no bead width and layer height"));
     let head = "; extrusion_width = 0.5\n; layer_height = 0.25\n";
-    assert!(program(head.as_bytes()).ends_with("the program lays down no bead of a part"));
+    assert!(program(head.as_bytes()).ends_with("the program extrudes no bead of a part"));
     assert!(program(format!("{head}G20\n").as_bytes()).contains("line 3: inches"));
     let high = format!("{head}M83\nG1 Z1 F600\nG1 X5 E1\n");
     assert!(program(high.as_bytes()).contains("layer 1 is empty"));
