@@ -1,4 +1,4 @@
-//! Has the tests of this package find libtorch.
+//! Lets the tests of this package find libtorch at run time.
 
 mod libtorch;
 

@@ -167,7 +167,7 @@ fn damaged_shards_are_reported() {
         let error =
             fail(&["gen-data", "--preset", "smoke", "--count", "40", "--out", text(folder.path())]);
         assert!(
-            error.contains("shard-00001.bws") && error.contains("remove it"),
+            error.contains("shard-00001.bws") && error.contains("remove the file"),
             "{case}: {error}"
         );
     }
@@ -185,7 +185,7 @@ fn missing_or_wrong_manifest_is_reported() {
     for (change, word) in [
         (whole.replace("\"format_version\": 1", "\"format_version\": 7"), "version 7"),
         ("{".to_owned(), "is not a manifest"),
-        (whole.replace("\"records\": 40", "\"records\": 41"), "contradicts itself"),
+        (whole.replace("\"records\": 40", "\"records\": 41"), "is inconsistent"),
     ] {
         fs::write(&manifest, change).unwrap();
         let error = fail(&["inspect", text(folder.path())]);
@@ -250,7 +250,7 @@ fn wrong_configurations_are_refused() {
     let out = folder.path().join("out");
     for (toml, word) in [
         ("count = 1\ncolour = 'red'", "colour"),
-        ("count = 1\npresets = ['paper']", "config.toml': it needs 'layouts'"),
+        ("count = 1\npresets = ['paper']", "config.toml': no instances"),
         ("count = 1\ncount = 2", "config.toml': line 2: "),
         (
             "count = 1\npresets = ['paper']\nlayouts = [{ name = 'islands' }]\nsizes = ['5x5']",

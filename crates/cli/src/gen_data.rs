@@ -4,8 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
+use beadwork_base::{Control, Progress, Threads};
 use beadwork_console::{cancel, control, output, progress};
-use beadwork_dataset::{Config, Factory, GenerateProgress, GenerateSettings, Slice, generate};
+use beadwork_dataset::{Config, Factory, ShardRange, generate};
 use serde_json::json;
 
 /// Write training data: records of searches in checked, resumable shards.
@@ -40,8 +41,8 @@ pub(crate) struct Args {
     threads: usize,
     /// Make only the I-th of N equal slices.
     /// All slices in one folder equal a whole run; the last one to end writes the manifest.
-    #[arg(long, value_name = "I/N", default_value_t = Slice::WHOLE)]
-    shard: Slice,
+    #[arg(long, value_name = "I/N", default_value_t = ShardRange::ALL)]
+    shard: ShardRange,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
@@ -79,27 +80,28 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         }
         None => Vec::new(),
     };
-    let factory = Factory::new(config, pictures)?;
-
     let bar = progress::bar(0, "gen-data");
-    let observer = |seen: GenerateProgress| {
-        if bar.length() != Some(seen.total) {
-            bar.set_length(seen.total);
-            bar.set_position(seen.kept);
+    let report = |Progress { done, total }: Progress| {
+        if bar.length() != Some(total as u64) {
+            bar.set_length(total as u64);
+            bar.set_position(done as u64);
             bar.reset_eta();
         }
-        bar.set_position(seen.done);
+        bar.set_position(done as u64);
     };
-    let settings = GenerateSettings {
-        slice: args.shard,
-        threads: control::thread_count(args.threads),
-        cancel: cancel::token()?.as_flag(),
-        observer: &observer,
+    let pool = control::pool(args.threads)?;
+    let control = Control {
+        threads: Threads::Pool(&pool),
+        cancel: Some(cancel::token()?),
+        progress: Some(&report),
+        ..Control::default()
     };
-    let generated = generate(&factory, &folder, &settings);
+    let factory = Factory::new(config, pictures, &control)?;
+    let settings = generate::Settings { shards: args.shard };
+    let generated = generate(&factory, &folder, &settings, &control);
     bar.finish_and_clear();
     let generated = generated?;
-    if generated.cancelled {
+    if generated.interrupted.is_some() {
         bail!(
             "stopped; {} trajectories are in '{}', and the same command goes on from there",
             generated.made + generated.kept,
@@ -115,7 +117,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     if args.json {
         return output::json(&json!({
             "out": folder.display().to_string(), "slice": args.shard.to_string(), "made": generated.made, "kept": generated.kept,
-            "missing_shards": generated.missing, "complete": generated.manifest.is_some(),
+            "missing_shards": generated.missing_shards, "complete": generated.manifest.is_some(),
             "moves": moves, "bytes": bytes, "raw_bytes": raw_bytes,
         }));
     }
@@ -132,7 +134,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
             "slice {}: {trajectories} trajectories in '{}'; {} shards of other slices are missing\n",
             args.shard,
             folder.display(),
-            generated.missing
+            generated.missing_shards
         ),
     })
 }

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use anyhow::{Context, bail};
+use beadwork_base::Control;
 use beadwork_console::progress::ProgressBar;
 use beadwork_console::{cancel, control, output, progress};
 use beadwork_dataset::{Dataset, ShardReader, Trajectory, search_times};
@@ -209,7 +210,7 @@ fn verify_block(shard: &Shard, block: u32, bar: &ProgressBar) -> anyhow::Result<
             );
         }
         trajectory
-            .replay()
+            .replay(&Control::default())
             .with_context(|| format!("'{}', trajectory {number}", shard.path.display()))?;
         moves += trajectory.moves.len() as u64;
         bar.inc(1);
@@ -246,7 +247,7 @@ fn write_record(text: &mut String, record: &Trajectory) -> std::fmt::Result {
     )?;
     for (index, step) in record.steps().take(5).enumerate() {
         let mark = if step.effective { "  effective" } else { "" };
-        writeln!(text, "  {index:5}: {:?}  {} -> {}{mark}", step.step, step.before, step.after)?;
+        writeln!(text, "  {index:5}: {:?}  {} -> {}{mark}", step.action, step.before, step.after)?;
     }
     if record.moves.len() > 5 { writeln!(text, "  ...") } else { Ok(()) }
 }

@@ -181,7 +181,7 @@ fn configurations_of_ablations_differ_only_in_the_omitted_part() {
     for name in ["without-history", "without-attention", "classification"] {
         let mut other = read(&format!("ablations/{name}"));
         assert_eq!(other.insert("steps".into(), small["steps"].clone()), Some(2000.into()));
-        let what = other.remove("without").or_else(|| other.remove("loss")).unwrap().to_string();
+        let what = other.remove("ablation").or_else(|| other.remove("loss")).unwrap().to_string();
         assert!(what.contains(name.trim_start_matches("without-")), "{name}: {what}");
         assert_eq!(other, small, "{name}");
     }

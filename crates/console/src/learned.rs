@@ -3,10 +3,11 @@
 use std::path::Path as Folder;
 
 use anyhow::ensure;
+use beadwork_base::Control;
 use beadwork_grid::{Path, Region, Zones};
 use beadwork_learn::fusion::layer::Layer;
-use beadwork_learn::fusion::propose::Asked;
-use beadwork_learn::fusion::walk::{Progress, Task, WalkSettings, walk};
+use beadwork_learn::fusion::propose::NetworkProposer;
+use beadwork_learn::fusion::walk::{self, Status, Task};
 use beadwork_learn::{Cuda, Device};
 use beadwork_search::Stop;
 
@@ -35,7 +36,7 @@ pub fn open(folder: &Folder, region: &Region) -> anyhow::Result<Model> {
 
 /// Checks that a layer of this width and height is within the size the model was built for.
 pub fn check_size(model: &Model, (width, height): (u32, u32)) -> anyhow::Result<()> {
-    let most = model.network.config().places as u32;
+    let most = model.network.config().max_side as u32;
     ensure!(
         width <= most && height <= most,
         "layer is {width} x {height} cells, the network handles at most {most} x {most}"
@@ -54,25 +55,26 @@ pub fn fusion(
     let layer = Layer::new(region, zones);
     let task = Task { layer: &layer, start, target: of.target, seed };
     let bar = progress::bar(of.budget as u64, "moves");
-    let observer = |come: Progress| {
-        bar.set_prefix(format!("{} crossings, moves", come.crossings));
-        bar.set_position(come.made as u64);
+    let observer = |status: Status| {
+        bar.set_prefix(format!("{} crossings, moves", status.crossings));
+        bar.set_position(status.moves as u64);
     };
-    let settings = WalkSettings {
+    let settings = walk::Settings {
         budget: of.budget,
-        cancel: Some(cancel::token()?.as_flag()),
         observer: Some(&observer),
-        ..WalkSettings::default()
+        ..walk::Settings::default()
     };
-    let mut walked = walk(&[task], &mut Asked::new(&of.model.network, Device::Cpu), &settings);
+    let mut proposer = NetworkProposer::new(&of.model.network, Device::Cpu);
+    let control = Control { cancel: Some(cancel::token()?), ..Control::default() };
+    let mut outcomes = walk::solve(&[task], &mut proposer, &settings, &control);
     bar.finish_and_clear();
-    let walked = walked.pop().expect("one task");
+    let walked = outcomes.pop().expect("one task");
     ensure!(walked.stop != Stop::Cancelled, "stopped");
     let row = FusionRow {
         target: of.target,
         reached: walked.stop == Stop::TargetReached,
-        made: walked.made as u64,
-        perturbed: walked.perturbed as u64,
+        made: walked.total_moves as u64,
+        perturbed: walked.random_moves as u64,
     };
     Ok((walked.path, walked.moves.len() as u64, row))
 }

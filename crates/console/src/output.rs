@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use anyhow::Context;
-use beadwork_dataset::write_whole;
+use beadwork_dataset::write_atomic;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
@@ -64,7 +64,7 @@ pub fn file(path: &Path, content: impl AsRef<[u8]>) -> anyhow::Result<()> {
         return fs::write(path, content)
             .with_context(|| format!("cannot write '{}'", path.display()));
     }
-    Ok(write_whole(path, |out| out.write_all(content.as_ref()))?)
+    Ok(write_atomic(path, |out| out.write_all(content.as_ref()))?)
 }
 
 /// Whether the error only means that the reader of a pipe stopped reading.

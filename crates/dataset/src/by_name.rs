@@ -1,4 +1,4 @@
-//! Serde for types that are written as their names.
+//! Serde for types that are serialised as their names, by `Display` and `FromStr`.
 
 use std::fmt::Display;
 use std::str::FromStr;

@@ -1,55 +1,61 @@
-//! Values as bytes: the only place that knows the codec.
+//! Conversion of values to bytes and back: the only file that depends on the codec.
 //!
-//! The wire format is bincode 2's standard one, which is simple enough to be written anew should
-//! the unmaintained crate (RUSTSEC-2025-0141) have to go; the tests hold golden bytes.
-//! All of it is little endian.
-//! `u8`, `i8` and `bool` are one byte.
-//! Wider unsigned integers below 251 are one byte, others a mark 251, 252 or 253 and then 2, 4 or 8
-//! bytes; signed ones become unsigned by zigzag (0, -1, 1, -2 are 0, 1, 2, 3).
-//! Floats are 4 or 8 bytes.
-//! Sequences and strings begin with their length, an option with 0 or 1, an enum with its variant's
-//! number as `u32`.
-//! Structs and tuples are their fields in order, without names.
+//! The wire format is bincode 2's standard one.
+//! The crate is unmaintained (RUSTSEC-2025-0141), but the format is simple enough to be
+//! reimplemented if necessary; the tests hold golden bytes.
+//! - Everything is little endian.
+//! - `u8`, `i8` and `bool` take one byte.
+//! - A wider unsigned integer below 251 takes one byte; others take a marker byte 251, 252 or 253,
+//!   followed by 2, 4 or 8 bytes.
+//! - Signed integers wider than a byte are zigzag-encoded as unsigned ones: 0, -1, 1, -2 become 0,
+//!   1, 2, 3.
+//! - Floats take 4 or 8 bytes.
+//! - Sequences and strings start with their length, an option with 0 or 1, an enum with the number
+//!   of its variant as `u32`.
+//! - Structs and tuples are their fields in order, without names.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
-/// The most bytes one encoded value may have.
+/// Maximum length of one encoded value in bytes.
 pub(crate) const MAX_BYTES: usize = 1 << 26;
 
-/// bincode counts a varint at its full width, up to 16 bytes for each byte of input.
-/// It allocates a string before it sees whether the input is that long: this bounds what a damaged
-/// length can ask for.
-const MAX_CLAIMED: usize = 16 * MAX_BYTES;
+/// Limit on the bytes that bincode counts for one value.
+///
+/// bincode counts a variable-length integer at its full width, up to 16 bytes for a byte of input,
+/// so a valid value may count 16 times its encoded length.
+/// It allocates a string before it checks that the input is long enough; the limit bounds what a
+/// damaged length can allocate.
+const MAX_COUNTED: usize = 16 * MAX_BYTES;
 
-/// Why a value could not become bytes, or bytes a value.
+/// Why a value cannot be encoded or decoded.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CodecError {
-    /// The value has a part that the format can't express, such as a sequence of unknown length.
-    #[error("the value can't be encoded: {0}")]
+    /// The format cannot express the value: it has a sequence of unknown length, for example.
+    #[error("value cannot be encoded: {0}")]
     Unencodable(String),
-    /// The value or the input is too long.
-    #[error("{got} bytes are more than the {max} that one value may have")]
+    /// The encoded value is too long.
+    #[error("encoded value has {got} bytes, at most {max} are allowed")]
     TooLong {
         /// Length in bytes.
         got: usize,
-        /// The most allowed.
+        /// Maximum length in bytes.
         max: usize,
     },
-    /// The bytes are no value of the type asked for.
-    #[error("the bytes are no such value: {0}")]
+    /// The bytes do not encode a value of the requested type.
+    #[error("bytes do not encode a value of this type: {0}")]
     Malformed(String),
-    /// A value was found, but the input goes on.
-    #[error("{left} bytes are left after the value")]
+    /// Bytes follow the value.
+    #[error("{left} bytes follow the value")]
     Trailing {
-        /// Bytes not used.
+        /// Number of these bytes.
         left: usize,
     },
 }
 
-/// The bytes of a value.
+/// Encodes a value.
 pub(crate) fn encode<T: Serialize + ?Sized>(value: &T) -> Result<Vec<u8>, CodecError> {
     let bytes = bincode::serde::encode_to_vec(value, bincode::config::standard())
         .map_err(|error| CodecError::Unencodable(error.to_string()))?;
@@ -57,10 +63,10 @@ pub(crate) fn encode<T: Serialize + ?Sized>(value: &T) -> Result<Vec<u8>, CodecE
     Ok(bytes)
 }
 
-/// The value that `bytes`, all of them, encode.
+/// Decodes a value from all of `bytes`.
 pub(crate) fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, CodecError> {
     check_length(bytes)?;
-    let config = bincode::config::standard().with_limit::<MAX_CLAIMED>();
+    let config = bincode::config::standard().with_limit::<MAX_COUNTED>();
     let (value, used) = bincode::serde::decode_from_slice(bytes, config)
         .map_err(|error| CodecError::Malformed(error.to_string()))?;
     if used < bytes.len() {
@@ -132,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn the_whole_input_must_be_the_value() {
+    fn trailing_and_missing_bytes_are_refused() {
         assert_eq!(decode::<u8>(&[1, 2, 3]), Err(CodecError::Trailing { left: 2 }));
         assert!(matches!(decode::<u32>(&[251, 1]), Err(CodecError::Malformed(_))));
         assert!(matches!(decode::<bool>(&[2]), Err(CodecError::Malformed(_))));
@@ -151,12 +157,16 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig {
+            failure_persistence: None,
+            ..ProptestConfig::default()
+        })]
 
         #[test]
         fn decode_undoes_encode(value: (u64, i64, Vec<Option<i16>>, String, Vec<u8>)) {
+            type Value = (u64, i64, Vec<Option<i16>>, String, Vec<u8>);
             let bytes = encode(&value).unwrap();
-            prop_assert_eq!(decode::<(u64, i64, Vec<Option<i16>>, String, Vec<u8>)>(&bytes).unwrap(), value);
+            prop_assert_eq!(decode::<Value>(&bytes).unwrap(), value);
         }
 
         #[test]

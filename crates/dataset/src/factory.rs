@@ -2,167 +2,94 @@
 
 use std::collections::HashSet;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
-use beadwork_base::{Control, Interrupted};
-use beadwork_grid::{Crossings, LayoutError, LayoutSpec, Path, Region, Start, StartError, Zones};
-use beadwork_part::{Picture, PictureError};
-use beadwork_search::{Move, anneal, bound, chains, genetic};
+use beadwork_base::Control;
+use beadwork_grid::{Crossings, LayoutError, LayoutSpec};
+use beadwork_search::bound;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 use sha2::{Digest, Sha256};
-use thiserror::Error;
 
-use crate::config::{Config, ConfigError, Size, StartChoice};
+use crate::config::{Config, ConfigError};
 use crate::manifest::fingerprint;
 use crate::shard::hex;
-use crate::source::Search;
-use crate::trajectory::{DrawError, Instance, Moves, Trajectory};
+use crate::stratum::{FactoryError, InstanceSource, PictureSource, SearchResult, Stratum};
+use crate::trajectory::{DrawError, Moves, Trajectory};
 
 /// A configuration with its pictures, ready to make trajectories.
 ///
-/// Trajectory i depends on the configuration, the pictures and i alone: it has a random stream of
-/// its own.
+/// Trajectory i depends on the configuration, the pictures and i alone: it has its own random
+/// stream.
 #[derive(Debug)]
 pub struct Factory {
     config: Config,
-    echo: serde_json::Value,
+    resolved: serde_json::Value,
     strata: Vec<Stratum>,
     fingerprint: u64,
 }
 
-/// Times that an instance without room for its islands is drawn anew.
+/// Maximum number of further attempts to draw an instance whose islands found no room.
 const MAX_REDRAWS: u32 = 100;
 
-/// One combination of instance, preset and start.
-#[derive(Debug)]
-struct Stratum {
-    drawn: Drawn,
-    search: Search,
-    start: StartChoice,
-    name: String,
-}
-
-/// What instances are drawn from.
-#[derive(Clone, Debug)]
-enum Drawn {
-    Layout(LayoutSpec, Size),
-    Picture(Arc<PictureSource>),
-}
-
-/// What a search found.
-struct Found {
-    /// Crossings of the start.
-    initial: u32,
-    /// Crossings of the best path.
-    best: u32,
-    /// The moves to it.
-    moves: Vec<Move>,
-}
-
-/// A picture with what all its trajectories share.
-#[derive(Debug)]
-struct PictureSource {
-    name: String,
-    region: Region,
-    zones: Zones,
-    cover: Path,
-}
-
-/// Why a [`Factory`] can't work.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum FactoryError {
-    /// The configuration contradicts itself.
-    #[error(transparent)]
-    Config(#[from] ConfigError),
-    /// A picture can't be read.
-    #[error("picture '{name}.png'")]
-    Picture {
-        /// Its file's name, without extension.
-        name: String,
-        /// What is wrong with it.
-        source: PictureError,
-    },
-    /// There are no pictures.
-    #[error("there are no PNG pictures to search")]
-    NoPictures,
-    /// A layout can't be drawn in a size.
-    #[error("{stratum}: {cause}")]
-    Draw {
-        /// The combination, as in the manifest.
-        stratum: String,
-        /// What is wrong with it.
-        cause: DrawError,
-    },
-    /// A start does not exist on an instance.
-    #[error("{stratum}: {cause}")]
-    Start {
-        /// The combination, as in the manifest.
-        stratum: String,
-        /// Where it breaks.
-        cause: StartError,
-    },
-    /// The control ended the call.
-    #[error(transparent)]
-    Interrupted(#[from] Interrupted),
-}
-
 impl Factory {
-    /// Takes a configuration, and the pictures of its folder if it names one: their names and their
-    /// files' bytes.
+    /// Takes a configuration, and the pictures of its folder if it names one: names of the files
+    /// without extension, and their bytes.
     ///
-    /// Every combination is tried once, so that an impossible one is found before hours of work.
-    pub fn new(config: Config, mut pictures: Vec<(String, Vec<u8>)>) -> Result<Self, FactoryError> {
+    /// Draws one instance of every combination, so that an impossible combination is found now
+    /// rather than after hours of work.
+    /// No progress is reported.
+    pub fn new(
+        config: Config,
+        mut pictures: Vec<(String, Vec<u8>)>,
+        control: &Control<'_>,
+    ) -> Result<Self, FactoryError> {
         config.check()?;
         pictures.sort();
-        let mut echo = serde_json::to_value(&config).expect("a configuration is plain data");
-        let sources: Vec<Drawn> = if config.pictures.is_some() {
+        let control = control.without_progress();
+        let mut resolved = serde_json::to_value(&config).expect("a configuration is plain data");
+        let sources: Vec<InstanceSource> = if config.pictures.is_some() {
             if pictures.is_empty() {
                 return Err(FactoryError::NoPictures);
             }
-            // The pictures count, not the folder they came from: two machines may keep them in two
-            // places.
+            // The fingerprint covers the pictures instead of their folder: the same pictures in
+            // another folder give the same dataset.
             let listed = pictures.iter().map(
                 |(name, bytes)| json!({ "name": name, "sha256": hex(&Sha256::digest(bytes)) }),
             );
-            echo["pictures"] = listed.collect();
+            resolved["pictures"] = listed.collect();
             let read = |(name, bytes): &(String, Vec<u8>)| {
-                picture(name, bytes).map(|it| Drawn::Picture(Arc::new(it)))
+                let picture = PictureSource::new(name, bytes, &control)?;
+                Ok(InstanceSource::Picture(Arc::new(picture)))
             };
-            pictures.iter().map(read).collect::<Result<_, _>>()?
+            pictures.iter().map(read).collect::<Result<_, FactoryError>>()?
         } else {
-            let sizes = |layout: LayoutSpec| {
-                config.sizes.iter().map(move |&size| Drawn::Layout(layout, size))
+            let in_all_sizes = |layout: LayoutSpec| {
+                config.sizes.iter().map(move |&size| InstanceSource::Layout(layout, size))
             };
-            config.layouts.iter().flat_map(|layout| sizes(layout.spec())).collect()
+            config.layouts.iter().flat_map(|layout| in_all_sizes(layout.spec())).collect()
         };
 
         let searches = config.searches().map_err(ConfigError::from)?;
+        let name_the_start = config.starts.len() > 1;
         let mut strata = Vec::new();
         for source in sources {
             for &search in &searches {
                 for start in &config.starts {
-                    strata.push(Stratum::new(
-                        source.clone(),
-                        search,
-                        start.0,
-                        config.starts.len() > 1,
-                    ));
+                    strata.push(Stratum::new(source.clone(), search, start.0, name_the_start));
                 }
             }
         }
         let mut names = HashSet::new();
-        if let Some(twice) = strata.iter().find(|stratum| !names.insert(&stratum.name)) {
-            return Err(ConfigError::Twice(twice.name.clone()).into());
+        if let Some(duplicate) = strata.iter().find(|stratum| !names.insert(&stratum.name)) {
+            return Err(ConfigError::Duplicate(duplicate.name.clone()).into());
         }
         for stratum in &strata {
             let (_, region, _) = stratum.draw(0)?;
-            stratum.start(&region)?;
+            stratum.start(&region, &control)?;
         }
-        let fingerprint = fingerprint(env!("CARGO_PKG_VERSION"), &echo);
-        Ok(Self { config, echo, strata, fingerprint })
+        let fingerprint = fingerprint(env!("CARGO_PKG_VERSION"), &resolved);
+        Ok(Self { config, resolved, strata, fingerprint })
     }
 
     /// The configuration it was made from.
@@ -170,22 +97,23 @@ impl Factory {
         &self.config
     }
 
-    /// The configuration with all defaults, and with the pictures' checksums in place of their
-    /// folder.
-    pub fn echo(&self) -> &serde_json::Value {
-        &self.echo
+    /// The resolved configuration: all defaults filled in, and the pictures' checksums in place of
+    /// their folder.
+    pub fn resolved_config(&self) -> &serde_json::Value {
+        &self.resolved
     }
 
-    /// A number that tells configurations and versions of this crate apart.
+    /// Hash of the resolved configuration and this crate's version, by which shards of another
+    /// dataset are recognised.
     pub fn fingerprint(&self) -> u64 {
         self.fingerprint
     }
 
-    /// The combinations with the number of trajectories of each.
+    /// The names of the combinations, with the number of trajectories of each.
     pub fn strata(&self) -> impl Iterator<Item = (&str, u64)> {
         let (count, strata) = (self.config.count, self.strata.len() as u64);
-        (0..).zip(&self.strata).map(move |(place, stratum)| {
-            (stratum.name.as_str(), count / strata + u64::from(place < count % strata))
+        (0..).zip(&self.strata).map(move |(index, stratum)| {
+            (stratum.name.as_str(), count / strata + u64::from(index < count % strata))
         })
     }
 
@@ -198,15 +126,18 @@ impl Factory {
         &self.strata[(index % self.strata.len() as u64) as usize]
     }
 
-    /// Runs the search of one number; `None` if it was cancelled.
+    /// Runs the search of one trajectory.
     ///
-    /// Costs what the search does: 1 to 20 ms with the paper's annealers and sizes, seconds with
+    /// Costs what the search costs: 1 to 20 ms with the paper's annealers and sizes, seconds with
     /// the genetic algorithm.
+    /// Works on the calling thread and reports no progress: trajectories are to be made in
+    /// parallel.
     pub fn trajectory(
         &self,
         index: u64,
-        cancel: &AtomicBool,
-    ) -> Result<Option<Trajectory>, FactoryError> {
+        control: &Control<'_>,
+    ) -> Result<Trajectory, FactoryError> {
+        let control = control.on_one_thread().without_progress();
         let stratum = self.stratum_of(index);
         let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
         rng.set_stream(index);
@@ -214,7 +145,7 @@ impl Factory {
         let mut redraws = 0;
         let (instance, region, zones) = loop {
             match stratum.draw(instance_seed) {
-                // A crowded layout finds room for its islands with some seeds only.
+                // A crowded layout has room for its islands with some seeds only.
                 Err(FactoryError::Draw {
                     cause: DrawError::Layout(LayoutError::NoRoom { .. }),
                     ..
@@ -225,13 +156,13 @@ impl Factory {
                 drawn => break drawn?,
             }
         };
-        let (start, path) = stratum.start(&region)?;
+        let (start, path) = stratum.start(&region, &control)?;
         let crossings = Crossings::new(&region, &zones);
         let pieces = path.pieces();
         let bound = bound::components(&region, &zones, pieces);
-        let found = stratum.run(path, &crossings, bound, seed, cancel);
-        let Some(Found { initial, best, moves }) = found else { return Ok(None) };
-        Ok(Some(Trajectory {
+        let SearchResult { initial, best, moves } =
+            stratum.run(&path, &crossings, bound, seed, &control)?;
+        Ok(Trajectory {
             index,
             instance,
             width: region.width() as u16,
@@ -245,112 +176,39 @@ impl Factory {
             best,
             bound: Some(bound),
             moves: Moves::record(&moves, &crossings, region.width()),
-        }))
-    }
-}
-
-impl Stratum {
-    fn new(drawn: Drawn, search: Search, start: StartChoice, name_the_start: bool) -> Self {
-        let instance = match &drawn {
-            Drawn::Layout(spec, size) if *spec == LayoutSpec::new(spec.layout) => {
-                format!("{}/{size}", spec.layout)
-            }
-            Drawn::Layout(spec, size) => {
-                format!("{}-{}-{}/{size}", spec.layout, spec.zones, spec.side)
-            }
-            Drawn::Picture(picture) => picture.name.clone(),
-        };
-        let start_name = if name_the_start { format!("/{start}") } else { String::new() };
-        Self { drawn, search, start, name: format!("{instance}/{search}{start_name}") }
-    }
-
-    fn draw(&self, seed: u64) -> Result<(Instance, Region, Zones), FactoryError> {
-        match &self.drawn {
-            &Drawn::Layout(LayoutSpec { layout, zones, side }, size) => {
-                let seed = if layout.is_random() { seed } else { 0 };
-                let instance = Instance::Layout { layout, side, zones, seed };
-                let drawn = instance.draw(size.width, size.height);
-                let (region, zones) = drawn
-                    .map_err(|cause| FactoryError::Draw { stratum: self.name.clone(), cause })?;
-                Ok((instance, region, zones))
-            }
-            Drawn::Picture(picture) => {
-                let ids = picture.zones.ids().to_vec();
-                let instance = Instance::Picture { name: picture.name.clone(), ids };
-                Ok((instance, picture.region.clone(), picture.zones.clone()))
-            }
-        }
-    }
-
-    /// Searches from a path; `None` if it was cancelled.
-    fn run(
-        &self,
-        path: Path,
-        crossings: &Crossings,
-        bound: u32,
-        seed: u64,
-        cancel: &AtomicBool,
-    ) -> Option<Found> {
-        let proven_bound = Some(i64::from(bound));
-        let is_cancelled = || cancel.load(Ordering::Relaxed);
-        let control = &Control { time_is_up: Some(&is_cancelled), ..Control::default() };
-        let (stop, initial, best, moves) = match self.search {
-            Search::Anneal(preset) => {
-                let settings =
-                    anneal::Settings { proven_bound, ..anneal::Settings::preset(preset, seed) };
-                let outcome = anneal::solve(&path, crossings, &settings, control);
-                (outcome.stop, outcome.initial, outcome.cost, outcome.moves)
-            }
-            Search::Genetic(preset) => {
-                let settings =
-                    genetic::Settings { proven_bound, ..genetic::Settings::preset(preset, seed) };
-                let outcome = genetic::solve(&path, crossings, &settings, control);
-                (outcome.stop, outcome.initial, outcome.cost, outcome.moves)
-            }
-            Search::Chains(preset) => {
-                let settings =
-                    chains::Settings { proven_bound, ..chains::Settings::preset(preset, seed) };
-                let outcome = chains::solve(&path, crossings, &settings, control);
-                (outcome.stop, outcome.initial, outcome.cost, outcome.moves)
-            }
-        };
-        (!stop.is_interrupted()).then_some(Found {
-            initial: initial as u32,
-            best: best as u32,
-            moves,
         })
     }
-
-    fn start(&self, region: &Region) -> Result<(Start, Path), FactoryError> {
-        let cover = || match &self.drawn {
-            Drawn::Picture(picture) => Ok(picture.cover.clone()),
-            Drawn::Layout(..) => beadwork_grid::cover(region, &Control::default()),
-        };
-        let start = self.start.path(region, cover);
-        start.map_err(|cause| FactoryError::Start { stratum: self.name.clone(), cause })
-    }
-}
-
-fn picture(name: &str, bytes: &[u8]) -> Result<PictureSource, FactoryError> {
-    let Picture { region, zones, .. } = Picture::from_png(bytes)
-        .map_err(|source| FactoryError::Picture { name: name.to_owned(), source })?;
-    let cover = beadwork_grid::cover(&region, &Control::default())?;
-    Ok(PictureSource { name: name.to_owned(), region, zones, cover })
 }
 
 #[cfg(test)]
 mod tests {
+    use beadwork_base::{CancelToken, Interrupted};
+
     use super::*;
 
-    static NEVER: AtomicBool = AtomicBool::new(false);
+    fn new(config: Config, pictures: Vec<(String, Vec<u8>)>) -> Result<Factory, FactoryError> {
+        Factory::new(config, pictures, &Control::default())
+    }
 
     fn factory(toml: &str) -> Factory {
-        Factory::new(Config::from_toml(toml).unwrap(), Vec::new()).unwrap()
+        new(Config::from_toml(toml).unwrap(), Vec::new()).unwrap()
+    }
+
+    fn make(factory: &Factory, index: u64) -> Trajectory {
+        factory.trajectory(index, &Control::default()).unwrap()
+    }
+
+    fn assert_cancellable(factory: &Factory) {
+        let cancel = CancelToken::new();
+        cancel.cancel();
+        let control = Control { cancel: Some(&cancel), ..Control::default() };
+        let error = factory.trajectory(0, &control).unwrap_err();
+        assert!(matches!(error, FactoryError::Interrupted(Interrupted::Cancelled)), "{error}");
     }
 
     #[test]
     fn strata_share_the_trajectories() {
-        let factory = Factory::new(Config::preset("paper").unwrap(), Vec::new()).unwrap();
+        let factory = new(Config::preset("paper").unwrap(), Vec::new()).unwrap();
         let strata: Vec<_> = factory.strata().collect();
         assert_eq!(strata.len(), 4 * 6 * 5);
         assert_eq!(strata.iter().map(|(_, count)| count).sum::<u64>(), 22_111);
@@ -360,17 +218,24 @@ mod tests {
     }
 
     #[test]
-    fn a_number_names_one_trajectory_that_replays() {
+    fn each_number_gives_one_trajectory_that_replays() {
         let factory = factory(
-            "count = 40\nsizes = ['12x9', '8x20']\npresets = ['short', 'fast']\nstarts = ['spiral', 'cover']\n\
-             layouts = [{ name = 'voronoi' }, { name = 'islands', zones = 3, side = 3 }, { name = 'checkerboard' }]",
+            "count = 40
+sizes = ['12x9', '8x20']
+presets = ['short', 'fast']
+starts = ['spiral', 'cover']
+layouts = [
+    { name = 'voronoi' },
+    { name = 'islands', zones = 3, side = 3 },
+    { name = 'checkerboard' },
+]",
         );
         for index in [0, 1, 2, 3, 7, 12, 23] {
-            let first = factory.trajectory(index, &NEVER).unwrap().unwrap();
-            assert_eq!(factory.trajectory(index, &NEVER).unwrap().unwrap(), first);
-            first.replay().unwrap();
+            let first = make(&factory, index);
+            assert_eq!(make(&factory, index), first);
+            first.replay(&Control::default()).unwrap();
         }
-        let seeds = [0, 24].map(|index| factory.trajectory(index, &NEVER).unwrap().unwrap().seed);
+        let seeds = [0, 24].map(|index| make(&factory, index).seed);
         assert_ne!(seeds[0], seeds[1], "trajectories of one stratum differ");
     }
 
@@ -382,27 +247,27 @@ mod tests {
         );
         assert_eq!(factory.stratum(0), "voronoi/12x9/genetic_short");
         for index in 0..2 {
-            let trajectory = factory.trajectory(index, &NEVER).unwrap().unwrap();
+            let trajectory = make(&factory, index);
             assert_eq!(trajectory.search.to_string(), "genetic_short");
             assert!(trajectory.best < trajectory.initial);
-            trajectory.replay().unwrap();
+            trajectory.replay(&Control::default()).unwrap();
         }
-        assert_eq!(factory.trajectory(0, &AtomicBool::new(true)).unwrap(), None);
+        assert_cancellable(&factory);
     }
 
     #[test]
-    fn chains_replay_too() {
+    fn trajectories_of_chains_replay_too() {
         let factory = factory(
             "count = 4\nsource = 'chains'\nsizes = ['16x14']\npresets = ['plain', 'noisy']\n\
              layouts = [{ name = 'voronoi' }, { name = 'stripes' }]",
         );
         assert_eq!(factory.stratum(1), "voronoi/16x14/chains_noisy");
         for index in 0..4 {
-            let trajectory = factory.trajectory(index, &NEVER).unwrap().unwrap();
+            let trajectory = make(&factory, index);
             assert!(trajectory.best < trajectory.initial);
-            trajectory.replay().unwrap();
+            trajectory.replay(&Control::default()).unwrap();
         }
-        assert_eq!(factory.trajectory(0, &AtomicBool::new(true)).unwrap(), None);
+        assert_cancellable(&factory);
     }
 
     #[test]
@@ -411,28 +276,46 @@ mod tests {
         let islands = config(
             "count = 1\nlayouts = [{ name = 'islands' }]\nsizes = ['9x9']\npresets = ['paper']",
         );
-        let error = Factory::new(islands, Vec::new()).unwrap_err().to_string();
+        let error = new(islands, Vec::new()).unwrap_err().to_string();
         assert!(
             error.starts_with("islands/9x9/paper: islands layout: found no room for 3 islands"),
             "{error}"
         );
         let pictures = config("count = 1\npictures = 'x'\npresets = ['paper']");
-        assert!(matches!(
-            Factory::new(pictures.clone(), Vec::new()),
-            Err(FactoryError::NoPictures)
-        ));
-        let error = Factory::new(pictures, vec![("a".to_owned(), b"text".to_vec())]).unwrap_err();
+        assert!(matches!(new(pictures.clone(), Vec::new()), Err(FactoryError::NoPictures)));
+        let error = new(pictures, vec![("a".to_owned(), b"text".to_vec())]).unwrap_err();
         assert_eq!(error.to_string(), "picture 'a.png'");
         let twice = config(
-            "count = 1\nlayouts = [{ name = 'stripes' }]\nsizes = ['9x9', '9x9']\npresets = ['paper']",
+            "count = 1\nlayouts = [{ name = 'stripes' }]\n\
+             sizes = ['9x9', '9x9']\npresets = ['paper']",
         );
-        let error = Factory::new(twice, Vec::new()).unwrap_err();
+        let error = new(twice, Vec::new()).unwrap_err();
         assert_eq!(error.to_string(), "'stripes/9x9/paper' is listed twice");
     }
 
+    /// Fingerprints of existing datasets must not change: `models/fusion-small` names the one of
+    /// `chains`, which it was trained on.
     #[test]
-    fn the_fingerprint_tells_configurations_apart() {
-        let text = "count = 3\nlayouts = [{ name = 'left_right' }]\nsizes = ['5x5']\npresets = ['short']\n";
+    fn fingerprints_of_version_0_1_0_are_unchanged() {
+        let of_preset = |name: &str| {
+            format!(
+                "{:016x}",
+                fingerprint(
+                    "0.1.0",
+                    new(Config::preset(name).unwrap(), Vec::new()).unwrap().resolved_config()
+                )
+            )
+        };
+        assert_eq!(of_preset("chains"), "f34550eae97522d5");
+    }
+
+    #[test]
+    fn the_fingerprint_depends_on_the_configuration() {
+        let text = "count = 3
+layouts = [{ name = 'left_right' }]
+sizes = ['5x5']
+presets = ['short']
+";
         assert_eq!(factory(text).fingerprint(), factory(text).fingerprint());
         assert_ne!(
             factory(text).fingerprint(),
@@ -441,10 +324,10 @@ mod tests {
     }
 
     #[test]
-    fn a_cancelled_search_leaves_nothing() {
+    fn a_cancelled_search_is_an_error() {
         let factory = factory(
             "count = 3\nlayouts = [{ name = 'voronoi' }]\nsizes = ['30x30']\npresets = ['paper']",
         );
-        assert_eq!(factory.trajectory(0, &AtomicBool::new(true)).unwrap(), None);
+        assert_cancellable(&factory);
     }
 }

@@ -1,4 +1,5 @@
-//! Files that are whole or absent, whenever the program or the machine stops.
+//! Atomic writing of files: a crash of the program or the machine leaves the old file or the new
+//! one, never a part.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -7,12 +8,12 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// Why something could not be done with a file or folder.
+/// A file or folder cannot be read, written, locked, listed or removed.
 /// The message names it and gives the cause, on one line.
 #[derive(Debug, Error)]
 #[error("cannot {action} '{path}': {cause}", path = path.display())]
 pub struct FileError {
-    /// What was to be done: "read", "write", "lock", "list" or "remove".
+    /// The action that failed: "read", "write", "lock", "list" or "remove".
     pub action: &'static str,
     /// The file or folder.
     pub path: PathBuf,
@@ -26,20 +27,19 @@ impl FileError {
     }
 }
 
-/// Writes a file that is whole or absent.
+/// Writes a file atomically, replacing an existing one.
 ///
-/// `write` fills a temporary file, `.NAME.PROCESS.partial` in the same folder, which gets its name
-/// only when all of its bytes are on disk; a file of that name is replaced.
-/// On an error, and when `write` panics, the temporary file is removed and whatever had the name
-/// stays.
+/// `write` fills a temporary file, `.NAME.PROCESS.partial` in the same folder, which is renamed
+/// once all of its bytes are on disk.
+/// If `write` fails or panics, the temporary file is removed and an existing file stays as it is.
 /// A killed process leaves the temporary file behind.
 ///
-/// `write` can report errors of its own kind with [`io::Error::other`].
-pub fn write_whole<T>(
+/// `write` reports errors that are not I/O errors with [`io::Error::other`].
+pub fn write_atomic<T>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>,
 ) -> Result<T, FileError> {
-    write_whole_at(path, |partial| {
+    write_atomic_at(path, |partial| {
         let mut out = BufWriter::new(File::create(partial)?);
         let value = write(&mut out)?;
         out.into_inner().map_err(io::IntoInnerError::into_error)?;
@@ -47,9 +47,9 @@ pub fn write_whole<T>(
     })
 }
 
-/// [`write_whole`] for those who can only write to a path: `write` makes the temporary file at the
-/// one it is given.
-pub fn write_whole_at<T>(
+/// [`write_atomic`] for libraries that write to a path: `write` creates the temporary file at the
+/// path that it is given.
+pub fn write_atomic_at<T>(
     path: &Path,
     write: impl FnOnce(&Path) -> io::Result<T>,
 ) -> Result<T, FileError> {
@@ -61,7 +61,7 @@ fn try_write<T>(path: &Path, write: impl FnOnce(&Path) -> io::Result<T>) -> io::
     let name = path.file_name().ok_or_else(no_name)?;
     let mut partial_name = OsString::from(".");
     partial_name.push(name);
-    // Two processes that make the same file must not fill one temporary file together.
+    // Two processes that write the same file must not share a temporary file.
     partial_name.push(format!(".{}.partial", std::process::id()));
     let partial = Partial { path: path.with_file_name(partial_name) };
     let value = write(&partial.path)?;
@@ -78,27 +78,27 @@ struct Partial {
 
 impl Drop for Partial {
     fn drop(&mut self) {
-        // It is gone when all went well, and an error on the way out would hide the one that
-        // matters.
+        // After a successful rename there is nothing to remove; after a failure, the first error is
+        // the one to report.
         let _ = fs::remove_file(&self.path);
     }
 }
 
-/// Makes sure that a rename survives a power cut.
+/// Flushes the folder's entries to disk, so that a rename survives a power failure.
 #[cfg(unix)]
 fn sync_folder(path: &Path) -> io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     File::open(folder.unwrap_or(Path::new(".")))?.sync_all()
 }
 
-/// Elsewhere folders can't be opened as files, and renames are left to the file system.
+/// On other systems folders cannot be opened as files; renames depend on the file system.
 #[cfg(not(unix))]
 fn sync_folder(_: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Removes the temporary files that killed runs left in a folder; no other process may be writing
-/// there.
+/// Removes the temporary files of killed processes from a folder.
+/// No other process may be writing there.
 pub(crate) fn remove_partials(folder: &Path) -> Result<(), FileError> {
     let list_error = |cause| FileError::new("list", folder, cause);
     for entry in fs::read_dir(folder).map_err(list_error)? {
@@ -134,11 +134,11 @@ mod tests {
     }
 
     #[test]
-    fn a_whole_file_replaces_the_old_one() {
+    fn a_complete_file_replaces_the_old_one() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.txt");
         for content in ["first, longer", "second"] {
-            let given = write_whole(&path, |out| {
+            let given = write_atomic(&path, |out| {
                 assert!(names(folder.path())[0].starts_with(".a.txt."));
                 out.write_all(content.as_bytes())?;
                 Ok(content.len())
@@ -153,24 +153,24 @@ mod tests {
     fn errors_name_the_file_and_leave_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.txt");
-        write_whole(&path, |out| out.write_all(b"old")).unwrap();
+        write_atomic(&path, |out| out.write_all(b"old")).unwrap();
         let full = |out: &mut BufWriter<File>| {
             out.write_all(&vec![0; 100_000])?;
             Err::<(), _>(io::Error::other("no space left"))
         };
-        let error = write_whole(&path, full).unwrap_err();
+        let error = write_atomic(&path, full).unwrap_err();
         assert_eq!(error.to_string(), format!("cannot write '{}': no space left", path.display()));
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(names(folder.path()), ["a.txt"]);
 
         let missing = folder.path().join("none").join("b.txt");
-        let error = write_whole(&missing, |_| Ok(())).unwrap_err();
+        let error = write_atomic(&missing, |_| Ok(())).unwrap_err();
         assert_eq!(
             (error.path.as_path(), error.cause.kind()),
             (&*missing, io::ErrorKind::NotFound)
         );
         assert_eq!(
-            write_whole(Path::new("/"), |_| Ok(())).unwrap_err().to_string(),
+            write_atomic(Path::new("/"), |_| Ok(())).unwrap_err().to_string(),
             "cannot write '/': the path names no file"
         );
     }
@@ -180,10 +180,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let taken = folder.path().join("taken");
         fs::create_dir(&taken).unwrap();
-        assert_eq!(write_whole(&taken, |_| Ok(())).unwrap_err().path, taken);
+        assert_eq!(write_atomic(&taken, |_| Ok(())).unwrap_err().path, taken);
         let path = folder.path().join("a.txt");
         let panicked =
-            std::panic::catch_unwind(|| write_whole::<()>(&path, |_| panic!("on purpose")));
+            std::panic::catch_unwind(|| write_atomic::<()>(&path, |_| panic!("on purpose")));
         assert!(panicked.is_err());
         assert_eq!(names(folder.path()), ["taken"]);
     }

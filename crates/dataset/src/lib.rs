@@ -1,60 +1,74 @@
-//! Trajectories of searches as checked, resumable files, and the factory that makes them.
+//! Datasets of recorded searches: checked files that can be continued after an interruption, and
+//! the factory that makes them.
 //!
-//! A dataset is a folder: **shards**, files of records in compressed **blocks** ([`ShardWriter`],
-//! [`ShardReader`]), and a **manifest** that lists them and is written last ([`Manifest`]).
-//! [`Dataset`] reads it, in order or shuffled for training.
+//! # Terms
+//! A **trajectory** is the record of one search: its instance, its start path, and every move that
+//! led to the best path.
+//! An **instance** is a layer with zones, drawn from a layout or read from a picture.
+//! A **stratum** is a combination of instance, preset and start; a dataset has equal shares of all
+//! strata.
+//! A **shard** is a file of records in compressed **blocks**.
+//! A **manifest** lists the shards; it is written last, so a folder without one is unfinished.
 //!
-//! A [`Config`] says which searches to record, a [`Factory`] runs each of them from its number
-//! alone, [`generate()`] fills a folder with their [`Trajectory`] records.
-//! Every trajectory can be replayed and checked ([`Trajectory::replay`]).
+//! # Overview
+//! - [`Config`] describes a dataset; a [`Factory`] makes each of its trajectories from its number
+//!   alone; [`generate()`] fills a folder with them, in parallel.
+//! - [`Dataset`] reads a folder: in order, or shuffled for training.
+//! - [`Trajectory`] can be replayed and checked ([`Trajectory::replay`]), and converted to
+//!   `ndarray` arrays ([`Trajectory::arrays`]).
+//! - [`ShardWriter`] and [`ShardReader`] store records of any type; [`write_atomic`] writes files
+//!   that are complete or absent.
 //!
+//! # Make a dataset and read it
 //! ```
-//! use std::sync::atomic::AtomicBool;
-//!
-//! use beadwork_dataset::{Config, Dataset, Factory, GenerateSettings, Slice, Trajectory, generate};
+//! use beadwork_base::{Control, Threads};
+//! use beadwork_dataset::{Config, Dataset, Factory, Trajectory, generate};
 //!
 //! let folder = tempfile::tempdir()?;
 //! let config = Config { count: 4, ..Config::preset("smoke").unwrap() };
-//! let factory = Factory::new(config, Vec::new())?;
-//! let cancel = AtomicBool::new(false);
-//! let settings = GenerateSettings { slice: Slice::WHOLE, threads: 1, cancel: &cancel, observer: &|_| {} };
-//! generate(&factory, folder.path(), &settings)?;
+//! let control = Control::on(Threads::Current);
+//! let factory = Factory::new(config, Vec::new(), &control)?;
+//! generate(&factory, folder.path(), &generate::Settings::default(), &control)?;
 //!
 //! for trajectory in Dataset::open(folder.path())?.records::<Trajectory>() {
-//!     let best = trajectory?.replay()?;
+//!     let best = trajectory?.replay(&Control::default())?;
 //!     assert_eq!(best.pieces(), 1);
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! # Limits
-//! This crate reads and writes files and measures how long searches take; nothing it computes
-//! depends on either.
+//! This crate reads and writes files, measures how long searches take, and starts one thread that
+//! writes shards; no result depends on these.
+//! It has no features.
 
 mod by_name;
 mod codec;
 mod config;
 mod factory;
 mod file;
-mod generate;
+pub mod generate;
 mod manifest;
 mod shard;
+mod size;
 mod source;
+mod start_choice;
+mod stratum;
 mod stream;
 mod trajectory;
 
 pub use codec::CodecError;
-pub use config::{Config, ConfigError, LayoutConfig, Named, Size, SizeError, StartChoice};
-pub use factory::{Factory, FactoryError};
-pub use file::{FileError, write_whole, write_whole_at};
-pub use generate::{
-    GenerateError, GenerateProgress, GenerateSettings, Generated, Slice, SliceError, generate,
-    search_times,
-};
+pub use config::{Config, ConfigError, LayoutConfig, Named};
+pub use factory::Factory;
+pub use file::{FileError, write_atomic, write_atomic_at};
+pub use generate::{GenerateError, ShardRange, ShardRangeError, generate, search_times};
 pub use manifest::{Manifest, ManifestError, ShardEntry};
 pub use shard::{
     Block, PackError, Record, ShardError, ShardHeader, ShardReader, ShardSummary, ShardWriter,
 };
-pub use source::{ForeignPreset, PresetName, Search, Source, UnknownPresetName, UnknownSource};
+pub use size::{Size, SizeError};
+pub use source::{PresetName, Search, Source};
+pub use start_choice::StartChoice;
+pub use stratum::FactoryError;
 pub use stream::{Dataset, DatasetError, Shuffled};
-pub use trajectory::{DrawError, Instance, Moves, ReplayError, Step, Trajectory};
+pub use trajectory::{DrawError, Instance, Moves, ReplayError, Step, Trajectory, TrajectoryArrays};

@@ -1,4 +1,4 @@
-//! The list of what a dataset holds, written when all of it is there.
+//! The manifest of a dataset: lists its shards, and is written when all of them are complete.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -8,30 +8,30 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
-use crate::file::{self, FileError, write_whole};
+use crate::file::{self, FileError, write_atomic};
 use crate::shard::ShardSummary;
 
-/// What a dataset holds and what it was made from.
+/// Contents of a dataset, and the configuration it was made from.
 ///
-/// It has neither times nor facts about a machine: the same run gives the same bytes.
+/// It contains no times and no facts about a machine, so equal datasets have equal manifests.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
-    /// Version of the manifest's format: [`Manifest::FORMAT_VERSION`].
+    /// Version of the manifest's format, [`Manifest::FORMAT_VERSION`].
     pub format_version: u32,
-    /// Name of the records' schema, such as "trajectories".
+    /// Name of the records' schema: "trajectories".
     pub schema: String,
     /// Version of the crate that made the dataset.
     pub crate_version: String,
-    /// The seed it was made from.
+    /// Seed of the dataset.
     pub seed: u64,
-    /// The configuration it was made from.
+    /// Resolved configuration of the dataset.
     pub config: serde_json::Value,
     /// Number of records in all shards.
     pub records: u64,
     /// Number of moves in all records.
     pub moves: u64,
-    /// Number of records in each stratum.
+    /// Number of records of each combination of instance, preset and start, by its name.
     pub strata: BTreeMap<String, u64>,
     /// The shards in the order of their records.
     pub shards: Vec<ShardEntry>,
@@ -41,40 +41,44 @@ pub struct Manifest {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShardEntry {
-    /// Name of the file in the dataset's folder.
+    /// Name of its file in the dataset's folder.
     pub file: String,
     /// Number of its records.
     pub records: u64,
-    /// Number of its first record in the dataset.
+    /// Number of its first record in the dataset, from 0.
     pub first: u64,
     /// Number of its blocks.
     pub blocks: u32,
     /// Length of the file in bytes.
     pub bytes: u64,
-    /// Length in bytes of its blocks before compression.
+    /// Length of its blocks before compression, in bytes.
     pub raw_bytes: u64,
-    /// SHA-256 of the file, in lower-case hexadecimal digits.
+    /// SHA-256 of the file, in lower-case hexadecimal.
     pub sha256: String,
 }
 
-/// Why a manifest could not be loaded.
+/// Why a manifest cannot be loaded.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ManifestError {
-    /// There is none: the folder holds no dataset, or one that is still being made.
+    /// The folder has no manifest: it holds no dataset, or an unfinished one.
     #[error(
-        "'{folder}' holds no finished dataset: it has no {name} (an interrupted gen-data finishes it when run again)",
+        "'{folder}' holds no finished dataset: {name} is missing \
+         (to finish an interrupted gen-data, run it again)",
         folder = folder.display(), name = Manifest::FILE
     )]
     Missing {
         /// The folder.
         folder: PathBuf,
     },
-    /// It can't be read.
+    /// The file cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
-    /// It has a format of another version.
-    #[error("'{path}' has format version {got}, this build reads version {expected}", path = path.display())]
+    /// The manifest has a format of another version.
+    #[error(
+        "'{path}' has format version {got}, this build reads version {expected}",
+        path = path.display()
+    )]
     Version {
         /// The manifest.
         path: PathBuf,
@@ -83,7 +87,7 @@ pub enum ManifestError {
         /// The version found.
         got: u64,
     },
-    /// It is no manifest.
+    /// The file is not a manifest.
     #[error("'{path}' is not a manifest: {cause}", path = path.display())]
     Malformed {
         /// The file.
@@ -91,8 +95,8 @@ pub enum ManifestError {
         /// What is wrong with it.
         cause: serde_json::Error,
     },
-    /// Its parts contradict each other.
-    #[error("'{path}' contradicts itself: {what}", path = path.display())]
+    /// Fields of the manifest contradict each other.
+    #[error("'{path}' is inconsistent: {what}", path = path.display())]
     Inconsistent {
         /// The manifest.
         path: PathBuf,
@@ -102,31 +106,33 @@ pub enum ManifestError {
 }
 
 impl ShardEntry {
-    /// The entry of a shard as written or verified; `first` is the number of its first record.
+    /// The entry of a shard that was written or verified; `first` is the number of its first
+    /// record.
     pub fn new(file: String, first: u64, summary: ShardSummary) -> Self {
         let ShardSummary { blocks, records, bytes, raw_bytes, sha256 } = summary;
         Self { file, records, first, blocks, bytes, raw_bytes, sha256 }
     }
 }
 
-/// A number that tells configurations and versions of this crate apart.
+/// Hash of a resolved configuration and a version of this crate: the first 8 bytes of the SHA-256
+/// of the JSON text `[version, config]`, whose keys are sorted.
 pub(crate) fn fingerprint(version: &str, config: &serde_json::Value) -> u64 {
-    let described = serde_json::json!([version, config]).to_string();
-    let digest = Sha256::digest(described.as_bytes());
+    let text = serde_json::json!([version, config]).to_string();
+    let digest = Sha256::digest(text.as_bytes());
     digest.iter().take(8).fold(0, |sum, &byte| sum << 8 | u64::from(byte))
 }
 
-/// Read before the rest, which another version may have changed.
+/// The version, which is read first: another version may have other fields.
 #[derive(Deserialize)]
 struct Versioned {
     format_version: u64,
 }
 
 impl Manifest {
-    /// The version of the format that this build reads and writes.
+    /// Version of the format that this build reads and writes.
     pub const FORMAT_VERSION: u32 = 1;
 
-    /// Name of the file in a dataset's folder.
+    /// Name of the manifest in a dataset's folder.
     pub const FILE: &str = "manifest.json";
 
     /// Loads the manifest of a dataset from its folder.
@@ -142,36 +148,39 @@ impl Manifest {
             return Err(ManifestError::Version { expected: Self::FORMAT_VERSION, got, path });
         }
         let manifest: Self = serde_json::from_slice(&json).map_err(malformed)?;
-        match manifest.contradiction() {
+        match manifest.inconsistency() {
             Some(what) => Err(ManifestError::Inconsistent { path, what }),
             None => Ok(manifest),
         }
     }
 
-    /// Stores it in a dataset's folder: indented JSON, its fields in the order of this struct.
+    /// Writes the manifest to a dataset's folder: indented JSON, fields in the order of this
+    /// struct.
     pub fn store(&self, folder: &Path) -> Result<(), FileError> {
-        write_whole(&folder.join(Self::FILE), |out| {
+        write_atomic(&folder.join(Self::FILE), |out| {
             serde_json::to_writer_pretty(&mut *out, self)?;
             out.write_all(b"\n")
         })
     }
 
-    /// A number that tells datasets apart by what they were made from: their shards carry it too.
+    /// Hash of the resolved configuration and the crate's version.
+    /// Every shard of the dataset has the same one in its header.
     pub fn fingerprint(&self) -> u64 {
         fingerprint(&self.crate_version, &self.config)
     }
 
-    fn contradiction(&self) -> Option<String> {
+    /// The first inconsistency between fields, if there is one.
+    fn inconsistency(&self) -> Option<String> {
         let mut next = self.shards.first().map_or(0, |shard| shard.first);
         let mut records = 0;
         for shard in &self.shards {
-            // A name with a folder in it could lead anywhere.
+            // A name with a folder in it could point outside the dataset's folder.
             if Path::new(&shard.file).file_name() != Some(shard.file.as_ref()) {
-                return Some(format!("'{}' is not the name of a file in its folder", shard.file));
+                return Some(format!("'{}' is not a plain file name", shard.file));
             }
             if shard.first != next {
                 return Some(format!(
-                    "'{}' begins at record {}, not {next}",
+                    "'{}' starts at record {}, expected {next}",
                     shard.file, shard.first
                 ));
             }
@@ -184,7 +193,7 @@ impl Manifest {
         let in_strata = self.strata.values().sum();
         let counts = [("shards", records), ("strata", in_strata)];
         let (what, count) = counts.into_iter().find(|&(_, count)| count != self.records)?;
-        Some(format!("it counts {} records, its {what} {count}", self.records))
+        Some(format!("{what} hold {count} records in all, expected {}", self.records))
     }
 }
 
@@ -219,12 +228,12 @@ mod tests {
         }
     }
 
-    /// Stores the manifest with one value replaced, and gives the message of loading it.
+    /// Stores the manifest with one value replaced, and returns the error of loading it.
     fn load_changed(pointer: &str, value: serde_json::Value) -> String {
         let folder = tempfile::tempdir().unwrap();
         let mut json = serde_json::to_value(manifest()).unwrap();
         match json.pointer_mut(pointer) {
-            Some(place) => *place = value,
+            Some(field) => *field = value,
             None => json[pointer] = value,
         }
         let path = folder.path().join(Manifest::FILE);
@@ -273,13 +282,14 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_without_a_manifest_is_named() {
+    fn a_folder_without_a_manifest_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         let error = Manifest::load(folder.path()).unwrap_err();
         assert_eq!(
             error.to_string(),
             format!(
-                "'{}' holds no finished dataset: it has no manifest.json (an interrupted gen-data finishes it when run again)",
+                "'{}' holds no finished dataset: manifest.json is missing \
+                 (to finish an interrupted gen-data, run it again)",
                 folder.path().display()
             )
         );
@@ -287,7 +297,7 @@ mod tests {
 
     #[test]
     fn other_versions_and_fields_are_refused() {
-        // A later version may have any fields: its number is what the message must say.
+        // A later version may have any fields; the message must name its version.
         let later = json!({"format_version": 2, "parts": []});
         assert_eq!(load_changed("", later), "has format version 2, this build reads version 1");
         let unknown = load_changed("colour", json!("red"));
@@ -300,21 +310,17 @@ mod tests {
     }
 
     #[test]
-    fn contradictions_are_found() {
+    fn inconsistencies_are_found() {
         let cases = [
-            ("/records", json!(13), "it counts 13 records, its shards 12"),
-            ("/strata/islands", json!(8), "it counts 12 records, its strata 13"),
-            ("/shards/1/first", json!(11), "'shard-00001.bws' begins at record 11, not 10"),
+            ("/records", json!(13), "shards hold 12 records in all, expected 13"),
+            ("/strata/islands", json!(8), "strata hold 13 records in all, expected 12"),
+            ("/shards/1/first", json!(11), "'shard-00001.bws' starts at record 11, expected 10"),
             ("/shards/1/records", json!(u64::MAX), "'shard-00001.bws' has too many records"),
-            (
-                "/shards/0/file",
-                json!("../a.bws"),
-                "'../a.bws' is not the name of a file in its folder",
-            ),
-            ("/shards/0/file", json!(""), "'' is not the name of a file in its folder"),
+            ("/shards/0/file", json!("../a.bws"), "'../a.bws' is not a plain file name"),
+            ("/shards/0/file", json!(""), "'' is not a plain file name"),
         ];
         for (pointer, value, what) in cases {
-            assert_eq!(load_changed(pointer, value), format!("contradicts itself: {what}"));
+            assert_eq!(load_changed(pointer, value), format!("is inconsistent: {what}"));
         }
     }
 }

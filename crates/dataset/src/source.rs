@@ -1,13 +1,12 @@
-//! Which searches a dataset records, by name.
+//! The searches that a dataset records, by name.
 
 use std::fmt;
 use std::str::FromStr;
 
-use beadwork_base::UnknownName;
+use beadwork_base::{UnknownName, named_enum};
 use beadwork_search::{anneal, chains, genetic};
-use thiserror::Error;
 
-/// A family of searches that trajectories come from.
+/// A family of searches that trajectories are recorded from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Source {
     /// Simulated annealing.
@@ -15,20 +14,20 @@ pub enum Source {
     Anneal,
     /// The genetic algorithm; its best individual is recorded.
     Genetic,
-    /// Chains of variants, which need few moves.
+    /// The search for chains of variants, which needs few moves.
     Chains,
 }
 
-/// A name that is no [`Source`].
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("'{0}' is no source: choose anneal, genetic or chains")]
-pub struct UnknownSource(pub String);
+named_enum! {
+    Source, "source":
+    Anneal = "anneal",
+    Genetic = "genetic",
+    Chains = "chains",
+}
 
 impl Source {
-    const ALL: [Self; 3] = [Self::Anneal, Self::Genetic, Self::Chains];
-
-    /// The search of this source and preset.
-    pub fn search(self, preset: &PresetName) -> Result<Search, ForeignPreset> {
+    /// The search with a preset of this source.
+    pub fn search(self, preset: &PresetName) -> Result<Search, UnknownName> {
         Ok(match self {
             Self::Anneal => Search::Anneal(preset.0.parse()?),
             Self::Genetic => Search::Genetic(preset.0.parse()?),
@@ -37,38 +36,9 @@ impl Source {
     }
 }
 
-impl fmt::Display for Source {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Anneal => "anneal",
-            Self::Genetic => "genetic",
-            Self::Chains => "chains",
-        })
-    }
-}
-
-impl FromStr for Source {
-    type Err = UnknownSource;
-
-    fn from_str(name: &str) -> Result<Self, UnknownSource> {
-        let found = Self::ALL.into_iter().find(|source| source.to_string() == name);
-        found.ok_or_else(|| UnknownSource(name.to_owned()))
-    }
-}
-
-/// The name of a preset of some source.
+/// The name of a preset of at least one source.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PresetName(String);
-
-/// A name that is a preset of no source.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("{0}; {1}; {2}")]
-pub struct UnknownPresetName(UnknownName, UnknownName, UnknownName);
-
-/// A name that is no preset of the source in question.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error(transparent)]
-pub struct ForeignPreset(#[from] UnknownName);
 
 impl fmt::Display for PresetName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -77,31 +47,34 @@ impl fmt::Display for PresetName {
 }
 
 impl FromStr for PresetName {
-    type Err = UnknownPresetName;
+    type Err = UnknownName;
 
-    fn from_str(name: &str) -> Result<Self, UnknownPresetName> {
-        match (
-            name.parse::<anneal::Preset>(),
-            name.parse::<genetic::Preset>(),
-            name.parse::<chains::Preset>(),
-        ) {
-            (Err(anneal), Err(genetic), Err(chains)) => {
-                Err(UnknownPresetName(anneal, genetic, chains))
+    fn from_str(name: &str) -> Result<Self, UnknownName> {
+        let anneal = anneal::Preset::ALL.map(anneal::Preset::name);
+        let genetic = genetic::Preset::ALL.map(genetic::Preset::name);
+        let chains = chains::Preset::ALL.map(chains::Preset::name);
+        let mut expected = Vec::new();
+        for name in anneal.into_iter().chain(genetic).chain(chains) {
+            if !expected.contains(&name) {
+                expected.push(name);
             }
-            _ => Ok(Self(name.to_owned())),
         }
+        if !expected.contains(&name) {
+            return Err(UnknownName::new("preset", name, expected));
+        }
+        Ok(Self(name.to_owned()))
     }
 }
 
-/// A search as a record names it: an annealer by its preset, `paper`, others with a prefix,
-/// `genetic_paper`, `chains_plain`.
+/// A search in a record: an annealer by its preset's name (`paper`), another search by a prefix and
+/// its preset's name (`genetic_paper`, `chains_plain`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Search {
     /// Simulated annealing.
     Anneal(anneal::Preset),
     /// The genetic algorithm.
     Genetic(genetic::Preset),
-    /// Chains of variants.
+    /// The search for chains of variants.
     Chains(chains::Preset),
 }
 
@@ -119,9 +92,9 @@ impl fmt::Display for Search {
 }
 
 impl FromStr for Search {
-    type Err = ForeignPreset;
+    type Err = UnknownName;
 
-    fn from_str(name: &str) -> Result<Self, ForeignPreset> {
+    fn from_str(name: &str) -> Result<Self, UnknownName> {
         if let Some(preset) = name.strip_prefix(GENETIC) {
             return Ok(Self::Genetic(preset.parse()?));
         }
@@ -146,7 +119,7 @@ mod tests {
             assert_eq!(search.to_string().parse(), Ok(search));
         }
         let error = "genetic_long".parse::<Search>().unwrap_err().to_string();
-        assert!(error.contains("unknown genetic preset 'long'"), "{error}");
+        assert!(error.contains("genetic") && error.contains("'long'"), "{error}");
         let name = |name: &str| name.parse::<PresetName>().unwrap();
         assert_eq!(
             Source::Anneal.search(&name("paper")),
@@ -160,13 +133,11 @@ mod tests {
             Source::Chains.search(&name("noisy")),
             Ok(Search::Chains(chains::Preset::Noisy))
         );
-        let error = Source::Genetic.search(&name("long")).unwrap_err();
-        assert!(error.to_string().contains("unknown genetic preset 'long'"), "{error}");
+        let error = Source::Genetic.search(&name("long")).unwrap_err().to_string();
+        assert!(error.contains("genetic") && error.contains("'long'"), "{error}");
         let error = "none".parse::<PresetName>().unwrap_err().to_string();
-        assert!(
-            ["annealing", "genetic", "chains"].iter().all(|source| error.contains(source)),
-            "{error}"
-        );
+        assert!(error.starts_with("unknown preset 'none': expected paper, short, "), "{error}");
+        assert!(error.ends_with("plain or noisy"), "{error}");
         assert!("exact".parse::<Source>().is_err());
     }
 }

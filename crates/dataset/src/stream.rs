@@ -1,4 +1,4 @@
-//! The records of a dataset, in order or shuffled.
+//! Reading the records of a dataset, in order or shuffled.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use crate::file::FileError;
 use crate::manifest::{Manifest, ManifestError, ShardEntry};
-use crate::shard::{Record, ShardError, ShardReader, ShardSummary, flatten};
+use crate::shard::{Record, ShardError, ShardReader, ShardSummary, flatten_blocks};
 
 /// A finished dataset: a folder with a manifest and the shards that it lists.
 #[derive(Clone, Debug)]
@@ -19,34 +19,34 @@ pub struct Dataset {
     manifest: Manifest,
 }
 
-/// Why a dataset could not be read.
+/// Why a dataset cannot be read.
 /// The messages name the file.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum DatasetError {
-    /// The manifest can't be loaded.
+    /// The manifest cannot be loaded.
     #[error(transparent)]
     Manifest(#[from] ManifestError),
-    /// A shard is missing or can't be opened.
+    /// A shard is missing or cannot be opened.
     #[error(transparent)]
     File(#[from] FileError),
-    /// A shard has another length than the manifest says.
+    /// The length of a shard differs from the manifest.
     #[error("'{path}' has {got} bytes, the manifest says {expected}", path = path.display())]
     Length {
         /// The shard.
         path: PathBuf,
-        /// Bytes according to the manifest.
+        /// Length according to the manifest, in bytes.
         expected: u64,
-        /// Bytes of the file.
+        /// Length of the file in bytes.
         got: u64,
     },
-    /// A shard is sound, but not the one that the manifest describes.
-    #[error("'{path}' is not the shard that the manifest describes", path = path.display())]
+    /// A shard is undamaged, but differs from the one in the manifest.
+    #[error("'{path}' is not the shard that the manifest lists", path = path.display())]
     OtherShard {
         /// The shard.
         path: PathBuf,
     },
-    /// A shard can't be read.
+    /// A shard cannot be read.
     #[error("cannot read '{path}': {cause}", path = path.display())]
     Shard {
         /// The shard.
@@ -63,12 +63,11 @@ struct BlockId {
     block: u32,
 }
 
-/// The shard read last and its number: consecutive blocks of one shard need no second opening.
+/// The shard that was read last, with its number: it stays open for further blocks.
 type LastShard = Option<(usize, ShardReader<File>)>;
 
 impl Dataset {
-    /// Loads the manifest of a folder and checks that all shards are there and have the right
-    /// lengths.
+    /// Loads the manifest of a folder, and checks that all shards exist and have the right lengths.
     pub fn open(folder: &Path) -> Result<Self, DatasetError> {
         let dataset = Self { manifest: Manifest::load(folder)?, folder: folder.to_owned() };
         for entry in &dataset.manifest.shards {
@@ -82,16 +81,16 @@ impl Dataset {
         Ok(dataset)
     }
 
-    /// What it holds.
+    /// The manifest.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// Checks every byte of one shard, also against the manifest.
-    /// Independent of other shards, so several can be checked in parallel.
+    /// Checks every byte of one shard, against its checksums and against the manifest.
+    /// Linear in its length; shards can be checked in parallel.
     ///
     /// # Panics
-    /// If the manifest lists no shard of this number.
+    /// If there is no shard of this number.
     pub fn verify_shard(&self, shard: usize) -> Result<ShardSummary, DatasetError> {
         let entry = &self.manifest.shards[shard];
         let path = self.path(entry);
@@ -103,21 +102,22 @@ impl Dataset {
         Ok(summary)
     }
 
-    /// All records in order, one block in memory at a time.
-    /// A block that can't be read gives one error, and the records go on with the next block's.
+    /// All records in order, with one block in memory at a time.
+    /// A block that cannot be read gives one error, and iteration continues with the next block.
     pub fn records<T: Record>(&self) -> impl Iterator<Item = Result<T, DatasetError>> {
         let mut last = None;
-        flatten(self.blocks().map(move |id| self.read_block(id, &mut last)))
+        flatten_blocks(self.blocks().map(move |id| self.read_block(id, &mut last)))
     }
 
-    /// All records in a random order, each once: the stream of one epoch of training.
+    /// All records in random order, each once: one epoch of training.
     ///
-    /// The blocks of all shards are shuffled; `window` of them (0 counts as 1) are in memory at a
-    /// time, and each record is drawn from all that are, all being equally likely.
-    /// A block of which the last record is drawn makes room for the next.
-    /// The order depends on the dataset's shape, the seed, the epoch and the window, and is the
-    /// same on every machine.
-    /// A block that can't be read gives one error, and the stream goes on without it.
+    /// The blocks of all shards are shuffled, and `window` of them (0 counts as 1) are in memory at
+    /// a time.
+    /// Each record is drawn uniformly from the records in memory; a block whose last record was
+    /// drawn is replaced by the next block.
+    /// The order depends on the number of records in each block, the seed, the epoch and the window
+    /// alone, and is the same on every machine.
+    /// A block that cannot be read gives one error, and iteration continues without it.
     pub fn shuffled<T: Record>(&self, seed: u64, epoch: u64, window: usize) -> Shuffled<'_, T> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(epoch);
@@ -164,7 +164,7 @@ impl Dataset {
         last: &mut LastShard,
     ) -> Result<Vec<T>, DatasetError> {
         if last.as_ref().is_none_or(|&(shard, _)| shard != id.shard) {
-            // Closed before the next one opens, for both would hold a block's memory.
+            // Close the last shard first: each reader keeps the memory of a block.
             *last = None;
             *last = Some((id.shard, self.open_shard(id.shard)?));
         }
@@ -176,32 +176,31 @@ impl Dataset {
     }
 }
 
-/// The records of a dataset in a random order.
-/// See [`Dataset::shuffled`].
+/// The records of a dataset in random order; see [`Dataset::shuffled`].
 pub struct Shuffled<'a, T> {
     dataset: &'a Dataset,
     rng: ChaCha8Rng,
-    /// Blocks still to be read, the next one last.
+    /// Blocks to be read, the next one last.
     waiting: Vec<BlockId>,
-    /// Places in the window without a block.
+    /// Slots of the window without a block.
     free: Vec<u32>,
-    /// For each place in the window, how many records of its block are held.
+    /// For each slot of the window, the number of its block's records in memory.
     left: Vec<u32>,
-    /// The records held, each with the place of its block.
+    /// The records in memory, each with the slot of its block.
     held: Vec<(u32, T)>,
     last: LastShard,
 }
 
 impl<T: Record> Shuffled<'_, T> {
-    /// Reads blocks until the window is full or none is left.
+    /// Reads blocks until the window is full or all blocks have been read.
     fn fill(&mut self) -> Result<(), DatasetError> {
-        while let Some(&place) = self.free.last()
+        while let Some(&slot) = self.free.last()
             && let Some(id) = self.waiting.pop()
         {
             let records = self.dataset.read_block(id, &mut self.last)?;
             self.free.pop();
-            self.left[place as usize] = records.len() as u32;
-            self.held.extend(records.into_iter().map(|record| (place, record)));
+            self.left[slot as usize] = records.len() as u32;
+            self.held.extend(records.into_iter().map(|record| (slot, record)));
         }
         Ok(())
     }
@@ -217,10 +216,10 @@ impl<T: Record> Iterator for Shuffled<'_, T> {
         if self.held.is_empty() {
             return None;
         }
-        let (place, record) = self.held.swap_remove(self.rng.random_range(0..self.held.len()));
-        self.left[place as usize] -= 1;
-        if self.left[place as usize] == 0 {
-            self.free.push(place);
+        let (slot, record) = self.held.swap_remove(self.rng.random_range(0..self.held.len()));
+        self.left[slot as usize] -= 1;
+        if self.left[slot as usize] == 0 {
+            self.free.push(slot);
         }
         Some(Ok(record))
     }

@@ -1,15 +1,22 @@
-//! Networks that learn from recorded searches and simulations.
+//! Neural networks that learn from recorded searches.
 //!
-//! [`fusion`] is the network of Aali et al. ("Sequence-Based Evolutionary and Neural Strategies for
-//! Reducing Zone Crossings in Toolpaths"), which looks at a layer and proposes the next move of a
-//! search: its training ([`fusion::train`]), trained models ([`fusion::model`]), proposals
+//! [`fusion`] is FusionNet, the network of Aali et al. ("Sequence-Based Evolutionary and Neural
+//! Strategies for Reducing Zone Crossings in Toolpaths"), which proposes the next move of a search
+//! from an image of the layer.
+//! It covers the way from a dataset to better paths: batches of examples ([`fusion::samples`]),
+//! training ([`fusion::train`]), trained models ([`fusion::model`]), proposals
 //! ([`fusion::propose`]) and walks that follow them ([`fusion::walk`]).
-//! [`weights`] reads and writes parameters under the names that PyTorch gives them, [`checkpoint`]
-//! whole runs; [`adamw`] is the optimiser.
+//! [`weights`] reads and writes parameters under their PyTorch names, [`checkpoint`] whole runs,
+//! and [`adamw`] is the optimiser.
 //!
-//! All runs on libtorch, through `tch`: `cargo xtask setup` provides it.
-//! Nothing else in the workspace links it.
+//! # Terms
+//! A **state** is a layer, a path through all of its cells, and the moves that led to that path.
+//! An **example** is a state of a recorded search with the move that was applied next.
+//! **Negatives** are the positions that the recorded one is to score above.
+//! A **proposal** is a move with a score.
+//! A **walk** applies proposals until its path has few enough crossings.
 //!
+//! # Improve a path
 //! ```no_run
 //! use std::path::Path;
 //!
@@ -18,25 +25,69 @@
 //! use beadwork_learn::Device;
 //! use beadwork_learn::fusion::layer::Layer;
 //! use beadwork_learn::fusion::model::Model;
-//! use beadwork_learn::fusion::propose::Asked;
-//! use beadwork_learn::fusion::walk::{Task, WalkSettings, walk};
+//! use beadwork_learn::fusion::propose::NetworkProposer;
+//! use beadwork_learn::fusion::walk::{self, Task};
 //!
 //! let region = Region::rectangle(30, 30)?;
 //! let zones = LayoutSpec::new(Layout::Islands).zones(&region, 0)?;
 //! let layer = Layer::new(&region, &zones);
 //! let start = Start::RowZigzag.path(&region, &Control::default())?;
 //! let model = Model::open(Path::new("models/fusion-small"), Device::Cpu)?;
+//! let mut proposer = NetworkProposer::new(&model.network, Device::Cpu);
 //! let task = Task { layer: &layer, start: &start, target: 30, seed: 0 };
-//! let walked = walk(&[task], &mut Asked::new(&model.network, Device::Cpu), &WalkSettings::default());
-//! assert!(walked[0].crossings <= walked[0].initial);
+//! let settings = walk::Settings::default();
+//! let outcomes = walk::solve(&[task], &mut proposer, &settings, &Control::default());
+//! assert!(outcomes[0].crossings <= outcomes[0].initial);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # Read a batch as arrays
+//! ```no_run
+//! use std::path::Path;
+//!
+//! use beadwork_dataset::Dataset;
+//! use beadwork_learn::fusion::samples::{Batches, Settings, Split};
+//!
+//! let dataset = Dataset::open(Path::new("datasets/chains"))?;
+//! let settings = Settings::default();
+//! for batch in Batches::new(&dataset, Split::Train, &settings, 0) {
+//!     let batch = batch?;
+//!     let image = batch.inputs.image(); // [example, y, x, channel]
+//!     assert_eq!(image.shape()[0], batch.position.len());
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Train a network
+//! ```no_run
+//! use std::path::Path;
+//!
+//! use beadwork_base::Control;
+//! use beadwork_dataset::Dataset;
+//! use beadwork_learn::Device;
+//! use beadwork_learn::fusion::TrainingConfig;
+//! use beadwork_learn::fusion::train::{Run, train};
+//!
+//! let dataset = Dataset::open(Path::new("datasets/chains"))?;
+//! let config = TrainingConfig { steps: 1000, ..TrainingConfig::default() };
+//! let mut observer = |event: &_| println!("{event:?}");
+//! let run = Run { device: Device::Cpu, out: Path::new("runs/fusion"), observer: &mut observer };
+//! train(&dataset, &config, run, &Control::default())?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Features
+//! - `oracle`: `fusion::parity`, which compares the network with another implementation.
+//!
 //! # Limits
-//! This crate reads and writes the files of weights and runs, and prints nothing. libtorch computes
-//! on threads of its own, as many as [`Training::threads`](fusion::train::Training::threads) says;
-//! the same number of them on the same processor gives the same bytes, another processor may round
-//! otherwise.
+//! The crate reads and writes weights, checkpoints and configurations, and prints nothing.
+//!
+//! Everything runs on libtorch through the crate `tch`; `cargo xtask setup` provides it.
+//! No other crate of the workspace links it. libtorch computes on threads of its own, not on those
+//! of a [`Control`](beadwork_base::Control);
+//! [`TrainingConfig::threads`](fusion::TrainingConfig::threads) sets their number.
+//! The same number of threads on the same processor gives the same bytes; another processor may
+//! round differently.
 
 pub mod adamw;
 pub mod checkpoint;

@@ -1,91 +1,91 @@
-//! Parameters in files: safetensors, by the names that PyTorch gives them.
+//! Network parameters in safetensors files, under the names that PyTorch gives them.
 
 use std::collections::HashMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use beadwork_dataset::{FileError, write_whole_at};
+use beadwork_dataset::{FileError, write_atomic_at};
 use tch::nn::VarStore;
 use tch::{Kind, TchError, Tensor, no_grad};
 use thiserror::Error;
 
-/// Why a file's parameters are not those of a network.
-/// Nothing is changed by what is refused.
+/// Why parameters cannot be read or written.
+/// After an error the network is unchanged.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum WeightsError {
-    /// The file can't be read: it is missing, cut short or something else.
-    #[error("'{}' is no file of weights", path.display())]
+    /// The file is missing, truncated or not in safetensors format.
+    #[error("'{}' is not a readable safetensors file", path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What libtorch says.
+        /// libtorch's error.
         source: TchError,
     },
-    /// The network has a parameter that the file lacks.
-    #[error("'{}' has no '{name}'", path.display())]
+    /// A parameter of the network is not in the file.
+    #[error("'{}' has no parameter '{name}'", path.display())]
     Missing {
         /// The file.
         path: PathBuf,
         /// The parameter.
         name: String,
     },
-    /// The file has a parameter that the network lacks.
-    #[error("'{}' has '{name}', which the network has not", path.display())]
+    /// A tensor of the file is not a parameter of the network.
+    #[error("'{}' has a tensor '{name}', which the network does not have", path.display())]
     Unknown {
         /// The file.
         path: PathBuf,
         /// The parameter.
         name: String,
     },
-    /// The file can't be written; what had its name stays.
+    /// The file cannot be written; an existing file of that name is unchanged.
     #[error(transparent)]
     Unwritten(#[from] FileError),
-    /// A parameter has another shape.
-    #[error("'{name}' in '{}' has the shape {got:?}: the network's is {expected:?}", path.display())]
+    /// A parameter has the wrong shape.
+    #[error("'{}': '{name}' has shape {got:?}, the network needs {expected:?}", path.display())]
     Shape {
         /// The file.
         path: PathBuf,
         /// The parameter.
         name: String,
-        /// The network's.
+        /// Shape in the network.
         expected: Vec<i64>,
-        /// The file's.
+        /// Shape in the file.
         got: Vec<i64>,
     },
 }
 
-/// Writes all parameters of a network in half precision, as a file that is whole or absent.
+/// Writes all parameters of a network, rounded to half precision, and replaces the file as a whole.
 ///
-/// That halves the file, and moves each parameter by less than the last steps of a training do: 1
-/// part in 2000.
+/// Rounding halves the file and changes each parameter by at most 1 part in 2000, less than the
+/// last steps of training do.
 pub fn save(variables: &VarStore, path: &Path) -> Result<(), WeightsError> {
     let mut named = named(variables);
     named.iter_mut().for_each(|(_, parameter)| *parameter = parameter.to_kind(Kind::Half));
     save_tensors(&named, path)
 }
 
-/// All parameters of a network, in the order of their names.
+/// All parameters of a network, sorted by name.
 pub(crate) fn named(variables: &VarStore) -> Vec<(String, Tensor)> {
     let mut named: Vec<_> = variables.variables().into_iter().collect();
     named.sort_by(|(name, _), (other, _)| name.cmp(other));
     named
 }
 
-/// Writes tensors by their names, as a file that is whole or absent.
+/// Writes named tensors, and replaces the file as a whole.
 pub(crate) fn save_tensors(named: &[(String, Tensor)], path: &Path) -> Result<(), WeightsError> {
-    Ok(write_whole_at(path, |partial| {
+    Ok(write_atomic_at(path, |partial| {
         Tensor::write_safetensors(named, partial).map_err(io::Error::other)
     })?)
 }
 
-/// Reads all parameters of a network: the file must have just these names and shapes.
-/// Numbers of other kinds are converted.
+/// Reads all parameters of a network.
+/// The file must have exactly the network's names and shapes; other element types are converted.
 pub fn load(variables: &VarStore, path: &Path) -> Result<(), WeightsError> {
     fill(variables, &mut read_tensors(path)?, path)
 }
 
-/// All tensors of a file.
+/// Reads all tensors of a file.
 pub(crate) fn read_tensors(path: &Path) -> Result<HashMap<String, Tensor>, WeightsError> {
     let read = Tensor::read_safetensors(path);
     Ok(read
@@ -94,16 +94,16 @@ pub(crate) fn read_tensors(path: &Path) -> Result<HashMap<String, Tensor>, Weigh
         .collect())
 }
 
-/// Sets all parameters of a network to the tensors of a file, which must be theirs and no others.
+/// Sets all parameters of a network to the tensors of a file, after checking names and shapes.
 pub(crate) fn fill(
     variables: &VarStore,
-    read: &mut HashMap<String, Tensor>,
+    tensors: &mut HashMap<String, Tensor>,
     path: &Path,
 ) -> Result<(), WeightsError> {
     let own = named(variables);
     let mut pairs = Vec::with_capacity(own.len());
     for (name, variable) in own {
-        let Some(tensor) = read.remove(&name) else {
+        let Some(tensor) = tensors.remove(&name) else {
             return Err(WeightsError::Missing { path: path.into(), name });
         };
         let (expected, got) = (variable.size(), tensor.size());
@@ -112,7 +112,7 @@ pub(crate) fn fill(
         }
         pairs.push((variable, tensor));
     }
-    if let Some(name) = read.keys().min() {
+    if let Some(name) = tensors.keys().min() {
         let name = name.clone();
         return Err(WeightsError::Unknown { path: path.into(), name });
     }

@@ -1,19 +1,25 @@
-//! `FusionNet` beside the same network in PyTorch, whose weights, inputs and outputs are in `data`
-//! (`make_fusion.py`).
+//! `FusionNet` compared with the same network in PyTorch, whose weights, inputs and outputs are in
+//! `data` (made by `make_fusion.py`).
 
 #![allow(clippy::unwrap_used, reason = "a test may fail anywhere")]
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-use beadwork_learn::fusion::{Config, FusionNet, History, Precision, Proposals, Without};
+use beadwork_learn::fusion::{Ablation, Config, FusionNet, History, Precision, Proposals, parity};
 use beadwork_learn::weights::{self, WeightsError};
 use tch::nn::VarStore;
 use tch::{Device, Kind, Tensor};
 
-/// The sizes that the reference was made with.
-const REFERENCE: Config =
-    Config { width: 8, hidden: 16, history: 6, places: 128, canvas: 32, without: Without::Nothing };
+/// The sizes of the reference network.
+const REFERENCE: Config = Config {
+    width: 8,
+    hidden: 16,
+    history: 6,
+    max_side: 128,
+    canvas: 32,
+    ablation: Ablation::None,
+};
 
 fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
@@ -48,13 +54,12 @@ fn largest_difference(a: &Tensor, b: &Tensor) -> f64 {
 }
 
 #[test]
-fn proposals_are_those_of_pytorch() {
+fn proposals_equal_those_of_pytorch() {
     let (variables, network) = network(REFERENCE);
     weights::load(&variables, &data("fusion_weights.safetensors")).unwrap();
     let inputs = inputs();
-    let Proposals { position, action } = tch::no_grad(|| {
-        network.forward(&inputs["state"], &history(&inputs), Precision::Single, false)
-    });
+    let Proposals { position, action } =
+        network.infer(&inputs["state"], &history(&inputs), Precision::Single);
     let differences = [
         largest_difference(&position, &inputs["position"]),
         largest_difference(&action, &inputs["action_logits"]),
@@ -63,59 +68,63 @@ fn proposals_are_those_of_pytorch() {
 }
 
 #[test]
-fn what_comes_after_the_last_move_does_not_matter() {
+fn parity_derives_the_sizes_and_finds_no_difference() {
+    let (weights, io) = (data("fusion_weights.safetensors"), data("fusion_io.safetensors"));
+    let parity = parity::compare(&weights, &io).unwrap();
+    assert_eq!(parity.config, REFERENCE);
+    assert!(parity.position < 1e-4 && parity.action < 1e-4, "{parity:?}");
+    let error = parity::compare(&weights, &weights).unwrap_err().to_string();
+    assert!(error.contains("no tensor 'mask' with 2 axes"), "{error}");
+}
+
+#[test]
+fn history_padding_does_not_matter() {
     let (variables, network) = network(REFERENCE);
     weights::load(&variables, &data("fusion_weights.safetensors")).unwrap();
     let inputs = inputs();
     let state = &inputs["state"];
-    let forward = |history: &History| {
-        tch::no_grad(|| network.forward(state, history, Precision::Single, false).position)
-    };
+    let forward = |history: &History| network.infer(state, history, Precision::Single).position;
     let moves = history(&inputs);
-    let gap: Tensor = 1.0 - &moves.mask;
+    let padding: Tensor = 1.0 - &moves.mask;
     let other = History {
-        action: &moves.action + gap.to_kind(Kind::Int64) * (5 - &moves.action),
-        before: &moves.before + &gap,
-        after: &moves.after - &gap,
+        action: &moves.action + padding.to_kind(Kind::Int64) * (5 - &moves.action),
+        before: &moves.before + &padding,
+        after: &moves.after - &padding,
         ..history(&inputs)
     };
     assert_eq!(forward(&moves), forward(&other));
 }
 
 #[test]
-fn history_leaves_features_alone_before_training() {
+fn history_has_no_effect_before_training() {
     let (_variables, network) = network(REFERENCE);
     let inputs = inputs();
-    let forward = |history: &History| {
-        tch::no_grad(|| network.forward(&inputs["state"], history, Precision::Single, false).action)
-    };
+    let forward =
+        |history: &History| network.infer(&inputs["state"], history, Precision::Single).action;
     let none = History { mask: inputs["mask"].zeros_like(), ..history(&inputs) };
     assert_eq!(forward(&history(&inputs)), forward(&none));
 }
 
 #[test]
-fn what_is_left_out_does_not_matter() {
+fn parameters_of_an_ablated_part_have_no_effect() {
     let inputs = inputs();
-    let moved = |without, part: &str| {
-        let (variables, network) = network(Config { without, ..REFERENCE });
+    let has_effect = |ablation, part: &str| {
+        let (variables, network) = network(Config { ablation, ..REFERENCE });
         weights::load(&variables, &data("fusion_weights.safetensors")).unwrap();
-        let forward = || {
-            let proposals =
-                network.forward(&inputs["state"], &history(&inputs), Precision::Single, false);
-            proposals.position.shallow_clone()
-        };
-        let before = tch::no_grad(forward);
+        let forward =
+            || network.infer(&inputs["state"], &history(&inputs), Precision::Single).position;
+        let before = forward();
         for (name, mut variable) in variables.variables() {
             if name.starts_with(part) {
                 tch::no_grad(|| _ = variable.fill_(0.25));
             }
         }
-        before != tch::no_grad(forward)
+        before != forward()
     };
-    for (part, left_out) in
-        [("history_encoder", Without::History), ("bottleneck_attn", Without::Attention)]
+    for (part, ablation) in
+        [("history_encoder", Ablation::History), ("bottleneck_attn", Ablation::Attention)]
     {
-        assert!(moved(Without::Nothing, part) && !moved(left_out, part), "{part}");
+        assert!(has_effect(Ablation::None, part) && !has_effect(ablation, part), "{part}");
     }
 }
 
@@ -123,7 +132,7 @@ fn what_is_left_out_does_not_matter() {
 fn all_parameters_are_trained() {
     let (variables, network) = network(REFERENCE);
     let inputs = inputs();
-    // Away from the start, where nothing of the history comes through.
+    // Perturb the initial parameters, with which the history has no effect.
     tch::no_grad(|| {
         variables.trainable_variables().iter_mut().for_each(|p| *p += 0.05 * p.randn_like())
     });
@@ -148,20 +157,20 @@ fn sizes_of_the_presets() {
 }
 
 #[test]
-#[should_panic(expected = "12 channels are shared out among 8 groups")]
-fn widths_have_to_suit_the_norms() {
+#[should_panic(expected = "12 channels cannot form 8 equal groups")]
+fn widths_that_norms_cannot_divide_are_refused() {
     network(Config { width: 24, ..REFERENCE });
 }
 
 #[test]
-#[should_panic(expected = "the canvas of 40 can be halved four times")]
-fn canvases_are_halved_four_times() {
+#[should_panic(expected = "canvas is 40: expected a positive multiple of 16")]
+fn a_canvas_that_is_not_a_multiple_of_16_is_refused() {
     network(Config { canvas: 40, ..REFERENCE });
 }
 
 #[test]
-#[should_panic(expected = "[3, 9, 24, 32] is a batch of layers")]
-fn images_are_halved_four_times() {
+#[should_panic(expected = "image has shape [3, 9, 24, 32]")]
+fn an_image_that_is_not_a_multiple_of_16_is_refused() {
     let inputs = inputs();
     network(REFERENCE).1.forward(
         &inputs["state"].slice(2, 0, 24, 1),
@@ -172,7 +181,7 @@ fn images_are_halved_four_times() {
 }
 
 #[test]
-fn wrong_weights_are_named_and_change_nothing() {
+fn wrong_weights_are_refused_and_change_nothing() {
     let folder = std::env::temp_dir().join(format!("beadwork-learn-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let good: Vec<(String, Tensor)> =

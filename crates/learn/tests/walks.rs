@@ -1,25 +1,25 @@
-//! Proposals and walks.
+//! Proposals, and walks that follow them.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail anywhere")]
 
 mod common;
 
-use std::sync::atomic::AtomicBool;
+use std::collections::HashSet;
 
-use beadwork_base::Control;
+use beadwork_base::{CancelToken, Control, Progress};
 use beadwork_grid::{Links, Start, verify};
 use beadwork_learn::Device;
 use beadwork_learn::fusion::layer::State;
-use beadwork_learn::fusion::propose::{AllMoves, Asked, Proposer};
-use beadwork_learn::fusion::walk::{Task, WalkSettings, walk};
+use beadwork_learn::fusion::propose::{AllMoves, NetworkProposer, Proposer};
+use beadwork_learn::fusion::walk::{self, Settings, Task};
 use beadwork_learn::fusion::{FusionNet, VarStore};
 use beadwork_search::Stop;
 
-use self::common::{alone, layer, small};
+use self::common::{layer, lock_generator, small};
 
 #[test]
-fn walks_make_better_paths_and_count_every_move() {
-    let _alone = alone();
+fn walks_improve_paths_and_count_every_move() {
+    let _generator = lock_generator();
     tch::manual_seed(1);
     let training = small();
     let variables = VarStore::new(Device::Cpu);
@@ -34,45 +34,69 @@ fn walks_make_better_paths_and_count_every_move() {
         tasks.push(Task { layer, start, target: 5, seed: 7 });
     }
     let mut proposers: [Box<dyn Proposer>; 2] =
-        [Box::new(Asked::new(&network, Device::Cpu)), Box::new(AllMoves { seed: 0 })];
+        [Box::new(NetworkProposer::new(&network, Device::Cpu)), Box::new(AllMoves { seed: 0 })];
     for proposer in &mut proposers {
         for returns in [true, false] {
-            let settings = WalkSettings { budget: 150, returns, ..WalkSettings::default() };
-            let walked = walk(&tasks, proposer.as_mut(), &settings);
-            for (((region, _, layer), start), walked) in layers.iter().zip(&starts).zip(&walked) {
-                assert_eq!(verify(region, walked.path.order()), Ok(1));
-                assert_eq!(walked.crossings, layer.crossings().count(&walked.path));
-                assert_eq!(walked.initial, layer.crossings().count(start));
-                assert!(walked.crossings <= walked.initial && walked.moves.len() <= walked.made);
-                assert!(walked.perturbed <= walked.made && walked.made <= 150);
-                assert_eq!(walked.stop == Stop::TargetReached, walked.crossings <= 5);
+            let settings = Settings { budget: 150, returns, ..Settings::default() };
+            let outcomes = walk::solve(&tasks, proposer.as_mut(), &settings, &Control::default());
+            for (((region, _, layer), start), outcome) in layers.iter().zip(&starts).zip(&outcomes)
+            {
+                assert_eq!(verify(region, outcome.path.order()), Ok(1));
+                assert_eq!(outcome.crossings, layer.crossings().count(&outcome.path));
+                assert_eq!(outcome.initial, layer.crossings().count(start));
+                assert!(outcome.crossings <= outcome.initial);
+                assert!(outcome.moves.len() <= outcome.total_moves);
+                assert!(outcome.random_moves <= outcome.total_moves && outcome.total_moves <= 150);
+                assert_eq!(outcome.stop == Stop::TargetReached, outcome.crossings <= 5);
                 let mut path = start.clone();
-                assert!(walked.moves.iter().all(|step| step.apply(&mut path)));
-                assert_eq!(path.order(), walked.path.order());
+                assert!(outcome.moves.iter().all(|step| step.apply(&mut path)));
+                assert_eq!(path.order(), outcome.path.order());
             }
-            let alone = walk(&tasks[3..4], proposer.as_mut(), &settings).pop().unwrap();
+            let control = Control::default();
+            let alone = walk::solve(&tasks[3..4], proposer.as_mut(), &settings, &control);
             assert_eq!(
-                (&alone.moves, alone.made),
-                (&walked[3].moves, walked[3].made),
-                "no company is felt"
+                (&alone[0].moves, alone[0].total_moves),
+                (&outcomes[3].moves, outcomes[3].total_moves),
+                "walks do not influence each other"
             );
         }
     }
-    // So cold that nothing that adds crossings is ever accepted by chance: the least that any move
-    // adds is.
-    let cold =
-        WalkSettings { budget: 150, patience: 0, temperature: 1e-9, ..WalkSettings::default() };
-    assert!(walk(&tasks, &mut AllMoves { seed: 0 }, &cold).iter().all(|walked| walked.made > 0));
-    let cancel = AtomicBool::new(true);
-    let settings = WalkSettings { cancel: Some(&cancel), ..WalkSettings::default() };
-    let walked = walk(&tasks, &mut AllMoves { seed: 0 }, &settings);
-    assert!(walked.iter().all(|walked| walked.made == 0));
+    // At this temperature e^(-d / T) underflows to 0 for every d > 0; a move is drawn nevertheless.
+    let cold = Settings { budget: 150, patience: 0, temperature: 1e-9, ..Settings::default() };
+    let outcomes = walk::solve(&tasks, &mut AllMoves { seed: 0 }, &cold, &Control::default());
+    assert!(outcomes.iter().all(|outcome| outcome.total_moves > 0));
 }
 
-/// Layers asked about together get the proposals that each gets alone, whatever their sizes.
 #[test]
-fn proposals_do_not_depend_on_the_company() {
-    let _alone = alone();
+fn a_walk_is_interrupted_with_its_best_path() {
+    let (region, _, layer) = layer(12, 10, 0);
+    let start = Start::RowZigzag.path(&region, &Control::default()).unwrap();
+    let tasks = [Task { layer: &layer, start: &start, target: 0, seed: 7 }];
+    let solve = |control: &Control<'_>| {
+        walk::solve(&tasks, &mut AllMoves { seed: 0 }, &Settings::default(), control).pop().unwrap()
+    };
+    let cancel = CancelToken::new();
+    let report = |Progress { done, total }: Progress| {
+        assert_eq!(total, Settings::default().budget);
+        if done >= 20 {
+            cancel.cancel();
+        }
+    };
+    let control = Control { cancel: Some(&cancel), progress: Some(&report), ..Control::default() };
+    let outcome = solve(&control);
+    assert_eq!(outcome.stop, Stop::Cancelled);
+    assert!(outcome.total_moves >= 20 && outcome.crossings <= outcome.initial);
+    assert_eq!(outcome.crossings, layer.crossings().count(&outcome.path));
+    assert_eq!(solve(&control).total_moves, 0);
+    let is_up = || true;
+    let outcome = solve(&Control { time_is_up: Some(&is_up), ..Control::default() });
+    assert_eq!((outcome.stop, outcome.total_moves), (Stop::TimeUp, 0));
+}
+
+/// Proposals for a state are the same in a batch and alone, whatever the sizes of the layers.
+#[test]
+fn proposals_do_not_depend_on_the_batch() {
+    let _generator = lock_generator();
     tch::manual_seed(1);
     let variables = VarStore::new(Device::Cpu);
     let network = FusionNet::new(&variables.root(), small().network());
@@ -86,12 +110,13 @@ fn proposals_do_not_depend_on_the_company() {
     let states: Vec<_> = layers
         .iter()
         .zip(&links)
-        .map(|((.., layer), links)| State { layer, links, crossings: 9, initial: 10, made: &[] })
+        .map(|((.., layer), links)| State { layer, links, crossings: 9, initial: 10, moves: &[] })
         .collect();
-    let mut asked = Asked { places: 3, ..Asked::new(&network, Device::Cpu) };
-    let together = asked.propose(&states);
+    let mut proposer =
+        NetworkProposer { positions: 3, ..NetworkProposer::new(&network, Device::Cpu) };
+    let together = proposer.propose(&states);
     for (state, proposed) in states.iter().zip(&together) {
-        let alone = asked.propose(std::slice::from_ref(state)).pop().unwrap();
+        let alone = proposer.propose(std::slice::from_ref(state)).pop().unwrap();
         assert_eq!(alone.len(), proposed.len());
         assert!(proposed.is_sorted_by(|a, b| a.score >= b.score));
         for (one, other) in alone.iter().zip(proposed) {
@@ -100,8 +125,8 @@ fn proposals_do_not_depend_on_the_company() {
             assert_eq!(one.change, state.layer.change(one.placed));
             assert!(state.links.allows_variant(one.placed));
         }
-        let places: std::collections::HashSet<_> =
+        let positions: HashSet<_> =
             proposed.iter().map(|one| (one.placed.x, one.placed.y)).collect();
-        assert!(places.len() <= 3);
+        assert!(positions.len() <= 3);
     }
 }

@@ -2,15 +2,15 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use anyhow::{Context, ensure};
+use beadwork_base::Control;
 use beadwork_console::{cancel, machine, output, progress};
 use beadwork_dataset::Dataset;
+use beadwork_learn::fusion::TrainingConfig;
 use beadwork_learn::fusion::model::Model;
-use beadwork_learn::fusion::train::{End, Event, Run, Training, last_checkpoint, train};
-use beadwork_learn::{Cuda, Device};
+use beadwork_learn::fusion::train::{End, Event, Run, last_checkpoint, train};
 use serde_json::json;
 
 use super::log::Log;
@@ -73,16 +73,16 @@ struct Source {
 }
 
 impl Source {
-    fn read(&self) -> anyhow::Result<Training> {
+    fn read(&self) -> anyhow::Result<TrainingConfig> {
         if let Some(preset) = &self.preset {
             let (_, text) =
                 PRESETS.iter().find(|(name, _)| name == preset).expect("clap has checked the name");
-            return Ok(toml::from_str(text).expect("the configurations are tested"));
+            return Ok(TrainingConfig::from_toml(text).expect("the configurations are tested"));
         }
         let path = self.config.as_ref().expect("clap asks for one of the two");
         let text = fs::read_to_string(path)
             .with_context(|| format!("cannot read '{}'", path.display()))?;
-        toml::from_str(&text)
+        TrainingConfig::from_toml(&text)
             .with_context(|| format!("'{}' is no configuration of a training", path.display()))
     }
 }
@@ -121,13 +121,13 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let begin = Instant::now();
     let mut log = Log::open(&args.out, args.resume)?;
     let bar = progress::bar(training.steps, "steps");
-    let cancel = cancel::token()?.as_flag();
+    let cancel = cancel::token()?;
     let mut failed = None;
     let (mut steps, mut examples) = (0, 0);
     let mut last_evaluation = None;
     let mut observer = |event: &Event| {
         match event {
-            Event::Began { steps: made } => {
+            Event::Started { steps: made } => {
                 steps = *made;
                 bar.set_position(*made);
                 bar.reset_eta();
@@ -158,11 +158,12 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         if let Err(error) = log.write(event) {
             failed.get_or_insert(error);
             // Hours of work that nobody can follow are not what was asked for.
-            cancel.store(true, Ordering::Relaxed);
+            cancel.cancel();
         }
     };
-    let run = Run { device, out: &args.out, cancel, observer: &mut observer };
-    let end = train(&dataset, &training, run);
+    let run = Run { device, out: &args.out, observer: &mut observer };
+    let control = Control { cancel: Some(cancel), ..Control::default() };
+    let end = train(&dataset, &training, run, &control);
     bar.finish_and_clear();
     if let Some(error) = failed {
         return Err(error.context(format!("cannot log to '{}'", args.out.display())));
@@ -190,7 +191,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let how = match end {
         End::Done => "all steps are made",
         End::Early => "it stopped getting better",
-        End::Cancelled => "stopped; go on with --resume",
+        End::Cancelled | End::TimeUp => "stopped; go on with --resume",
     };
     let best = weights.map_or("none yet".into(), |file| file.display().to_string());
     output::text(&format!("{how}; {examples} examples in {seconds:.0} s; best weights: {best}\n"))

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use anyhow::Context;
-use beadwork_learn::fusion::train::{Evaluation, Event};
+use beadwork_learn::fusion::evaluate::Evaluation;
+use beadwork_learn::fusion::train::Event;
 
 use super::tensorboard::Events;
 
@@ -42,12 +43,15 @@ impl Log {
 
     pub(super) fn write(&mut self, event: &Event) -> anyhow::Result<()> {
         match event {
-            Event::Began { steps } => self.forget_after(*steps)?,
-            Event::Step { step, examples, loss, rate, gradient } => {
-                writeln!(self.steps, "{step},{examples},{loss},{rate},{gradient}")?;
+            Event::Started { steps } => self.forget_after(*steps)?,
+            Event::Step { step, examples, loss, learning_rate, gradient_norm } => {
+                writeln!(self.steps, "{step},{examples},{loss},{learning_rate},{gradient_norm}")?;
                 self.steps.flush()?;
-                let scalars =
-                    [("train/loss", *loss), ("train/rate", *rate), ("train/gradient", *gradient)];
+                let scalars = [
+                    ("train/loss", *loss),
+                    ("train/rate", *learning_rate),
+                    ("train/gradient", *gradient_norm),
+                ];
                 self.events.write(*step, &scalars, now())?;
             }
             Event::Evaluated { step, evaluation, .. } => {
@@ -97,7 +101,7 @@ impl Log {
             };
             let text = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
             let kept: String = text.split_inclusive('\n').filter(made).collect();
-            beadwork_dataset::write_whole(&path, |out| out.write_all(kept.as_bytes()))?;
+            beadwork_dataset::write_atomic(&path, |out| out.write_all(kept.as_bytes()))?;
             *table = BufWriter::new(OpenOptions::new().append(true).open(&path)?);
         }
         Ok(())

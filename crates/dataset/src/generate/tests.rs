@@ -1,25 +1,34 @@
-//! Whole runs in temporary folders: interrupted, split, disturbed.
+//! Runs in temporary folders: interrupted, divided, with damaged files.
 
 use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
 
+use beadwork_base::{CancelToken, Control, Interrupted, Progress, Threads};
+use rayon::ThreadPoolBuilder;
+
+use super::shards::{BLOCK_BYTES, split_into_blocks};
 use super::*;
-use crate::{Config, Dataset};
+use crate::{Config, Dataset, Factory, Trajectory};
 
-const SMALL: &str = "count = 23\nper_shard = 5\nsizes = ['9x8']\npresets = ['short']\nlayouts = [{ name = 'voronoi' }, { name = 'stripes' }]";
+const SMALL: &str = "\
+count = 23
+per_shard = 5
+sizes = ['9x8']
+presets = ['short']
+layouts = [{ name = 'voronoi' }, { name = 'stripes' }]
+";
 
 fn factory(toml: &str) -> Factory {
-    Factory::new(Config::from_toml(toml).unwrap(), Vec::new()).unwrap()
+    Factory::new(Config::from_toml(toml).unwrap(), Vec::new(), &Control::default()).unwrap()
 }
 
-fn run(toml: &str, folder: &Path, slice: &str, threads: usize) -> Result<Generated, GenerateError> {
-    let cancel = AtomicBool::new(false);
-    let settings = GenerateSettings {
-        slice: slice.parse().unwrap(),
-        threads,
-        cancel: &cancel,
-        observer: &|_| {},
-    };
-    generate(&factory(toml), folder, &settings)
+/// Makes a range of shards; 1 thread stands for the calling thread.
+fn run(toml: &str, folder: &Path, shards: &str, threads: usize) -> Result<Outcome, GenerateError> {
+    let settings = Settings { shards: shards.parse().unwrap() };
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let control = Control::on(if threads > 1 { Threads::Pool(&pool) } else { Threads::One });
+    generate(&factory(toml), folder, &settings, &control)
 }
 
 /// Name and bytes of every file that belongs to the dataset.
@@ -34,7 +43,7 @@ fn bytes(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 fn whole() -> (tempfile::TempDir, BTreeMap<String, Vec<u8>>) {
     let folder = tempfile::tempdir().unwrap();
     let generated = run(SMALL, folder.path(), "1/1", 1).unwrap();
-    assert_eq!((generated.made, generated.kept, generated.missing), (23, 0, 0));
+    assert_eq!((generated.made, generated.kept, generated.missing_shards), (23, 0, 0));
     let files = bytes(folder.path());
     assert_eq!(files.len(), 6, "five shards and the manifest");
     (folder, files)
@@ -52,14 +61,14 @@ fn the_dataset_holds_every_trajectory_in_order() {
     );
     assert_eq!(dataset.manifest().strata["voronoi/9x8/short"], 12);
     assert_eq!(dataset.manifest().fingerprint(), factory(SMALL).fingerprint());
-    records.iter().for_each(|it| drop(it.replay().unwrap()));
+    records.iter().for_each(|it| drop(it.replay(&Control::default()).unwrap()));
     let times = search_times(&folder.path().join("shard-00004.bws")).unwrap();
     assert!(times.len() == 3 && times.iter().all(|&milliseconds| milliseconds > 0.0), "{times:?}");
     assert_eq!(search_times(&folder.path().join("shard-00005.bws")), None);
 }
 
 #[test]
-fn threads_do_not_change_a_byte() {
+fn bytes_do_not_depend_on_threads() {
     let (_whole, expected) = whole();
     for threads in [2, 5] {
         let folder = tempfile::tempdir().unwrap();
@@ -69,21 +78,22 @@ fn threads_do_not_change_a_byte() {
 }
 
 #[test]
-fn slices_equal_a_whole_run_in_any_order() {
+fn shard_ranges_equal_a_whole_run_in_any_order() {
     let (_whole, expected) = whole();
-    for (of, order) in [(2, vec![2, 1]), (3, vec![2, 3, 1]), (9, (1..=9).collect())] {
+    for (parts, order) in [(2, vec![2, 1]), (3, vec![2, 3, 1]), (9, (1..=9).collect())] {
         let folder = tempfile::tempdir().unwrap();
-        for (place, part) in order.iter().enumerate() {
-            let generated = run(SMALL, folder.path(), &format!("{part}/{of}"), 2).unwrap();
-            let last = place + 1 == order.len();
-            assert_eq!((generated.manifest.is_some(), generated.missing == 0), (last, last));
+        for (index, part) in order.iter().enumerate() {
+            let generated = run(SMALL, folder.path(), &format!("{part}/{parts}"), 2).unwrap();
+            let last = index + 1 == order.len();
+            let finished = (generated.manifest.is_some(), generated.missing_shards == 0);
+            assert_eq!(finished, (last, last));
         }
-        assert_eq!(bytes(folder.path()), expected, "{of} slices");
+        assert_eq!(bytes(folder.path()), expected, "{parts} shard ranges");
     }
 }
 
 #[test]
-fn slices_at_work_together_equal_a_whole_run() {
+fn concurrent_runs_equal_a_whole_run() {
     let (_whole, expected) = whole();
     for _ in 0..10 {
         let folder = tempfile::tempdir().unwrap();
@@ -93,32 +103,48 @@ fn slices_at_work_together_equal_a_whole_run() {
                 scope.spawn(move || run(SMALL, folder, &format!("{part}/3"), 1).unwrap());
             }
         });
-        assert_eq!(bytes(folder.path()), expected, "the last one to end writes the manifest");
+        assert_eq!(bytes(folder.path()), expected, "the last run to end writes the manifest");
     }
 }
 
 #[test]
-fn a_cancelled_run_goes_on() {
+fn a_cancelled_run_can_be_continued() {
     let (_whole, expected) = whole();
     for stop_after in [0, 1, 7, 12, 22] {
         let folder = tempfile::tempdir().unwrap();
-        let cancel = AtomicBool::new(stop_after == 0);
-        let observer = |progress: GenerateProgress| {
-            cancel.store(progress.done >= stop_after, Ordering::Relaxed)
+        let cancel = CancelToken::new();
+        let report = |progress: Progress| {
+            assert_eq!(progress.total, 23);
+            if progress.done >= stop_after {
+                cancel.cancel();
+            }
         };
-        let settings = GenerateSettings {
-            slice: Slice::WHOLE,
-            threads: 2,
-            cancel: &cancel,
-            observer: &observer,
+        let pool = ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        let control = Control {
+            threads: Threads::Pool(&pool),
+            cancel: Some(&cancel),
+            progress: Some(&report),
+            ..Control::default()
         };
-        let generated = generate(&factory(SMALL), folder.path(), &settings).unwrap();
-        assert!(generated.cancelled && generated.manifest.is_none());
+        let settings = Settings::default();
+        let generated = generate(&factory(SMALL), folder.path(), &settings, &control).unwrap();
+        assert_eq!(generated.interrupted, Some(Interrupted::Cancelled));
+        assert!(generated.manifest.is_none());
         let kept = generated.made;
         let generated = run(SMALL, folder.path(), "1/1", 2).unwrap();
         assert_eq!((generated.kept, generated.made), (kept, 23 - kept));
         assert_eq!(bytes(folder.path()), expected);
     }
+}
+
+#[test]
+fn a_time_limit_interrupts() {
+    let folder = tempfile::tempdir().unwrap();
+    let is_up = || true;
+    let control = Control { time_is_up: Some(&is_up), ..Control::default() };
+    let error = generate(&factory(SMALL), folder.path(), &Settings::default(), &control);
+    let error = error.unwrap_err();
+    assert!(matches!(error, GenerateError::Interrupted(Interrupted::TimeUp)), "{error}");
 }
 
 #[test]
@@ -130,7 +156,7 @@ fn running_again_changes_nothing() {
 }
 
 #[test]
-fn a_lost_shard_is_made_again() {
+fn a_missing_shard_is_made_again() {
     let (folder, expected) = whole();
     fs::remove_file(folder.path().join("shard-00002.bws")).unwrap();
     assert_eq!(run(SMALL, folder.path(), "1/1", 1).unwrap().made, 5);
@@ -165,13 +191,13 @@ fn a_damaged_shard_is_named() {
     fs::write(&path, damaged).unwrap();
     let error = run(SMALL, folder.path(), "1/1", 1).unwrap_err().to_string();
     assert!(
-        error.starts_with("cannot go on from '") && error.contains("shard-00001.bws"),
+        error.starts_with("cannot continue from '") && error.contains("shard-00001.bws"),
         "{error}"
     );
 }
 
 #[test]
-fn a_folder_that_can_not_be_written_is_named() {
+fn a_folder_that_cannot_be_written_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let taken = folder.path().join("taken");
     fs::write(&taken, "a file").unwrap();
@@ -180,9 +206,9 @@ fn a_folder_that_can_not_be_written_is_named() {
 }
 
 #[test]
-fn blocks_are_cut_by_number_and_size() {
+fn blocks_are_limited_by_number_and_size() {
     let lengths = |sizes: &[usize]| {
-        chunks(sizes, |&size| size).iter().map(|chunk| chunk.len()).collect::<Vec<_>>()
+        split_into_blocks(sizes, |&size| size).iter().map(|block| block.len()).collect::<Vec<_>>()
     };
     assert!(lengths(&[]).is_empty());
     assert_eq!(lengths(&[1; 70]), [32, 32, 6]);
@@ -191,23 +217,12 @@ fn blocks_are_cut_by_number_and_size() {
 }
 
 #[test]
-fn leftovers_of_killed_runs_go_with_the_manifest() {
+fn temporary_files_of_killed_runs_are_removed_with_the_last_shard() {
     let folder = tempfile::tempdir().unwrap();
     let left = folder.path().join(".shard-00001.bws.1.partial");
     fs::write(&left, "half a shard").unwrap();
     run(SMALL, folder.path(), "1/2", 1).unwrap();
-    assert!(left.exists(), "another slice may be writing it");
+    assert!(left.exists(), "another run may be writing it");
     run(SMALL, folder.path(), "2/2", 1).unwrap();
     assert!(!left.exists());
-}
-
-#[test]
-fn slices_are_read_and_refused() {
-    assert_eq!("1/1".parse(), Ok(Slice::WHOLE));
-    assert_eq!("2/5".parse::<Slice>().unwrap().to_string(), "2/5");
-    for text in ["0/2", "3/2", "1/0", "1", "a/b", "1/2/3", "-1/2"] {
-        assert_eq!(text.parse::<Slice>(), Err(SliceError(text.to_owned())));
-    }
-    let covered: Vec<u32> = (1..=4).flat_map(|part| Slice { part, of: 4 }.shards(10)).collect();
-    assert_eq!(covered, (0..10).collect::<Vec<_>>());
 }

@@ -13,27 +13,27 @@ pub(crate) const HEADER_BYTES: usize = 32;
 pub(crate) const ENTRY_BYTES: usize = 32;
 pub(crate) const FOOTER_BYTES: usize = 32;
 
-/// What a shard can hold.
+/// A type whose values can be stored in shards.
 pub trait Record: Serialize + DeserializeOwned {
-    /// Number of the schema in a shard's header.
-    /// A change to the fields needs a new one, for they have no names on disk.
+    /// Number of the schema, stored in the shard's header.
+    /// Fields have no names on disk, so a change to the fields needs a new number.
     const KIND: u16;
 }
 
-/// What the header of a shard says about it.
+/// The header of a shard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShardHeader {
-    /// The [`Record::KIND`] of its records; 1 stands for trajectories.
+    /// [`Record::KIND`] of its records; 1 is trajectories.
     pub kind: u16,
-    /// Its number in the dataset, from 0.
+    /// Number of the shard in the dataset, from 0.
     pub shard: u32,
-    /// Fingerprint of the configuration it was made from: shards of one dataset have the same.
+    /// Fingerprint of the resolved configuration, the same in all shards of a dataset.
     pub fingerprint: u64,
     /// Number of its first record in the dataset, from 0.
     pub first_record: u64,
 }
 
-/// What a shard holds.
+/// Counts, lengths and hash of a shard.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShardSummary {
     /// Number of blocks.
@@ -42,13 +42,13 @@ pub struct ShardSummary {
     pub records: u64,
     /// Length of the file in bytes.
     pub bytes: u64,
-    /// Length in bytes of its blocks before compression.
+    /// Length of its blocks before compression, in bytes.
     pub raw_bytes: u64,
-    /// SHA-256 of the file, in lower-case hexadecimal digits.
+    /// SHA-256 of the file, in lower-case hexadecimal.
     pub sha256: String,
 }
 
-/// Where a block is and what it must be.
+/// An entry of the index: position, length and checksum of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct BlockEntry {
     pub(crate) offset: u64,
@@ -59,21 +59,22 @@ pub(crate) struct BlockEntry {
     pub(crate) crc32: u32,
 }
 
-/// Everything in a shard but its blocks.
+/// Header and index of a shard.
 ///
-/// Invariant: the blocks follow each other without a gap, from the end of the header on, and so do
-/// their records.
-/// The bytes follow from the fields, so a reader can hash a file without reading these parts again.
+/// Invariant: the first block follows the header, and each block follows the previous one without a
+/// gap; so do the numbers of their records.
+/// The bytes of header, index and footer are determined by the fields, so a reader can hash the
+/// file without reading these parts again.
 #[derive(Clone, Debug)]
 pub(crate) struct Outline {
     pub(crate) header: ShardHeader,
     pub(crate) blocks: Vec<BlockEntry>,
-    /// Where the blocks end and the index begins.
+    /// Offset of the index, where the blocks end.
     pub(crate) index_offset: u64,
     pub(crate) records: u64,
 }
 
-/// The fields of a footer, as read.
+/// The fields of a footer as read, not checked.
 pub(crate) struct Footer {
     pub(crate) index_offset: u64,
     pub(crate) records: u64,
@@ -87,7 +88,8 @@ impl Outline {
         Self { header, blocks: Vec::new(), index_offset: HEADER_BYTES as u64, records: 0 }
     }
 
-    /// Appends a block; `None` when a number would overflow, which changes nothing.
+    /// Appends a block.
+    /// Returns `None` and changes nothing if a number would overflow.
     pub(crate) fn push(
         &mut self,
         bytes: u32,
@@ -118,7 +120,7 @@ impl Outline {
         bytes
     }
 
-    /// Index and footer.
+    /// The bytes of index and footer.
     pub(crate) fn tail_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(self.blocks.len() * ENTRY_BYTES + FOOTER_BYTES);
         for block in &self.blocks {
@@ -141,12 +143,12 @@ impl Outline {
         self.blocks.iter().map(|block| u64::from(block.raw_bytes)).sum()
     }
 
-    /// Length of the whole file.
+    /// Length of the whole file in bytes.
     pub(crate) fn bytes(&self) -> u64 {
         self.index_offset + (self.blocks.len() * ENTRY_BYTES + FOOTER_BYTES) as u64
     }
 
-    /// The summary, given the hash of all bytes before the index.
+    /// The summary of the shard; `hasher` has hashed all bytes before the index.
     pub(crate) fn summary(&self, hasher: Sha256) -> ShardSummary {
         let sha256 = hex(&hasher.chain_update(self.tail_bytes()).finalize());
         ShardSummary {
@@ -159,22 +161,22 @@ impl Outline {
     }
 }
 
-/// Bytes as lower-case hexadecimal digits, as checksum tools print them.
+/// Bytes as lower-case hexadecimal, as checksum tools print them.
 pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |mut digits, byte| {
-        write!(digits, "{byte:02x}").expect("a string takes all text");
+        write!(digits, "{byte:02x}").expect("writing to a string does not fail");
         digits
     })
 }
 
-/// CRC-32 (of the polynomial that zip and PNG use) of some parts, end to end.
+/// CRC-32 of the concatenated parts, with the polynomial of zip and PNG.
 pub(crate) fn crc32(parts: &[&[u8]]) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
     parts.iter().for_each(|part| hasher.update(part));
     hasher.finalize()
 }
 
-/// The header's fields, after the magic and the version.
+/// Parses the fields of a header after magic and version.
 pub(crate) fn parse_header(mut bytes: &[u8]) -> ShardHeader {
     ShardHeader {
         kind: u16::from_le_bytes(take(&mut bytes)),
@@ -205,7 +207,7 @@ pub(crate) fn parse_footer(mut bytes: &[u8]) -> Footer {
     }
 }
 
-/// Cuts the first bytes off; callers hand in whole parts, whose lengths are constants.
+/// Takes the first `N` bytes off; callers pass parts of constant lengths.
 fn take<const N: usize>(bytes: &mut &[u8]) -> [u8; N] {
     let (first, rest) = bytes.split_first_chunk().expect("the parts have fixed lengths");
     *bytes = rest;

@@ -1,4 +1,4 @@
-//! Reading a shard at random places or from end to end, trusting none of its bytes.
+//! Reading a shard block by block, checking all of its bytes.
 
 use std::io::{self, Read, Seek, SeekFrom};
 
@@ -10,38 +10,37 @@ use super::format::{
     END_MAGIC, ENTRY_BYTES, FOOTER_BYTES, HEADER_BYTES, MAGIC, Outline, Record, ShardHeader,
     ShardSummary, VERSION, crc32, parse_entry, parse_footer, parse_header,
 };
-use crate::CodecError;
-use crate::codec::{self, MAX_BYTES};
+use crate::codec::{self, CodecError, MAX_BYTES};
 
-/// Why a shard could not be read.
-/// The messages leave out the file's name, which a reader doesn't know.
+/// Why a shard cannot be read.
+/// The messages do not name the file, which a reader does not know.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ShardError {
-    /// It does not begin like a shard.
-    #[error("it is not a shard")]
+    /// The magic at the beginning is wrong.
+    #[error("not a shard file")]
     NotAShard,
-    /// It has a format of another version.
-    #[error("it has format version {got}, this build reads version {expected}")]
+    /// The shard has a format of another version.
+    #[error("shard has format version {got}, this build reads version {expected}")]
     Version {
         /// The version this build reads.
         expected: u16,
         /// The version found.
         got: u16,
     },
-    /// Its records are of another schema.
-    #[error("its records are of schema kind {got}, not {expected}")]
+    /// The records have another schema.
+    #[error("records have schema kind {got}, expected {expected}")]
     Kind {
-        /// The kind asked for.
+        /// The requested kind.
         expected: u16,
         /// The kind found.
         got: u16,
     },
-    /// It does not end like a shard.
-    #[error("it is truncated: it does not end like a shard")]
+    /// The magic at the end is missing.
+    #[error("shard is truncated")]
     Truncated,
     /// The header, the index or the footer does not match its checksum.
-    #[error("its header or index is damaged")]
+    #[error("header or index is damaged")]
     DamagedIndex,
     /// A block does not match its checksum.
     #[error("block {block} is damaged")]
@@ -49,13 +48,13 @@ pub enum ShardError {
         /// Number of the block, from 0.
         block: u32,
     },
-    /// A block is as it was written, but does not hold the records asked for: their fields changed
-    /// under the same kind.
-    #[error("block {block} holds other records than this build's: {cause}")]
+    /// A block is undamaged, but its records have other fields than the requested type: the fields
+    /// were changed without a new schema kind.
+    #[error("block {block} holds records of another type: {cause}")]
     Foreign {
         /// Number of the block, from 0.
         block: u32,
-        /// What does not fit.
+        /// Where decoding failed.
         cause: CodecError,
     },
     /// Reading failed.
@@ -63,20 +62,19 @@ pub enum ShardError {
     Io(#[from] io::Error),
 }
 
-/// Reads one shard.
+/// Reads one shard; it trusts none of the bytes.
 pub struct ShardReader<R> {
     input: R,
     outline: Outline,
     unpacker: Decompressor<'static>,
-    /// The block read last, as stored and unpacked: kept for their memory.
+    /// Buffers for the compressed and the uncompressed bytes of a block.
     packed: Vec<u8>,
     raw: Vec<u8>,
 }
 
 impl<R: Read + Seek> ShardReader<R> {
-    /// Reads and checks header, index and footer; the input must be the shard from its first byte
-    /// to its last.
-    /// Needs no buffering: parts are read whole.
+    /// Reads and checks header, index and footer.
+    /// The input must be the shard from its first byte to its last; it needs no buffering.
     pub fn open(mut input: R) -> Result<Self, ShardError> {
         let outline = read_outline(&mut input)?;
         Ok(Self {
@@ -88,7 +86,7 @@ impl<R: Read + Seek> ShardReader<R> {
         })
     }
 
-    /// What the header says.
+    /// The header.
     pub fn header(&self) -> &ShardHeader {
         &self.outline.header
     }
@@ -103,7 +101,7 @@ impl<R: Read + Seek> ShardReader<R> {
         self.outline.records
     }
 
-    /// Place of a block's first record in the shard, from 0.
+    /// Index of a block's first record in the shard, from 0.
     ///
     /// # Panics
     /// If there is no block of this number.
@@ -128,14 +126,15 @@ impl<R: Read + Seek> ShardReader<R> {
         Ok(records)
     }
 
-    /// All records in order, one block in memory at a time.
-    /// A block that can't be read gives one error, and the records go on with the next block's.
+    /// All records in order, with one block in memory at a time.
+    /// A block that cannot be read gives one error, and iteration continues with the next block.
     pub fn records<T: Record>(&mut self) -> impl Iterator<Item = Result<T, ShardError>> {
-        flatten((0..self.block_count()).map(|block| self.read_block(block)))
+        flatten_blocks((0..self.block_count()).map(|block| self.read_block(block)))
     }
 
-    /// Checks every byte of the blocks, after those checked by `open`, and sums the shard up.
-    /// It does not decode records, so it works for any kind.
+    /// Checks every byte of the blocks ([`ShardReader::open`] has checked the rest) and returns a
+    /// summary.
+    /// Records are not decoded, so this works for any schema.
     pub fn verify(&mut self) -> Result<ShardSummary, ShardError> {
         let mut hasher = Sha256::new_with_prefix(self.outline.header_bytes());
         for block in 0..self.block_count() {
@@ -164,8 +163,8 @@ impl<R: Read + Seek> ShardReader<R> {
     }
 }
 
-/// The records of blocks, with one error for each block that has none.
-pub(crate) fn flatten<T, E>(
+/// The records of all blocks, with one error for each block that could not be read.
+pub(crate) fn flatten_blocks<T, E>(
     blocks: impl Iterator<Item = Result<Vec<T>, E>>,
 ) -> impl Iterator<Item = Result<T, E>> {
     blocks.flat_map(|block| {
@@ -180,20 +179,20 @@ pub(crate) fn flatten<T, E>(
 fn read_outline<R: Read + Seek>(input: &mut R) -> Result<Outline, ShardError> {
     let length = input.seek(SeekFrom::End(0))?;
     input.seek(SeekFrom::Start(0))?;
-    let mut head = Vec::with_capacity(HEADER_BYTES);
-    input.by_ref().take(HEADER_BYTES as u64).read_to_end(&mut head)?;
-    let magic = &head[..head.len().min(MAGIC.len())];
+    let mut header = Vec::with_capacity(HEADER_BYTES);
+    input.by_ref().take(HEADER_BYTES as u64).read_to_end(&mut header)?;
+    let magic = &header[..header.len().min(MAGIC.len())];
     if !MAGIC.starts_with(magic) {
         return Err(ShardError::NotAShard);
     }
-    // The version comes before everything that another version might do differently.
-    if let Some(got) = head.get(MAGIC.len()..).and_then(<[u8]>::first_chunk) {
+    // The version is checked first: other versions may differ in everything else.
+    if let Some(got) = header.get(MAGIC.len()..).and_then(<[u8]>::first_chunk) {
         let got = u16::from_le_bytes(*got);
         if got != VERSION {
             return Err(ShardError::Version { expected: VERSION, got });
         }
     }
-    if length < (HEADER_BYTES + FOOTER_BYTES) as u64 || head.len() < HEADER_BYTES {
+    if length < (HEADER_BYTES + FOOTER_BYTES) as u64 || header.len() < HEADER_BYTES {
         return Err(ShardError::Truncated);
     }
     let footer_offset = length - FOOTER_BYTES as u64;
@@ -204,7 +203,7 @@ fn read_outline<R: Read + Seek>(input: &mut R) -> Result<Outline, ShardError> {
     if footer.magic != END_MAGIC {
         return Err(ShardError::Truncated);
     }
-    // Only an index of exactly the bytes that lie before the footer is worth the memory.
+    // Allocate memory for the index only if it fills the bytes between the blocks and the footer.
     let index_bytes = u64::from(footer.blocks) * ENTRY_BYTES as u64;
     if footer.index_offset.checked_add(index_bytes) != Some(footer_offset) {
         return Err(ShardError::DamagedIndex);
@@ -212,17 +211,17 @@ fn read_outline<R: Read + Seek>(input: &mut R) -> Result<Outline, ShardError> {
     let mut index = vec![0; index_bytes as usize];
     input.seek(SeekFrom::Start(footer.index_offset))?;
     read_all(input, &mut index)?;
-    if crc32(&[&head, &index, &tail[..20]]) != footer.crc32 {
+    if crc32(&[&header, &index, &tail[..20]]) != footer.crc32 {
         return Err(ShardError::DamagedIndex);
     }
-    let mut outline = Outline::new(parse_header(&head[10..]));
+    let mut outline = Outline::new(parse_header(&header[10..]));
     for entry in index.chunks_exact(ENTRY_BYTES).map(parse_entry) {
         let pushed = outline.push(entry.bytes, entry.raw_bytes, entry.records, entry.crc32);
-        let sound = pushed.is_some()
+        let is_valid = pushed.is_some()
             && outline.blocks.last() == Some(&entry)
             && entry.records > 0
             && entry.raw_bytes as usize <= MAX_BYTES;
-        if !sound {
+        if !is_valid {
             return Err(ShardError::DamagedIndex);
         }
     }
@@ -232,7 +231,7 @@ fn read_outline<R: Read + Seek>(input: &mut R) -> Result<Outline, ShardError> {
     Ok(outline)
 }
 
-/// Fills the buffer; an input that ended meanwhile is a truncated one.
+/// Fills the buffer; an early end of the input is an error.
 fn read_all(input: &mut impl Read, buffer: &mut [u8]) -> Result<(), ShardError> {
     input.read_exact(buffer).map_err(|error| match error.kind() {
         io::ErrorKind::UnexpectedEof => ShardError::Truncated,

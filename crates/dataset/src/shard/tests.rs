@@ -1,4 +1,4 @@
-//! Shards written, read back, and damaged in every place.
+//! Shards that are written, read back, and damaged at every position.
 
 use std::cell::Cell;
 use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
@@ -22,7 +22,7 @@ impl Record for Sample {
     const KIND: u16 = 900;
 }
 
-/// Another kind with the same fields on disk.
+/// Another schema kind.
 #[derive(Debug, Serialize, Deserialize)]
 struct OtherKind(u32);
 
@@ -30,7 +30,7 @@ impl Record for OtherKind {
     const KIND: u16 = 901;
 }
 
-/// The same kind with other fields.
+/// The same schema kind with other fields.
 #[derive(Debug, Serialize, Deserialize)]
 struct OtherFields(bool, u8);
 
@@ -67,7 +67,7 @@ fn write(blocks: &[Vec<Sample>]) -> (Vec<u8>, ShardSummary) {
     writer.finish().unwrap()
 }
 
-/// Everything that a reader does with a shard; any damage must end it with an error.
+/// Opens, verifies and reads a shard; any damage must give an error.
 fn read_all(bytes: &[u8]) -> Result<Vec<Sample>, ShardError> {
     let mut reader = ShardReader::open(Cursor::new(bytes))?;
     reader.verify()?;
@@ -79,7 +79,7 @@ fn footer_at(bytes: &[u8]) -> usize {
 }
 
 #[test]
-fn what_is_written_is_read() {
+fn a_written_shard_reads_back() {
     let (bytes, summary) = small_shard();
     assert_eq!(
         (summary.blocks, summary.records, summary.bytes as usize, summary.sha256.len()),
@@ -181,14 +181,14 @@ fn every_truncation_is_found() {
 }
 
 #[test]
-fn bytes_put_in_or_cut_out_are_found() {
+fn inserted_and_removed_bytes_are_found() {
     let (bytes, _) = small_shard();
     for at in 0..=bytes.len() {
         let longer = [&bytes[..at], &[0], &bytes[at..]].concat();
-        assert!(read_all(&longer).is_err(), "a byte put in at {at}");
+        assert!(read_all(&longer).is_err(), "byte inserted at {at}");
         if at < bytes.len() {
             let shorter = [&bytes[..at], &bytes[at + 1..]].concat();
-            assert!(read_all(&shorter).is_err(), "byte {at} cut out");
+            assert!(read_all(&shorter).is_err(), "byte {at} removed");
         }
     }
 }
@@ -211,14 +211,14 @@ fn other_records_are_refused() {
     let mut reader = ShardReader::open(Cursor::new(&bytes)).unwrap();
     let error = reader.read_block::<OtherKind>(0).unwrap_err();
     assert!(matches!(error, ShardError::Kind { expected: 901, got: 900 }));
-    assert_eq!(error.to_string(), "its records are of schema kind 900, not 901");
+    assert_eq!(error.to_string(), "records have schema kind 900, expected 901");
     assert!(matches!(
         reader.read_block::<OtherFields>(1),
         Err(ShardError::Foreign { block: 1, .. })
     ));
 }
 
-/// Rewrites the checksum of header, index and footer, as a writer with a fault or ill will would.
+/// Recomputes the checksum of header, index and footer, as a faulty or malicious writer would.
 fn reseal(bytes: &mut [u8]) {
     let footer = footer_at(bytes);
     let index = u64::from_le_bytes(bytes[footer..footer + 8].try_into().unwrap()) as usize;
@@ -227,11 +227,11 @@ fn reseal(bytes: &mut [u8]) {
 }
 
 #[test]
-fn a_false_index_with_a_true_checksum_is_refused() {
+fn a_wrong_index_with_a_valid_checksum_is_refused() {
     let (bytes, _) = small_shard();
     let footer = footer_at(&bytes);
-    // Every field of the index, the first record and the number of records; all but the index's
-    // place and length, which the checksum needs.
+    // Every field of the index, the first record and the number of records: all fields except the
+    // index's position and length, which the checksum covers a range by.
     let fields = (footer - 3 * ENTRY_BYTES..footer).chain(24..32).chain(footer + 8..footer + 16);
     for at in fields {
         let mut bad = bytes.clone();
@@ -242,7 +242,7 @@ fn a_false_index_with_a_true_checksum_is_refused() {
 }
 
 #[test]
-fn huge_lengths_are_refused_before_memory_is_asked_for() {
+fn huge_lengths_are_refused_before_allocation() {
     let (bytes, _) = small_shard();
     let footer = footer_at(&bytes);
     let mut many_blocks = bytes.clone();
@@ -255,7 +255,7 @@ fn huge_lengths_are_refused_before_memory_is_asked_for() {
     assert!(matches!(read_all(&large_block), Err(ShardError::DamagedIndex)));
 }
 
-/// Takes so many bytes, a few at a time, then fails; or fails when flushed.
+/// A writer that takes `left` bytes, a few at a time, and then fails; or that fails to flush.
 struct Failing {
     left: usize,
     flush_fails: bool,
@@ -291,7 +291,7 @@ fn every_failed_write_is_reported() {
     assert_eq!(write(bytes.len(), false).unwrap().1, summary);
 }
 
-/// Gives an error at the n-th operation.
+/// An input that fails after `left` operations.
 struct FailingInput<'a> {
     input: Cursor<&'a [u8]>,
     left: &'a Cell<u32>,
@@ -365,13 +365,17 @@ proptest! {
     fn any_bytes_are_refused(start in 0_usize..40, noise: Vec<u8>) {
         let (bytes, _) = small_shard();
         prop_assert!(read_all(&[&bytes[..start], &noise].concat()).is_err());
-        prop_assert!(read_all(&[&bytes[..start], &noise, &bytes[footer_at(&bytes)..]].concat()).is_err());
+        let with_footer = [&bytes[..start], &noise, &bytes[footer_at(&bytes)..]].concat();
+        prop_assert!(read_all(&with_footer).is_err());
     }
 
-    /// Damage that the checksum of header and index does not show, up to the codec: an error or
-    /// records, but no panic.
+    /// Damage that no checksum detects reaches the codec: it gives an error or other records, but
+    /// never a panic.
     #[test]
-    fn resealed_noise_does_no_harm(at: prop::sample::Index, noise in prop::collection::vec(any::<u8>(), 1..40)) {
+    fn undetected_damage_does_not_panic(
+        at: prop::sample::Index,
+        noise in prop::collection::vec(any::<u8>(), 1..40),
+    ) {
         let (mut bytes, _) = small_shard();
         let footer = footer_at(&bytes);
         let at = HEADER_BYTES + at.index(footer - HEADER_BYTES);
@@ -380,7 +384,8 @@ proptest! {
         }
         let mut offset = HEADER_BYTES;
         for entry in (0..3).map(|block| footer - (3 - block) * ENTRY_BYTES) {
-            let length = u32::from_le_bytes(bytes[entry + 16..entry + 20].try_into().unwrap()) as usize;
+            let length = bytes[entry + 16..entry + 20].try_into().unwrap();
+            let length = u32::from_le_bytes(length) as usize;
             if let Some(frame) = bytes.get(offset..offset.saturating_add(length)) {
                 let crc = crc32fast::hash(frame);
                 bytes[entry + 28..entry + 32].copy_from_slice(&crc.to_le_bytes());

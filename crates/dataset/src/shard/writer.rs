@@ -1,4 +1,4 @@
-//! Packing records into blocks, and writing blocks as a shard.
+//! Packing records into blocks, and writing blocks to a shard.
 
 use std::io::{self, Write};
 
@@ -6,14 +6,12 @@ use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use super::format::{Outline, Record, ShardHeader, ShardSummary, crc32};
-use crate::CodecError;
-use crate::codec;
+use crate::codec::{self, CodecError};
 
-/// Some records, encoded and compressed: what a shard is made of, and the least that is read at a
-/// time.
+/// Records that are encoded and compressed together.
 ///
-/// A reader decodes a whole block for one of its records, and a shuffled stream holds several: some
-/// hundred kilobytes of raw bytes compress well and read fast.
+/// A block is read as a whole, and a shuffled stream holds several blocks in memory; some hundred
+/// kilobytes of uncompressed bytes are a good size.
 /// The bytes depend on the records, the level and the zstd version alone.
 #[derive(Clone, Debug)]
 pub struct Block {
@@ -24,32 +22,32 @@ pub struct Block {
     bytes: Vec<u8>,
 }
 
-/// Why records could not become a block.
+/// Why records cannot be packed into a block.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum PackError {
     /// There are no records.
     #[error("a block needs at least one record")]
     Empty,
-    /// The records can't be encoded, or are too long for one block.
+    /// The records cannot be encoded, or are too long for one block.
     #[error(transparent)]
     Codec(#[from] CodecError),
     /// zstd failed.
-    #[error("the block can't be compressed: {0}")]
+    #[error("block cannot be compressed: {0}")]
     Compress(io::Error),
 }
 
 impl Block {
-    /// The level to use unless there is a reason not to.
-    /// Moves are dense: the levels above save a few percent of the file for twice the time and
-    /// more, level 1 saves half of the time and adds a tenth to the file.
+    /// The recommended level.
+    /// Moves are dense: higher levels save a few per cent of the file and take twice the time or
+    /// more; level 1 halves the time and makes the file a tenth larger.
     pub const DEFAULT_LEVEL: i32 = 3;
 
     /// Encodes and compresses records.
-    /// Pure, so that blocks can be packed in parallel.
+    /// Blocks can be packed in parallel.
     ///
-    /// `level` is zstd's, 1 (fast) to 22 (small); values beyond are clamped, 0 is zstd's own
-    /// default.
+    /// `level` is the zstd level, 1 (fast) to 22 (small); values outside are clamped, and 0 is
+    /// zstd's default.
     /// Reading takes about the same time at every level.
     pub fn pack<R: Record>(records: &[R], level: i32) -> Result<Self, PackError> {
         if records.is_empty() {
@@ -57,7 +55,7 @@ impl Block {
         }
         let raw = codec::encode(records)?;
         let mut bytes = zstd::bulk::compress(&raw, level).map_err(PackError::Compress)?;
-        // The buffer was as large as the raw bytes, and packed blocks may wait for their turn.
+        // The buffer was allocated for uncompressible data; blocks may stay in memory for a while.
         bytes.shrink_to_fit();
         Ok(Self {
             kind: R::KIND,
@@ -81,8 +79,8 @@ impl Block {
 
 /// Writes one shard, block by block.
 ///
-/// After an error the output is of no use; [`write_whole`](crate::write_whole()) makes sure that no
-/// such file stays.
+/// After an error the output is unusable; [`write_atomic`](crate::write_atomic()) leaves no such
+/// file behind.
 #[derive(Debug)]
 pub struct ShardWriter<W> {
     out: W,
@@ -91,7 +89,7 @@ pub struct ShardWriter<W> {
 }
 
 impl<W: Write> ShardWriter<W> {
-    /// Begins a shard with its header.
+    /// Starts a shard by writing its header.
     pub fn new(mut out: W, header: ShardHeader) -> io::Result<Self> {
         let outline = Outline::new(header);
         let bytes = outline.header_bytes();
@@ -102,8 +100,8 @@ impl<W: Write> ShardWriter<W> {
     /// Appends a block.
     ///
     /// # Panics
-    /// If the block's records are of another kind than the header says, or the record numbers or
-    /// the blocks exceed their range of 64 or 32 bits.
+    /// If the block's schema kind differs from the header's, or the number of records exceeds 64
+    /// bits or the number of blocks 32 bits.
     pub fn block(&mut self, block: &Block) -> io::Result<()> {
         assert_eq!(
             block.kind, self.outline.header.kind,
@@ -113,11 +111,11 @@ impl<W: Write> ShardWriter<W> {
         self.hasher.update(&block.bytes);
         self.outline
             .push(block.bytes.len() as u32, block.raw_bytes, block.records, block.crc32)
-            .expect("blocks and records must keep to their range of numbers");
+            .expect("numbers of blocks and records are in their ranges");
         Ok(())
     }
 
-    /// Ends the shard with its index and footer, flushes, and gives the output back.
+    /// Writes index and footer, flushes, and returns the output and a summary.
     pub fn finish(mut self) -> io::Result<(W, ShardSummary)> {
         self.out.write_all(&self.outline.tail_bytes())?;
         self.out.flush()?;

@@ -1,4 +1,4 @@
-//! Streams over datasets of all shapes, sound and damaged.
+//! Streams over datasets of various shapes, intact and damaged.
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use tempfile::TempDir;
 
 use super::*;
-use crate::{Block, ShardHeader, ShardWriter, write_whole};
+use crate::{Block, ShardHeader, ShardWriter, write_atomic};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 struct Number(u64);
@@ -19,17 +19,17 @@ impl Record for Number {
 
 thread_local! {
     static ALIVE: Cell<usize> = const { Cell::new(0) };
-    static MOST: Cell<usize> = const { Cell::new(0) };
+    static PEAK: Cell<usize> = const { Cell::new(0) };
 }
 
-/// A number that counts how many of its kind are in memory.
+/// A record that counts how many of its type are in memory.
 #[derive(Debug)]
 struct Counted(u64);
 
 impl Counted {
     fn new(number: u64) -> Self {
         ALIVE.set(ALIVE.get() + 1);
-        MOST.set(MOST.get().max(ALIVE.get()));
+        PEAK.set(PEAK.get().max(ALIVE.get()));
         Self(number)
     }
 }
@@ -56,7 +56,7 @@ impl Record for Counted {
     const KIND: u16 = 900;
 }
 
-/// A dataset of the numbers from 0, given the number of records in each block of each shard.
+/// A dataset of the numbers from 0; `shape` is the number of records in each block of each shard.
 fn dataset(shape: &[Vec<usize>]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let mut next = 0;
@@ -64,7 +64,7 @@ fn dataset(shape: &[Vec<usize>]) -> TempDir {
     for (shard, blocks) in (0..).zip(shape) {
         let file = format!("shard-{shard:05}.bws");
         let header = ShardHeader { kind: 900, shard, fingerprint: 7, first_record: next };
-        let written = write_whole(&folder.path().join(&file), |out| {
+        let written = write_atomic(&folder.path().join(&file), |out| {
             let mut writer = ShardWriter::new(out, header)?;
             for &records in blocks {
                 let numbers: Vec<_> = (next..next + records as u64).map(Number).collect();
@@ -99,14 +99,19 @@ fn shapes() -> impl Strategy<Value = Vec<Vec<usize>>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 100,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn each_record_comes_once(shape in shapes(), seed: u64, epoch: u64, window in 0_usize..40) {
         let folder = dataset(&shape);
         let dataset = Dataset::open(folder.path()).unwrap();
         let all: Vec<_> = (0..dataset.manifest().records).collect();
-        let in_order: Vec<_> = dataset.records::<Number>().map(|record| record.unwrap().0).collect();
+        let in_order: Vec<_> =
+            dataset.records::<Number>().map(|record| record.unwrap().0).collect();
         prop_assert_eq!(&in_order, &all);
         let first = shuffled(&dataset, seed, epoch, window);
         prop_assert_eq!(&shuffled(&dataset, seed, epoch, window), &first);
@@ -119,23 +124,23 @@ proptest! {
     }
 
     #[test]
-    fn no_more_blocks_than_the_window_are_held(shape in shapes(), seed: u64, window in 1_usize..10) {
+    fn at_most_window_blocks_are_in_memory(shape in shapes(), seed: u64, window in 1_usize..10) {
         let folder = dataset(&shape);
         let dataset = Dataset::open(folder.path()).unwrap();
         let mut sizes = shape.concat();
         sizes.sort_unstable_by(|a, b| b.cmp(a));
-        MOST.set(0);
+        PEAK.set(0);
         dataset.shuffled::<Counted>(seed, 0, window).for_each(|record| drop(record.unwrap()));
-        prop_assert!(MOST.get() <= sizes.iter().take(window).sum());
-        MOST.set(0);
+        prop_assert!(PEAK.get() <= sizes.iter().take(window).sum());
+        PEAK.set(0);
         dataset.records::<Counted>().for_each(|record| drop(record.unwrap()));
-        prop_assert_eq!(MOST.get(), sizes.first().copied().unwrap_or(0));
+        prop_assert_eq!(PEAK.get(), sizes.first().copied().unwrap_or(0));
         prop_assert_eq!(ALIVE.get(), 0);
     }
 }
 
 #[test]
-fn blocks_held_are_counted_by_block() {
+fn the_window_counts_blocks() {
     let folder = dataset(&[vec![5; 8], vec![5; 8]]);
     let dataset = Dataset::open(folder.path()).unwrap();
     let mut stream = dataset.shuffled::<Number>(1, 0, 3);
@@ -146,7 +151,7 @@ fn blocks_held_are_counted_by_block() {
         blocks.sort_unstable();
         blocks.dedup();
         let full = stream.waiting.is_empty() || blocks.len() + stream.free.len() == 3;
-        assert!(blocks.len() <= 3 && full, "{blocks:?} held after {drawn} records");
+        assert!(blocks.len() <= 3 && full, "{blocks:?} in memory after {drawn} records");
     }
     assert_eq!(drawn, 80);
 }
@@ -158,9 +163,9 @@ fn seeds_epochs_and_windows_give_other_orders() {
     let orders = [(0, 0, 4), (0, 1, 4), (1, 0, 4), (0, 0, 5), (0, u64::MAX, 4)]
         .map(|(seed, epoch, window)| shuffled(&dataset, seed, epoch, window));
     for (at, order) in orders.iter().enumerate() {
-        assert!(!orders[..at].contains(order), "order {at} came before");
+        assert!(!orders[..at].contains(order), "order {at} is a repetition");
     }
-    // Pinned, because a training run must be repeatable on another machine.
+    // Golden values: a training run must be repeatable on another machine and by later versions.
     assert_eq!(orders[0][..8], [160, 167, 161, 32, 37, 0, 79, 78]);
 }
 
@@ -169,15 +174,15 @@ fn records_mix_over_the_whole_window() {
     let folder = dataset(&[vec![100; 20]]);
     let dataset = Dataset::open(folder.path()).unwrap();
     let order = shuffled(&dataset, 3, 0, 20);
-    // With every block in the window each place is equally likely: the mean distance from home is a
-    // third of the length.
-    let moved: u64 = (0..).zip(&order).map(|(place, &number)| number.abs_diff(place)).sum();
+    // With every block in the window the order is uniformly random: the mean distance of a record
+    // from its original index is a third of the length.
+    let moved: u64 = (0..).zip(&order).map(|(index, &number)| number.abs_diff(index)).sum();
     let mean = moved as f64 / order.len() as f64;
-    assert!((600.0..730.0).contains(&mean), "records moved by {mean} places on average");
+    assert!((600.0..730.0).contains(&mean), "records moved by {mean} positions on average");
 }
 
 #[test]
-fn missing_and_cut_shards_are_found_at_once() {
+fn missing_and_truncated_shards_are_found_on_opening() {
     let folder = dataset(&[vec![3], vec![4]]);
     let path = folder.path().join("shard-00001.bws");
     let bytes = fs::read(&path).unwrap();
@@ -208,10 +213,10 @@ fn damaged_blocks_are_named_and_skipped() {
     assert_eq!(dataset.verify_shard(1).unwrap_err().to_string(), message);
 
     let check = |items: Vec<Result<Number, DatasetError>>| {
-        let (sound, faults): (Vec<_>, Vec<_>) = items.into_iter().partition(Result::is_ok);
+        let (intact, faults): (Vec<_>, Vec<_>) = items.into_iter().partition(Result::is_ok);
         assert_eq!(faults.len(), 1);
         assert_eq!(faults[0].as_ref().unwrap_err().to_string(), message);
-        let mut numbers: Vec<_> = sound.into_iter().map(|record| record.unwrap().0).collect();
+        let mut numbers: Vec<_> = intact.into_iter().map(|record| record.unwrap().0).collect();
         numbers.sort_unstable();
         assert_eq!(numbers, (0..3).chain(7..18).collect::<Vec<_>>());
     };
@@ -244,7 +249,7 @@ fn a_shard_of_another_dataset_is_refused() {
     let folder = dataset(&[vec![3], vec![3]]);
     let [first, second] =
         ["shard-00000.bws", "shard-00001.bws"].map(|name| folder.path().join(name));
-    // The same length and shape, other numbers: only the place of its records tells.
+    // Same length and shape: only the number of the first record differs.
     let bytes = fs::read(&first).unwrap();
     assert_eq!(bytes.len() as u64, fs::metadata(&second).unwrap().len());
     fs::write(&second, &bytes).unwrap();
@@ -252,7 +257,7 @@ fn a_shard_of_another_dataset_is_refused() {
     let error = dataset.records::<Number>().nth(3).unwrap().unwrap_err();
     assert!(matches!(&error, DatasetError::OtherShard { path } if *path == second), "{error}");
 
-    // The same place too, another fingerprint: only the hash tells.
+    // Same first record, another fingerprint: only the hash differs.
     let header = ShardHeader { kind: 900, shard: 0, fingerprint: 8, first_record: 0 };
     let mut writer = ShardWriter::new(Vec::new(), header).unwrap();
     writer.block(&Block::pack(&[Number(0), Number(1), Number(2)], 1).unwrap()).unwrap();

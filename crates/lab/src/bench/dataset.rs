@@ -6,8 +6,9 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, bail};
-use beadwork_console::{cancel, machine, output};
-use beadwork_dataset::{Config, Factory, GenerateSettings, Slice, generate};
+use beadwork_base::{Control, Threads};
+use beadwork_console::{cancel, control, machine, output};
+use beadwork_dataset::{Config, Factory, generate};
 use serde_json::{Value, json};
 
 use super::middle;
@@ -33,7 +34,7 @@ pub(super) struct DatasetArgs {
 pub(super) fn run(args: &DatasetArgs) -> anyhow::Result<()> {
     let mut config = Config::preset("paper").expect("it is built in");
     config.count = args.count.unwrap_or(config.count);
-    let factory = Factory::new(config, Vec::new())?;
+    let factory = Factory::new(config, Vec::new(), &Control::default())?;
     let scratch = args.scratch.clone().unwrap_or_else(std::env::temp_dir);
     let mut seconds = [Vec::new(), Vec::new()];
     let mut facts = Value::Null;
@@ -41,14 +42,12 @@ pub(super) fn run(args: &DatasetArgs) -> anyhow::Result<()> {
         for threads in [1, 2] {
             let folder =
                 scratch.join(format!("beadwork-bench-{}-{repeat}-{threads}", std::process::id()));
-            let settings = GenerateSettings {
-                slice: Slice::WHOLE,
-                threads,
-                cancel: cancel::token()?.as_flag(),
-                observer: &|_| {},
-            };
+            let settings = generate::Settings::default();
             let begin = Instant::now();
-            let generated = generate(&factory, &folder, &settings);
+            let pool = control::pool(threads)?;
+            let control =
+                Control { cancel: Some(cancel::token()?), ..Control::on(Threads::Pool(&pool)) };
+            let generated = generate(&factory, &folder, &settings, &control);
             seconds[threads - 1].push(begin.elapsed().as_secs_f64());
             let removed = fs::remove_dir_all(&folder);
             let Some(manifest) = generated?.manifest else { bail!("stopped") };

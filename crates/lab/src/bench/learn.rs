@@ -9,10 +9,11 @@ use anyhow::{Context, ensure};
 use beadwork_console::{machine, memory, output};
 use beadwork_dataset::Dataset;
 use beadwork_learn::Device;
+use beadwork_learn::adamw::{self, AdamW};
 use beadwork_learn::fusion::parity;
 use beadwork_learn::fusion::samples::{Batch, Batches, Split};
-use beadwork_learn::fusion::train::{Training, measure_steps};
-use beadwork_learn::fusion::{FusionNet, Precision, VarStore};
+use beadwork_learn::fusion::train::training_step;
+use beadwork_learn::fusion::{FusionNet, Precision, TrainingConfig, VarStore};
 use serde_json::json;
 
 use super::middle;
@@ -55,15 +56,16 @@ pub(super) fn run(args: &LearnArgs) -> anyhow::Result<()> {
     }
     memory::keep_freed();
     let dataset = Dataset::open(&args.data)?;
-    let training = Training { width: args.width, batch: args.batch, ..Training::default() };
+    let training =
+        TrainingConfig { width: args.width, batch: args.batch, ..TrainingConfig::default() };
     training.check()?;
     let (loaded, loading) = load(&dataset, &training)?;
     let loaded = &loaded.context("the dataset has no full batch on a canvas of 32 x 32 cells")?;
     let mut rows = Vec::new();
     for precision in [Precision::Single, Precision::Half] {
-        let training = Training { precision, ..training.clone() };
+        let training = TrainingConfig { precision, ..training.clone() };
         let seconds =
-            middle(measure_steps(&training, loaded, args.steps as usize + 2)?.split_off(2));
+            middle(measure_steps(&training, loaded, args.steps as usize + 2).split_off(2));
         rows.push((precision, loaded.inputs.len() as f64 / seconds));
     }
     let asked = ask(&training, loaded);
@@ -95,7 +97,7 @@ pub(super) fn run(args: &LearnArgs) -> anyhow::Result<()> {
 
 /// The first full batch on a canvas of 32 x 32 cells, and how many examples a second were made, of
 /// all canvases by their cells.
-fn load(dataset: &Dataset, training: &Training) -> anyhow::Result<(Option<Batch>, f64)> {
+fn load(dataset: &Dataset, training: &TrainingConfig) -> anyhow::Result<(Option<Batch>, f64)> {
     let settings = training.samples();
     let begin = Instant::now();
     let (mut full, mut cells) = (None, 0);
@@ -113,13 +115,27 @@ fn load(dataset: &Dataset, training: &Training) -> anyhow::Result<(Option<Batch>
     Ok((full, cells as f64 / (32.0 * 32.0) / begin.elapsed().as_secs_f64()))
 }
 
+/// Seconds of training steps on one batch, by a network of its own, on the processor.
+fn measure_steps(training: &TrainingConfig, batch: &Batch, steps: usize) -> Vec<f64> {
+    let variables = VarStore::new(Device::Cpu);
+    let network = FusionNet::new(&variables.root(), training.network());
+    let mut optimiser = AdamW::new(variables.trainable_variables(), adamw::Settings::default());
+    let seconds = (0..steps).map(|_| {
+        let begin = Instant::now();
+        let rate = training.learning_rate;
+        training_step(&network, &mut optimiser, batch, training, rate, Device::Cpu);
+        begin.elapsed().as_secs_f64()
+    });
+    seconds.collect()
+}
+
 /// Milliseconds of a forward pass, an example.
-fn ask(training: &Training, batch: &Batch) -> f64 {
+fn ask(training: &TrainingConfig, batch: &Batch) -> f64 {
     let variables = VarStore::new(Device::Cpu);
     let network = FusionNet::new(&variables.root(), training.network());
     let (state, history) = batch.inputs.tensors(Device::Cpu);
     let seconds = super::median(5, |_| {
-        beadwork_learn::fusion::ask(&network, &state, &history, Precision::Single);
+        network.infer(&state, &history, Precision::Single);
     });
     1e3 * seconds / batch.inputs.len() as f64
 }

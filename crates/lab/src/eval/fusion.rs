@@ -12,14 +12,13 @@ use beadwork_console::{machine, output, progress};
 use beadwork_dataset::Dataset;
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Path as Route, Region, Start, Zones};
 use beadwork_learn::Device;
+use beadwork_learn::fusion::baseline::Baseline;
+use beadwork_learn::fusion::evaluate::{Evaluation, Hits, evaluate};
 use beadwork_learn::fusion::layer::Layer;
-use beadwork_learn::fusion::loss::Hits;
 use beadwork_learn::fusion::model::{Model, Origin};
-use beadwork_learn::fusion::odds::Odds;
-use beadwork_learn::fusion::propose::{AllMoves, Asked, Proposer};
+use beadwork_learn::fusion::propose::{AllMoves, NetworkProposer, Proposer};
 use beadwork_learn::fusion::samples::{Batches, Split};
-use beadwork_learn::fusion::train::{Evaluation, evaluate};
-use beadwork_learn::fusion::walk::{Task, WalkSettings, Walked, walk};
+use beadwork_learn::fusion::walk::{self, Outcome, Task};
 use beadwork_search::anneal::{self, Preset, Settings};
 use beadwork_search::{Stop, chains, exact};
 use serde::Serialize;
@@ -62,13 +61,13 @@ pub(super) struct FusionArgs {
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
     runs: u64,
     /// Most moves of a walk.
-    #[arg(long, value_name = "N", default_value_t = WalkSettings::default().budget)]
+    #[arg(long, value_name = "N", default_value_t = walk::Settings::default().budget)]
     budget: usize,
     /// Places that the network proposes.
     #[arg(long, value_name = "N", default_value_t = 32)]
     places: usize,
     /// Moves without a new best after which some are made at random.
-    #[arg(long, value_name = "N", default_value_t = WalkSettings::default().patience)]
+    #[arg(long, value_name = "N", default_value_t = walk::Settings::default().patience)]
     patience: usize,
     /// The dataset it was trained on: also tell how often it meets the moves of those instances
     /// that were kept for the end.
@@ -238,8 +237,11 @@ pub(super) fn run(args: &FusionArgs) -> anyhow::Result<()> {
             Origin::of(data).dataset
         );
     }
-    let settings =
-        WalkSettings { budget: args.budget, patience: args.patience, ..WalkSettings::default() };
+    let settings = walk::Settings {
+        budget: args.budget,
+        patience: args.patience,
+        ..walk::Settings::default()
+    };
     let bar = progress::bar((sizes.len() * LAYOUTS.len()) as u64, "layouts and sizes");
     let mut rows = Vec::new();
     for &size in &sizes {
@@ -248,10 +250,13 @@ pub(super) fn run(args: &FusionArgs) -> anyhow::Result<()> {
             let instances: Vec<_> = (args.first_seed..args.first_seed + count)
                 .map(|seed| Instance::new(layout, size, seed, args.runs))
                 .collect::<Result<_, _>>()?;
-            let mut network = Asked { places: args.places, ..Asked::new(&model.network, device) };
+            let mut network = NetworkProposer {
+                positions: args.places,
+                ..NetworkProposer::new(&model.network, device)
+            };
             let fusion = walk_all(&instances, &mut network, &settings);
             // To give up sooner costs it targets, and to go back to its best path gains it none.
-            let for_greedy = WalkSettings { patience: 32, returns: false, ..settings };
+            let for_greedy = walk::Settings { patience: 32, returns: false, ..settings };
             let greedy = walk_all(&instances, &mut AllMoves { seed: 0 }, &for_greedy);
             for ((instance, fusion), greedy) in instances.iter().zip(fusion).zip(greedy) {
                 let mut methods = instance.methods()?;
@@ -275,7 +280,8 @@ pub(super) fn run(args: &FusionArgs) -> anyhow::Result<()> {
         data.map(|data| held_out(&data, args.per_trajectory, &model, device)).transpose()?;
     if args.json {
         let layouts = held_out.iter().flat_map(|held_out| &held_out.by_layout);
-        let layouts = layouts.map(|(name, (hits, odds))| (name.clone(), accuracy_row(hits, odds)));
+        let layouts =
+            layouts.map(|(name, (hits, baseline))| (name.clone(), accuracy_row(hits, baseline)));
         return output::json(&json!({
             "held_out": layouts.collect::<serde_json::Map<_, _>>(),
             "model": args.model,
@@ -301,23 +307,23 @@ fn held_out(
     model: &Model,
     device: Device,
 ) -> anyhow::Result<Evaluation> {
-    let settings = model.training.held_out(per_trajectory);
+    let settings = model.config.held_out(per_trajectory);
     let examples: Vec<_> =
         Batches::new(dataset, Split::Test, &settings, 0).collect::<Result<_, _>>()?;
     ensure!(!examples.is_empty(), "the dataset has no instances that are kept for the end");
-    Ok(evaluate(&model.network, &examples, &model.training, device))
+    Ok(evaluate(&model.network, &examples, &model.config, device, &Control::default())?)
 }
 
 /// Shares in per cent: of the network, of chance and of greed.
-fn accuracy_row(hits: &Hits, odds: &Odds) -> serde_json::Value {
+fn accuracy_row(hits: &Hits, baseline: &Baseline) -> serde_json::Value {
     let count = hits.count.max(1) as f64;
     let of_hits = |hits: u64| 100.0 * hits as f64 / count;
-    let of_odds = |odds: f64| 100.0 * odds / count;
+    let percent = |sum: f64| 100.0 * sum / count;
     json!({
         "examples": hits.count,
         "top_1": of_hits(hits.top_1), "top_5": of_hits(hits.top_5), "action": of_hits(hits.action),
-        "chance_1": of_odds(odds.chance_1), "chance_5": of_odds(odds.chance_5), "chance_action": of_odds(odds.chance_action),
-        "greedy_1": of_odds(odds.greedy_1), "greedy_5": of_odds(odds.greedy_5),
+        "chance_1": percent(baseline.chance_top_1), "chance_5": percent(baseline.chance_top_5), "chance_action": percent(baseline.chance_action),
+        "greedy_1": percent(baseline.greedy_top_1), "greedy_5": percent(baseline.greedy_top_5),
     })
 }
 
@@ -338,8 +344,8 @@ fn accuracy_table(text: &mut String, held_out: &Evaluation) -> std::fmt::Result 
     )?;
     writeln!(text, "| layout | examples | {} |", columns.join(" | "))?;
     writeln!(text, "|---|---|{}", "---|".repeat(columns.len()))?;
-    for (layout, (hits, odds)) in &held_out.by_layout {
-        let row = accuracy_row(hits, odds);
+    for (layout, (hits, baseline)) in &held_out.by_layout {
+        let row = accuracy_row(hits, baseline);
         let shares: Vec<_> = columns
             .iter()
             .map(|name| format!("{:.1}", row[name].as_f64().unwrap_or(0.0)))
@@ -353,23 +359,23 @@ fn accuracy_table(text: &mut String, held_out: &Evaluation) -> std::fmt::Result 
 fn walk_all(
     instances: &[Instance],
     proposer: &mut dyn Proposer,
-    settings: &WalkSettings<'_>,
+    settings: &walk::Settings<'_>,
 ) -> Vec<Taken> {
     let mut tasks = Vec::with_capacity(instances.len());
     for Instance { layer, start, target, seed, .. } in instances {
         tasks.push(Task { layer, start, target: *target, seed: *seed });
     }
     let begin = Instant::now();
-    let walked = walk(&tasks, proposer, settings);
+    let outcomes = walk::solve(&tasks, proposer, settings, &Control::default());
     let seconds = begin.elapsed().as_secs_f64();
-    let all: usize = walked.iter().map(|walked| walked.made).sum();
-    let reached = |walked: Walked| {
+    let all: usize = outcomes.iter().map(|outcome| outcome.total_moves).sum();
+    let reached = |walked: Outcome| {
         let reached = walked.stop == Stop::TargetReached;
-        let moves = walked.made;
-        let share = walked.made as f64 / all.max(1) as f64;
+        let moves = walked.total_moves;
+        let share = walked.total_moves as f64 / all.max(1) as f64;
         Taken { reached, moves, seconds: seconds * share, crossings: walked.crossings }
     };
-    walked.into_iter().map(reached).collect()
+    outcomes.into_iter().map(reached).collect()
 }
 
 /// A row for each layout and size: means over its instances.

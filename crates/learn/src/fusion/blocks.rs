@@ -1,14 +1,15 @@
-//! What the network is made of.
+//! Building blocks of the network: convolutions, norms, levels of the U-Net, self-attention.
 
 use tch::Tensor;
 use tch::nn::{self, Module, Path};
 
-use super::KIND;
+use super::config::KIND;
 
-/// A convolution that keeps the image's size.
+/// A convolution whose output has the size of its input.
 ///
-/// It computes in the kind of the features it is given; its parameters stay in single precision,
-/// for the small steps of training would be lost in half.
+/// It computes in the precision of its input.
+/// Its parameters stay in single precision: the small updates of training would be rounded away in
+/// bfloat16.
 #[derive(Debug)]
 pub(super) struct Conv {
     weight: Tensor,
@@ -34,32 +35,33 @@ impl Module for Conv {
     }
 }
 
-/// Of so many cells' width, without bias, as a norm follows it.
+/// A convolution with a square kernel of `width` cells, without bias: a norm with a bias follows
+/// it.
 pub(super) fn conv(vs: &Path<'_>, from: i64, to: i64, width: i64) -> Conv {
     Conv::new(vs, from, to, width, false)
 }
 
-/// Of each cell alone, with bias: what a head ends with.
+/// A 1 x 1 convolution with bias, the last layer of an output.
 pub(super) fn readout(vs: &Path<'_>, from: i64, to: i64) -> Conv {
     Conv::new(vs, from, to, 1, true)
 }
 
-/// In eight groups, or as many as there are channels.
+/// A group norm with eight groups, or one group a channel where there are fewer than eight.
 ///
 /// # Panics
-/// If there are more than eight channels, and they can't be shared out among the groups.
+/// If the channels cannot be divided into groups of equal size.
 pub(super) fn norm(vs: &Path<'_>, channels: i64) -> nn::GroupNorm {
     let groups = channels.min(8);
-    assert!(channels % groups == 0, "{channels} channels are shared out among {groups} groups");
+    assert!(channels % groups == 0, "{channels} channels cannot form {groups} equal groups");
     nn::group_norm(vs, groups, channels, nn::GroupNormConfig::default())
 }
 
-/// `LeakyReLU` with a slope of 0.01.
+/// `LeakyReLU` with a negative slope of 0.01.
 pub(super) fn activate(x: &Tensor) -> Tensor {
     x.leaky_relu()
 }
 
-/// Two convolutions beside the way through.
+/// A residual block of two 3 x 3 convolutions.
 #[derive(Debug)]
 pub(super) struct Residual {
     block: nn::Sequential,
@@ -82,12 +84,12 @@ impl Residual {
     }
 }
 
-/// A change of the number of channels, cell by cell.
+/// A 1 x 1 convolution that changes the number of channels, with norm and activation.
 fn project(vs: &Path<'_>, from: i64, to: i64) -> nn::Sequential {
     nn::seq().add(conv(&(vs / 0), from, to, 1)).add(norm(&(vs / 1), to)).add_fn(activate)
 }
 
-/// A level of the encoder, before its image is halved.
+/// A level of the encoder, before max pooling.
 #[derive(Debug)]
 pub(super) struct Down {
     project: nn::Sequential,
@@ -107,12 +109,13 @@ impl Down {
     }
 }
 
-/// A level of the decoder: from an image of half the size and the encoder's of its own.
+/// A level of the decoder: upsamples the output of the level below, and appends the encoder's
+/// features of the same size.
 #[derive(Debug)]
 pub(super) struct Up(Down);
 
 impl Up {
-    /// `from` counts the channels of both.
+    /// `from` is the number of channels of both inputs together.
     pub(super) fn new(vs: &Path<'_>, from: i64, to: i64) -> Self {
         Self(Down::new(vs, from, to))
     }
@@ -124,7 +127,9 @@ impl Up {
     }
 }
 
-/// Of all cells to all, with four heads.
+/// Self-attention among all cells, with four heads, a residual connection and a layer norm.
+///
+/// Always in single precision.
 #[derive(Debug)]
 pub(super) struct Attention {
     in_weight: Tensor,
@@ -137,11 +142,12 @@ const HEADS: i64 = 4;
 
 impl Attention {
     /// # Panics
-    /// If the channels can't be shared out among the heads.
+    /// If the channels cannot be divided among the heads.
     pub(super) fn new(vs: &Path<'_>, channels: i64) -> Self {
-        assert!(channels % HEADS == 0, "{channels} channels are shared out among {HEADS} heads");
+        assert!(channels % HEADS == 0, "{channels} channels cannot form {HEADS} equal heads");
         let inner = vs / "attn";
-        // As PyTorch begins: Xavier's range for the three of them as one, and no biases.
+        // As PyTorch initialises it: Xavier's range for query, key and value as one matrix of 3 c
+        // rows and c columns, and biases of 0.
         let bound = (6.0 / (4 * channels) as f64).sqrt();
         let start = nn::Init::Uniform { lo: -bound, up: bound };
         let out =
@@ -159,13 +165,13 @@ impl Attention {
         let kind = x.kind();
         let cells = x.to_kind(KIND).flatten(2, 3).transpose(1, 2);
         let heads = |x: Tensor| x.reshape([batch, -1, HEADS, channels / HEADS]).transpose(1, 2);
-        let all = cells.linear(&self.in_weight, Some(&self.in_bias)).chunk(3, -1);
+        let projected = cells.linear(&self.in_weight, Some(&self.in_bias)).chunk(3, -1);
         let [query, key, value] =
-            <[Tensor; 3]>::try_from(all).expect("three chunks of three").map(heads);
+            <[Tensor; 3]>::try_from(projected).expect("three chunks of three").map(heads);
         let scale = 1.0 / ((channels / HEADS) as f64).sqrt();
-        let shares = (query * scale).matmul(&key.transpose(-2, -1)).softmax(-1, KIND);
-        let seen = shares.matmul(&value).transpose(1, 2).reshape([batch, -1, channels]);
-        let cells = self.norm.forward(&(cells + self.out.forward(&seen)));
+        let weights = (query * scale).matmul(&key.transpose(-2, -1)).softmax(-1, KIND);
+        let attended = weights.matmul(&value).transpose(1, 2).reshape([batch, -1, channels]);
+        let cells = self.norm.forward(&(cells + self.out.forward(&attended)));
         cells.transpose(1, 2).reshape([batch, channels, y, width]).to_kind(kind)
     }
 }

@@ -1,94 +1,109 @@
-//! A recorded search as examples to learn from.
+//! A recorded search as a sequence of states to learn from.
 
 use beadwork_base::Control;
 use beadwork_dataset::{ReplayError, Trajectory};
 use beadwork_grid::{Links, PlacedVariant};
 use beadwork_search::Move;
 
-use super::layer::{Layer, Made};
+use super::layer::{AppliedMove, Layer};
 
-/// A trajectory whose states can be visited, and those of its moves that its gains needed.
+/// A trajectory whose states can be visited, with the moves that its gains depended on.
 #[derive(Clone, Debug)]
 pub struct Episode {
     /// The layer.
     pub layer: Layer,
-    /// The links that it starts from.
+    /// The links of the start path.
     pub start: Links,
-    /// All moves.
-    pub made: Vec<Made>,
-    /// Crossings at the start.
+    /// All recorded moves.
+    pub moves: Vec<AppliedMove>,
+    /// Crossings of the start path.
     pub initial: u32,
-    /// Numbers of the moves without which some new best would not have come about, ascending.
+    /// Indices of the needed moves, ascending: those that reached a new best, and all moves that
+    /// these depended on.
     pub needed: Vec<usize>,
 }
 
 impl Episode {
-    /// Draws the layer and notes the moves; `None` for a record of other moves than the paper's
-    /// variants.
+    /// Draws the layer of a trajectory and finds its needed moves.
+    /// Returns `None` if the trajectory has other moves than the paper's variants.
     ///
-    /// The record itself is taken as checked: see [`Trajectory::replay`].
+    /// The moves are not checked; [`Trajectory::replay`] does that.
     pub fn new(trajectory: &Trajectory) -> Result<Option<Self>, ReplayError> {
         let (region, zones) = trajectory.draw()?;
         let start = Links::new(&trajectory.start.path(&region, &Control::default())?);
-        let mut made = Vec::with_capacity(trajectory.moves.len());
-        let mut best = Vec::with_capacity(trajectory.moves.len());
+        let mut moves = Vec::with_capacity(trajectory.moves.len());
+        let mut is_best = Vec::with_capacity(trajectory.moves.len());
         for step in trajectory.steps() {
-            let Move::Variant(placed) = step.step else { return Ok(None) };
-            made.push(Made { placed, before: step.before, after: step.after });
-            best.push(step.effective);
+            let Move::Variant(placed) = step.action else { return Ok(None) };
+            moves.push(AppliedMove { placed, before: step.before, after: step.after });
+            is_best.push(step.effective);
         }
-        let needed = needed(&made, &best, start.size());
+        let needed = needed_moves(&moves, &is_best, start.size());
         Ok(Some(Self {
             layer: Layer::new(&region, &zones),
             start,
-            made,
+            moves,
             initial: trajectory.initial,
             needed,
         }))
     }
 
-    /// The links before a move.
-    /// Costs the moves up to there.
+    /// The links before the move at `index`.
+    /// Linear in `index`.
+    ///
+    /// # Panics
+    /// If a recorded move does not apply, or there are fewer than `index` moves.
     pub fn links_before(&self, index: usize) -> Links {
         let mut links = self.start.clone();
-        for made in &self.made[..index] {
-            assert!(links.apply_variant(made.placed), "a record's moves apply");
+        for applied in &self.moves[..index] {
+            assert!(links.apply_variant(applied.placed), "a recorded move applies");
         }
         links
     }
 }
 
-/// Of the moves those that led to a new best, and all on which one of these depends: what it found
-/// in its window was left there by it.
-/// The rest could be left out, and these would still apply.
-fn needed(made: &[Made], best: &[bool], (width, height): (u32, u32)) -> Vec<usize> {
-    const NOBODY: u32 = u32::MAX;
-    let mut writers = vec![NOBODY; (2 * width * height) as usize];
-    let mut dependencies = Vec::with_capacity(made.len());
-    for (at, made) in (0..).zip(made) {
-        let mut own: Vec<u32> = Vec::new();
-        made.placed.for_each_link(|x, y, below, changed| {
-            let writer = &mut writers[(2 * (y * width + x) + u32::from(below)) as usize];
-            if *writer != NOBODY && !own.contains(writer) {
-                own.push(*writer);
+/// Indices of the moves that reached a new best, and of all moves that these depend on.
+///
+/// Whether a variant applies depends on the links of its window alone.
+/// So a move depends directly on the last earlier move that changed each link of its window, and on
+/// no others.
+/// Following these dependencies backwards from the moves that reached a new best (a backward
+/// program slice) finds a subsequence that applies without the remaining moves, which are random
+/// noise or were undone later.
+fn needed_moves(
+    moves: &[AppliedMove],
+    is_best: &[bool],
+    (width, height): (u32, u32),
+) -> Vec<usize> {
+    const NONE: u32 = u32::MAX;
+    // For each link the move that changed it last.
+    let mut last_change = vec![NONE; (2 * width * height) as usize];
+    let mut dependencies = Vec::with_capacity(moves.len());
+    for (index, applied) in (0..).zip(moves) {
+        let mut direct: Vec<u32> = Vec::new();
+        applied.placed.for_each_link(|x, y, below, changed| {
+            let last = &mut last_change[(2 * (y * width + x) + u32::from(below)) as usize];
+            if *last != NONE && !direct.contains(last) {
+                direct.push(*last);
             }
             if changed {
-                *writer = at;
+                *last = index;
             }
         });
-        dependencies.push(own);
+        dependencies.push(direct);
     }
-    let mut kept = best.to_vec();
-    for at in (0..made.len()).rev() {
-        if kept[at] {
-            dependencies[at].iter().for_each(|&earlier| kept[earlier as usize] = true);
+    let mut needed = is_best.to_vec();
+    for index in (0..moves.len()).rev() {
+        if needed[index] {
+            dependencies[index].iter().for_each(|&earlier| needed[earlier as usize] = true);
         }
     }
-    (0..made.len()).filter(|&at| kept[at]).collect()
+    (0..moves.len()).filter(|&index| needed[index]).collect()
 }
 
-/// How many cells a move lies from the layer's sides, as a share of the most that any can, in
-/// quarters: 0 to 3.
+/// Quarter of the depth range that a move lies in: 0 at the layer's sides, 3 in its centre.
+///
+/// The depth is the distance in cells from the move's window to the nearest side of the grid.
 pub(super) fn depth_quarter(placed: PlacedVariant, (width, height): (u32, u32)) -> usize {
     let (columns, rows) = placed.variant.window();
     let (x, y) = (u32::from(placed.x), u32::from(placed.y));
@@ -101,34 +116,33 @@ pub(super) fn depth_quarter(placed: PlacedVariant, (width, height): (u32, u32)) 
 mod tests {
     #![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
 
-    use std::sync::atomic::AtomicBool;
-
     use beadwork_dataset::{Config, Factory};
 
     use super::*;
 
-    /// The needed moves, and no others, still lead to every link that some new best's move changed.
+    /// The needed moves apply without the others, so they still reach every new best's change.
     #[test]
-    fn needed_moves_stand_on_their_own() {
+    fn needed_moves_apply_without_the_others() {
         for (source, preset) in [("anneal", "short"), ("chains", "noisy")] {
             let config = format!(
-                "count = 40\nsource = '{source}'\nsizes = ['20x17', '12x30']\npresets = ['{preset}']\n\
-                 starts = ['row_zigzag']\nlayouts = [{{ name = 'voronoi' }}, {{ name = 'islands', side = 4 }}]"
+                "count = 40\nsource = '{source}'\nsizes = ['20x17', '12x30']\n\
+                 presets = ['{preset}']\nstarts = ['row_zigzag']\n\
+                 layouts = [{{ name = 'voronoi' }}, {{ name = 'islands', side = 4 }}]"
             );
-            let factory = Factory::new(Config::from_toml(&config).unwrap(), Vec::new()).unwrap();
-            let never = AtomicBool::new(false);
+            let config = Config::from_toml(&config).unwrap();
+            let factory = Factory::new(config, Vec::new(), &Control::default()).unwrap();
             let mut dropped = 0;
             for index in 0..40 {
-                let trajectory = factory.trajectory(index, &never).unwrap().unwrap();
+                let trajectory = factory.trajectory(index, &Control::default()).unwrap();
                 let episode = Episode::new(&trajectory).unwrap().unwrap();
                 let mut links = episode.start.clone();
-                for &at in &episode.needed {
+                for &needed in &episode.needed {
                     assert!(
-                        links.apply_variant(episode.made[at].placed),
-                        "{source} {index}: move {at} applies"
+                        links.apply_variant(episode.moves[needed].placed),
+                        "{source} {index}: move {needed} applies"
                     );
                 }
-                dropped += episode.made.len() - episode.needed.len();
+                dropped += episode.moves.len() - episode.needed.len();
                 let best = trajectory.steps().filter(|step| step.effective).count();
                 assert!(episode.needed.len() >= best);
             }

@@ -1,34 +1,37 @@
-//! The moves that led to a layer's present path.
+//! The moves that led to a layer's current path, and their encoder.
 
 use tch::nn::{self, Module, Path};
 use tch::{Kind, Tensor};
 
-use super::{ACTIONS, KIND};
+use super::config::{ACTIONS, KIND};
 
-/// The last moves of each layer of a batch, oldest first, from the first place on: all of
-/// `[batch, moves]`.
+/// The last moves of each layer of a batch: tensors of shape `[batch, K]`.
+///
+/// The moves of a layer start at index 0, oldest first.
+/// Entries after the last move are padding.
 #[derive(Debug)]
 pub struct History {
-    /// Variants, 0 to 11, as whole numbers.
+    /// Variants of the moves, 0 to 11, 64-bit integers.
     pub action: Tensor,
-    /// Rows of their windows' first cells, as whole numbers.
+    /// Rows of their windows' top-left cells, 64-bit integers.
     pub y: Tensor,
-    /// Columns of the same.
+    /// Columns of their windows' top-left cells, 64-bit integers.
     pub x: Tensor,
-    /// Crossings before the move, by those at the start.
+    /// Crossings before the move, divided by the crossings of the start path.
     pub before: Tensor,
-    /// Crossings after it.
+    /// Crossings after the move, divided by the crossings of the start path.
     pub after: Tensor,
-    /// 1 where there is a move, 0 after the last.
+    /// 1 for a move, 0 for padding.
     pub mask: Tensor,
 }
 
-/// Numbers for each of what a move is told by.
+/// Features that each of the five properties of a move is embedded in.
 const EMBEDDED: i64 = 16;
 
-/// Recurrent layers, one above the other.
+/// Stacked recurrent layers.
 const LAYERS: i64 = 2;
 
+/// Embeds each move and runs a gated recurrent unit (GRU) over them.
 #[derive(Debug)]
 pub(super) struct HistoryEncoder {
     action: nn::Embedding,
@@ -36,13 +39,13 @@ pub(super) struct HistoryEncoder {
     x: nn::Embedding,
     before: nn::Linear,
     after: nn::Linear,
-    /// For each layer the weights of its input and of its state, and the biases of both.
+    /// For each layer: weights of its input and of its state, then their biases.
     gru: Vec<Tensor>,
     hidden: i64,
 }
 
 impl HistoryEncoder {
-    pub(super) fn new(vs: &Path<'_>, hidden: i64, places: i64) -> Self {
+    pub(super) fn new(vs: &Path<'_>, hidden: i64, max_side: i64) -> Self {
         let embed = |name: &str, count| {
             nn::embedding(vs / name, count, EMBEDDED, nn::EmbeddingConfig::default())
         };
@@ -69,8 +72,8 @@ impl HistoryEncoder {
         }
         Self {
             action: embed("action_embed", ACTIONS),
-            y: embed("pos_y_embed", places),
-            x: embed("pos_x_embed", places),
+            y: embed("pos_y_embed", max_side),
+            x: embed("pos_x_embed", max_side),
             before: linear("cb_proj"),
             after: linear("ca_proj"),
             gru,
@@ -78,7 +81,8 @@ impl HistoryEncoder {
         }
     }
 
-    /// The upper layer's state after the last move, `[batch, hidden]`; 0 where there is none.
+    /// The state of the upper layer after the last move, `[batch, hidden]`; zeros where there is no
+    /// move.
     pub(super) fn forward(&self, history: &History, train: bool) -> Tensor {
         let History { action, y, x, before, after, mask } = history;
         let crossings =
@@ -95,11 +99,12 @@ impl HistoryEncoder {
         );
         let (batch, _) = mask.size2().expect("a history has two axes");
         let start = Tensor::zeros([LAYERS, batch, self.hidden], (KIND, moves.device()));
+        // The GRU also runs over the padding after the last move; its states there are not read.
         let (states, _) = moves.gru(&start, &self.gru, true, LAYERS, 0.15, train, false, true);
         let count = mask.sum_dim_intlist(1, false, Kind::Int64);
         let last =
             (&count - 1).clamp_min(0).view([batch, 1, 1]).expand([batch, 1, self.hidden], false);
-        let known = count.gt(0).to_kind(KIND).unsqueeze(1);
-        states.gather(1, &last, false).squeeze_dim(1) * known
+        let has_moves = count.gt(0).to_kind(KIND).unsqueeze(1);
+        states.gather(1, &last, false).squeeze_dim(1) * has_moves
     }
 }

@@ -1,43 +1,47 @@
-//! What the network is trained for, and how well it does.
+//! The training loss.
 //!
-//! Aali et al., section FusionNet: the true position is ranked above the hardest others by a
-//! margin, its action classified, and with less weight that of its four neighbours.
+//! Aali et al., section FusionNet: a margin ranking loss of the recorded position against the
+//! highest-scoring negatives (hard negative mining), plus the cross entropy of its action, plus,
+//! with less weight, the cross entropy of the same action at the four neighbouring cells.
 
+use serde::{Deserialize, Serialize};
 use tch::{Kind, Reduction, Tensor};
 
-use super::Proposals;
+use super::network::Proposals;
 use super::samples::Targets;
 
-/// How positions are learned.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+/// The loss of positions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PositionLoss {
-    /// Ranked above the hardest rivals, as in the paper.
+    /// Margin ranking against the hardest negatives, as in the paper.
     #[default]
     Ranking,
-    /// Classified among all rivals.
+    /// Cross entropy among the recorded position and all negatives.
     Classification,
 }
 
 /// Weights and margins of the loss.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+///
+/// Construct it with `..Settings::default()`: fields may be added.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct LossSettings {
-    /// How positions are learned.
+pub struct Settings {
+    /// The loss of positions.
     pub position: PositionLoss,
-    /// By how much the true position shall score above others.
+    /// Ranking: the margin by which the recorded position should score above each negative.
     pub margin: f64,
-    /// Number of the others that score most.
+    /// Ranking: number of negatives that count, those with the highest scores.
     pub hardest: i64,
-    /// Label smoothing of the action at the true position.
+    /// Label smoothing of the action at the recorded position, 0..=1.
     pub smoothing: f64,
-    /// Weight of the action at the four neighbours.
+    /// Weight of the action at the four neighbours of the recorded position.
     pub neighbours: f64,
-    /// Label smoothing there.
+    /// Label smoothing of the action at the neighbours, 0..=1.
     pub neighbour_smoothing: f64,
 }
 
-impl Default for LossSettings {
+impl Default for Settings {
     fn default() -> Self {
         Self {
             position: PositionLoss::Ranking,
@@ -50,44 +54,46 @@ impl Default for LossSettings {
     }
 }
 
-/// A score that no cell reaches.
-const LOWEST: f64 = -1e4;
-
 /// The mean loss of a batch, a scalar.
-pub fn loss(proposals: &Proposals, targets: &Targets, settings: &LossSettings) -> Tensor {
+pub fn fusion_loss(proposals: &Proposals, targets: &Targets, settings: &Settings) -> Tensor {
     position_loss(proposals, targets, settings) + action_loss(proposals, targets, settings)
 }
 
-fn position_loss(proposals: &Proposals, targets: &Targets, settings: &LossSettings) -> Tensor {
+fn position_loss(proposals: &Proposals, targets: &Targets, settings: &Settings) -> Tensor {
+    /// Below any score that the network gives, and far enough from the smallest number that sums
+    /// with it stay finite.
+    const MASKED: f64 = -1e4;
     let scores = proposals.position.flatten(1, -1);
-    let truth = scores.gather(1, &targets.position.unsqueeze(1), false);
-    let others = scores.masked_fill(&targets.rivals.logical_not(), LOWEST);
+    let target = scores.gather(1, &targets.position.unsqueeze(1), false);
+    let negatives = scores.masked_fill(&targets.negatives.logical_not(), MASKED);
     match settings.position {
         PositionLoss::Ranking => {
-            let count = settings.hardest.min(others.size()[1]);
-            let (hardest, _) = others.topk(count, 1, true, false);
-            let real = hardest.gt(LOWEST / 2.0).to_kind(Kind::Float);
-            let short = (hardest - truth + settings.margin).relu() * &real;
-            short.sum(Kind::Float) / real.sum(Kind::Float).clamp_min(1.0)
+            let count = settings.hardest.min(negatives.size()[1]);
+            let (hardest, _) = negatives.topk(count, 1, true, false);
+            // Examples with fewer negatives than `count` fill up with masked cells.
+            let is_negative = hardest.gt(MASKED / 2.0).to_kind(Kind::Float);
+            let shortfall = (hardest - target + settings.margin).relu() * &is_negative;
+            shortfall.sum(Kind::Float) / is_negative.sum(Kind::Float).clamp_min(1.0)
         }
         PositionLoss::Classification => {
-            let all = Tensor::cat(&[&truth, &others], 1);
+            let all = Tensor::cat(&[&target, &negatives], 1);
             -all.log_softmax(1, Kind::Float).select(1, 0).mean(Kind::Float)
         }
     }
 }
 
-fn action_loss(proposals: &Proposals, targets: &Targets, settings: &LossSettings) -> Tensor {
+fn action_loss(proposals: &Proposals, targets: &Targets, settings: &Settings) -> Tensor {
     let (.., height, width) = proposals.action.size4().expect("an image has four axes");
     let device = proposals.action.device();
-    let entropy = |logits: &Tensor, smoothing: f64| {
+    let cross_entropy = |logits: &Tensor, smoothing: f64| {
         logits.cross_entropy_loss::<Tensor>(&targets.action, None, Reduction::None, -100, smoothing)
     };
-    let own =
-        entropy(&actions_at(proposals, &targets.position), settings.smoothing).mean(Kind::Float);
+    let at_target = cross_entropy(&actions_at(proposals, &targets.position), settings.smoothing)
+        .mean(Kind::Float);
     if settings.neighbours == 0.0 {
-        return own;
+        return at_target;
     }
+    // Neighbours outside the canvas are clamped into it, and their loss is multiplied by 0.
     let x = targets.position.remainder(width);
     let y = targets.position.divide_scalar_mode(width, "floor");
     let mut sum = Tensor::zeros([], (Kind::Float, device));
@@ -96,60 +102,19 @@ fn action_loss(proposals: &Proposals, targets: &Targets, settings: &LossSettings
         let (x, y) = (&x + dx, &y + dy);
         let inside =
             x.ge(0).logical_and(&x.lt(width)).logical_and(&y.ge(0)).logical_and(&y.lt(height));
-        let position = y.clamp(0, height - 1) * width + x.clamp(0, width - 1);
         let inside = inside.to_kind(Kind::Float);
-        sum += (entropy(&actions_at(proposals, &position), settings.neighbour_smoothing) * &inside)
-            .sum(Kind::Float);
+        let position = y.clamp(0, height - 1) * width + x.clamp(0, width - 1);
+        let logits = actions_at(proposals, &position);
+        let losses = cross_entropy(&logits, settings.neighbour_smoothing);
+        sum += (losses * &inside).sum(Kind::Float);
         count += inside.sum(Kind::Float);
     }
-    own + settings.neighbours * (sum / count)
+    at_target + settings.neighbours * (sum / count)
 }
 
-/// The logits of the actions, `[batch, 12]`, at one cell of each canvas.
-fn actions_at(proposals: &Proposals, position: &Tensor) -> Tensor {
+/// The logits of the actions at one cell of each canvas, `[batch, 12]`.
+pub(super) fn actions_at(proposals: &Proposals, position: &Tensor) -> Tensor {
     let (batch, actions, ..) = proposals.action.size4().expect("an image has four axes");
     let index = position.view([batch, 1, 1]).expand([batch, actions, 1], false);
     proposals.action.flatten(2, -1).gather(2, &index, false).squeeze_dim(2)
-}
-
-/// How many examples the network gets right.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Hits {
-    /// Examples.
-    pub count: u64,
-    /// With the true position scored above all rivals.
-    pub top_1: u64,
-    /// With at most four rivals scored above it.
-    pub top_5: u64,
-    /// With the true action as the most likely at the true position.
-    pub action: u64,
-}
-
-impl Hits {
-    /// Those of each example.
-    pub fn each(proposals: &Proposals, targets: &Targets) -> Vec<Self> {
-        let scores = proposals.position.flatten(1, -1);
-        let truth = scores.gather(1, &targets.position.unsqueeze(1), false);
-        let above = scores.ge_tensor(&truth).logical_and(&targets.rivals);
-        let ranks =
-            Vec::<i64>::try_from(above.sum_dim_intlist(1, false, Kind::Int64)).expect("one axis");
-        let likeliest =
-            actions_at(proposals, &targets.position).argmax(1, false).eq_tensor(&targets.action);
-        let right = Vec::<i64>::try_from(likeliest.to_kind(Kind::Int64)).expect("one axis");
-        let hits = ranks.into_iter().zip(right).map(|(rank, right)| Self {
-            count: 1,
-            top_1: u64::from(rank < 1),
-            top_5: u64::from(rank < 5),
-            action: right as u64,
-        });
-        hits.collect()
-    }
-
-    /// Adds those of another batch.
-    pub fn add(&mut self, other: Self) {
-        self.count += other.count;
-        self.top_1 += other.top_1;
-        self.top_5 += other.top_5;
-        self.action += other.action;
-    }
 }

@@ -1,26 +1,26 @@
-//! A trained network in a folder: its configuration beside its weights.
+//! A trained network in a folder: its configuration, the identity of its dataset, its weights.
 
+use std::fmt::Display;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use beadwork_dataset::Dataset;
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use tch::Device;
 use tch::nn::VarStore;
 use thiserror::Error;
 
-use super::FusionNet;
-use super::train::Training;
+use super::network::FusionNet;
+use super::training_config::TrainingConfig;
 use crate::weights::{self, WeightsError};
 
-/// A network that is ready to be asked.
+/// A trained network.
 #[derive(Debug)]
 pub struct Model {
-    /// How it was trained.
-    pub training: Training,
-    /// What on.
+    /// Training configuration.
+    pub config: TrainingConfig,
+    /// Identity of the dataset it was trained on.
     pub origin: Origin,
     /// The network.
     pub network: FusionNet,
@@ -28,21 +28,21 @@ pub struct Model {
     pub variables: VarStore,
 }
 
-/// What dataset a network was trained on.
+/// Identity of the dataset that a network was trained on.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Origin {
-    /// Its [`Manifest::fingerprint`](beadwork_dataset::Manifest::fingerprint), sixteen hexadecimal
-    /// digits.
+    /// The dataset's [`Manifest::fingerprint`](beadwork_dataset::Manifest::fingerprint) as sixteen
+    /// hexadecimal digits.
     pub dataset: String,
-    /// Its number of trajectories.
+    /// Number of its trajectories.
     pub trajectories: u64,
-    /// Its number of moves.
+    /// Number of its moves.
     pub moves: u64,
 }
 
 impl Origin {
-    /// Of networks that are trained on a dataset.
+    /// The identity of a dataset.
     pub fn of(dataset: &Dataset) -> Self {
         let manifest = dataset.manifest();
         Self {
@@ -51,13 +51,22 @@ impl Origin {
             moves: manifest.moves,
         }
     }
+
+    fn from_toml(text: &str) -> Result<Self, toml::de::Error> {
+        toml::from_str(text)
+    }
+
+    /// The content of `dataset.toml`.
+    pub(super) fn to_toml(&self) -> String {
+        toml::to_string(self).expect("an origin is plain data")
+    }
 }
 
-/// Why a folder holds no model that can be used.
+/// Why a model cannot be opened.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// A file is missing or can't be read.
+    /// A file is missing or cannot be read.
     #[error("cannot read '{}': {cause}", path.display())]
     Unreadable {
         /// The file.
@@ -65,57 +74,50 @@ pub enum ModelError {
         /// Why.
         cause: io::Error,
     },
-    /// A file does not say what it should.
-    #[error("'{}' does not say how a network was trained: {message}", path.display())]
+    /// `config.toml` or `dataset.toml` has a syntax error, an unknown key or a wrong value.
+    #[error("'{}' is malformed: {message}", path.display())]
     Malformed {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
         message: String,
     },
-    /// The weights are not those of the network.
+    /// The weights are missing or belong to another network.
     #[error(transparent)]
     Weights(#[from] WeightsError),
 }
 
 impl Model {
-    /// The file of the configuration in a folder.
+    /// The file of the training configuration in a model's folder, `config.toml`.
     pub fn config_file(folder: &Path) -> PathBuf {
         folder.join("config.toml")
     }
 
-    /// The file of the weights in a folder.
+    /// The file of the weights in a model's folder, `best.safetensors`.
     pub fn weights_file(folder: &Path) -> PathBuf {
         folder.join("best.safetensors")
     }
 
-    /// The file that names the dataset in a folder.
+    /// The file of the dataset's identity in a model's folder, `dataset.toml`.
     pub fn origin_file(folder: &Path) -> PathBuf {
         folder.join("dataset.toml")
     }
 
-    /// Reads a model, such as training leaves it: `config.toml`, `dataset.toml` and
-    /// `best.safetensors`.
+    /// Opens the model in a folder, as training leaves it.
     pub fn open(folder: &Path, device: Device) -> Result<Self, ModelError> {
-        let path = Self::config_file(folder);
-        let training: Training = read(&path)?;
-        training
-            .check()
-            .map_err(|error| ModelError::Malformed { path, message: error.to_string() })?;
-        let origin = read(&Self::origin_file(folder))?;
+        let config = read(&Self::config_file(folder), TrainingConfig::from_toml)?;
+        let origin = read(&Self::origin_file(folder), Origin::from_toml)?;
         let variables = VarStore::new(device);
-        let network = FusionNet::new(&variables.root(), training.network());
+        let network = FusionNet::new(&variables.root(), config.network());
         weights::load(&variables, &Self::weights_file(folder))?;
-        Ok(Self { training, origin, network, variables })
+        Ok(Self { config, origin, network, variables })
     }
 }
 
-fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ModelError> {
+fn read<T, E: Display>(path: &Path, parse: impl Fn(&str) -> Result<T, E>) -> Result<T, ModelError> {
     let text = fs::read_to_string(path)
         .map_err(|cause| ModelError::Unreadable { path: path.into(), cause })?;
-    let malformed = |error: toml::de::Error| ModelError::Malformed {
-        path: path.into(),
-        message: error.to_string(),
-    };
-    toml::from_str(&text).map_err(malformed)
+    let malformed =
+        |error: E| ModelError::Malformed { path: path.into(), message: error.to_string() };
+    parse(&text).map_err(malformed)
 }

@@ -1,36 +1,39 @@
-//! The network beside another implementation of it, for the same weights and inputs.
+//! Test oracle: compares the network with another implementation on the same weights and inputs.
+//! Feature `oracle`.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use tch::nn::VarStore;
-use tch::{Device, Tensor, no_grad};
+use tch::{Device, Tensor};
 use thiserror::Error;
 
-use super::{Config, FusionNet, History, Precision, Without};
+use super::config::{Ablation, Config, Precision};
+use super::history::History;
+use super::network::FusionNet;
 use crate::weights::{self, WeightsError};
 
-/// How far two implementations lie apart.
+/// Differences between two implementations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parity {
-    /// The network's sizes, as its weights tell them.
+    /// Sizes of the network, derived from the shapes of its weights.
     pub config: Config,
-    /// Largest difference of a position's score.
+    /// Largest absolute difference of a position's score.
     pub position: f64,
-    /// Largest difference of an action's logit.
+    /// Largest absolute difference of an action's logit.
     pub action: f64,
 }
 
-/// Why they can't be compared.
+/// Why two implementations cannot be compared.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ParityError {
-    /// A file can't be read, or the weights are no network's.
+    /// A file cannot be read, or the weights do not form a network.
     #[error(transparent)]
     Weights(#[from] WeightsError),
-    /// A file lacks a tensor, or it has another number of axes than it should.
-    #[error("'{}' has no '{name}' of {axes} axes", path.display())]
-    Lacks {
+    /// A file has no tensor of this name with this number of axes.
+    #[error("'{}' has no tensor '{name}' with {axes} axes", path.display())]
+    Missing {
         /// The file.
         path: PathBuf,
         /// The tensor.
@@ -40,38 +43,41 @@ pub enum ParityError {
     },
 }
 
-/// Compares with outputs in a file: `state`, `action`, `y`, `x`, `before`, `after` and `mask` are
-/// its inputs, `position` and `action_logits` what came out.
+/// Runs the network on the inputs of a file and compares the outputs with those in the file.
+///
+/// `weights` and `io` are safetensors files.
+/// `io` holds the inputs `state` (the image), `action`, `y`, `x`, `before`, `after` and `mask`, and
+/// the other implementation's outputs `position` and `action_logits`.
 pub fn compare(weights: &Path, io: &Path) -> Result<Parity, ParityError> {
-    let read = weights::read_tensors(weights)?;
-    let given = weights::read_tensors(io)?;
-    let mask = find(&given, io, "mask", 2)?;
-    let state = find(&given, io, "state", 4)?;
+    let parameters = weights::read_tensors(weights)?;
+    let tensors = weights::read_tensors(io)?;
+    let mask = find(&tensors, io, "mask", 2)?;
+    let image = find(&tensors, io, "state", 4)?;
     let config = Config {
-        width: find(&read, weights, "enc1.proj.0.weight", 4)?.size()[0],
-        hidden: find(&read, weights, "history_encoder.gru.weight_hh_l0", 2)?.size()[1],
-        places: find(&read, weights, "history_encoder.pos_y_embed.weight", 2)?.size()[0],
+        width: find(&parameters, weights, "enc1.proj.0.weight", 4)?.size()[0],
+        hidden: find(&parameters, weights, "history_encoder.gru.weight_hh_l0", 2)?.size()[1],
+        max_side: find(&parameters, weights, "history_encoder.pos_y_embed.weight", 2)?.size()[0],
         history: mask.size()[1],
-        canvas: state.size()[3],
-        without: Without::Nothing,
+        canvas: image.size()[3],
+        ablation: Ablation::None,
     };
     let history = History {
-        action: find(&given, io, "action", 2)?,
-        y: find(&given, io, "y", 2)?,
-        x: find(&given, io, "x", 2)?,
-        before: find(&given, io, "before", 2)?,
-        after: find(&given, io, "after", 2)?,
+        action: find(&tensors, io, "action", 2)?,
+        y: find(&tensors, io, "y", 2)?,
+        x: find(&tensors, io, "x", 2)?,
+        before: find(&tensors, io, "before", 2)?,
+        after: find(&tensors, io, "after", 2)?,
         mask,
     };
     let variables = VarStore::new(Device::Cpu);
     let network = FusionNet::new(&variables.root(), config);
     weights::load(&variables, weights)?;
-    let proposals = no_grad(|| network.forward(&state, &history, Precision::Single, false));
-    let apart = |own: &Tensor, other: Tensor| (own - other).abs().max().double_value(&[]);
+    let proposals = network.infer(&image, &history, Precision::Single);
+    let difference = |own: &Tensor, other: Tensor| (own - other).abs().max().double_value(&[]);
     Ok(Parity {
         config,
-        position: apart(&proposals.position, find(&given, io, "position", 4)?),
-        action: apart(&proposals.action, find(&given, io, "action_logits", 4)?),
+        position: difference(&proposals.position, find(&tensors, io, "position", 4)?),
+        action: difference(&proposals.action, find(&tensors, io, "action_logits", 4)?),
     })
 }
 
@@ -82,7 +88,7 @@ fn find(
     axes: usize,
 ) -> Result<Tensor, ParityError> {
     let found = tensors.get(name).filter(|tensor| tensor.dim() == axes);
-    found.map(Tensor::shallow_clone).ok_or_else(|| ParityError::Lacks {
+    found.map(Tensor::shallow_clone).ok_or_else(|| ParityError::Missing {
         path: path.into(),
         name,
         axes,

@@ -1,4 +1,4 @@
-//! Moves that a network, or nothing but the costs, proposes for states of paths.
+//! Proposals of moves for states of paths, by a network or without one.
 
 use std::collections::BTreeMap;
 
@@ -7,101 +7,108 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tch::{Device, Tensor};
 
-use super::layer::{Canvas, Inputs, State};
-use super::{FusionNet, Precision, ask};
+use super::config::{ACTIONS, Precision};
+use super::inputs::{Canvas, Inputs};
+use super::layer::State;
+use super::network::FusionNet;
 
-/// A move that applies, and what is thought of it.
+/// A move that applies, with its score.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proposal {
     /// The move.
     pub placed: PlacedVariant,
-    /// By how much it changes the crossings.
+    /// Change of the number of crossings, negative if it saves crossings.
     pub change: i32,
-    /// The more the better; only differences count.
+    /// Higher is better; only differences between proposals for one state have a meaning.
     pub score: f32,
 }
 
-/// Proposes moves.
+/// A source of proposals.
 pub trait Proposer {
-    /// For each state the moves to choose from, the best by score first.
-    /// Each applies.
+    /// Returns proposals for each state, sorted by falling score.
+    /// All proposed moves apply.
     ///
     /// # Panics
-    /// If a layer has more columns or rows than a network has [`places`](super::Config::places).
+    /// If a layer is larger than the proposer can handle; see
+    /// [`Config::max_side`](super::Config::max_side).
     fn propose(&mut self, states: &[State<'_>]) -> Vec<Vec<Proposal>>;
 }
 
-/// All moves that apply, in random order: what a planner has without a network.
-/// The order depends on the seed and on how many moves were made before.
+/// Proposes all moves that apply, with random scores: the baseline without a network.
+///
+/// The scores of a state depend on the seed and on the number of moves that led to it.
 #[derive(Debug)]
 pub struct AllMoves {
-    /// Seed of the order.
+    /// Seed of the scores.
     pub seed: u64,
 }
 
 impl Proposer for AllMoves {
     fn propose(&mut self, states: &[State<'_>]) -> Vec<Vec<Proposal>> {
-        let all = |state: &State<'_>| {
+        let propose = |state: &State<'_>| {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-            rng.set_stream(state.made.len() as u64);
+            rng.set_stream(state.moves.len() as u64);
             let mut proposals = Vec::new();
             state.links.for_each_variant(|placed| {
                 let change = state.layer.change(placed);
                 proposals.push(Proposal { placed, change, score: rng.random() });
             });
-            sort(&mut proposals);
+            sort_by_score(&mut proposals);
             proposals
         };
-        states.iter().map(all).collect()
+        states.iter().map(propose).collect()
     }
 }
 
-/// A network with what it needs to be asked.
+/// Proposes the moves that a network scores highest.
 #[derive(Debug)]
-pub struct Asked<'a> {
+pub struct NetworkProposer<'a> {
     /// The network.
     pub network: &'a FusionNet,
-    /// Where its parameters are.
+    /// The device of its parameters.
     pub device: Device,
-    /// What it computes in.
+    /// Precision of convolutions.
     pub precision: Precision,
-    /// Places, of those where a move applies, whose moves are proposed: the ones that it scores
-    /// most.
-    /// At least 1.
-    pub places: usize,
-    /// Most cells of all canvases that are looked at together, which bounds the memory.
-    pub cells: usize,
+    /// Number of positions whose moves are proposed, at least 1: those with the highest scores of
+    /// the positions where a move applies.
+    pub positions: usize,
+    /// Maximum number of cells of all images in one forward pass, which bounds the memory.
+    pub max_cells: usize,
 }
 
-impl<'a> Asked<'a> {
-    /// On a device, with 32 places, and some hundred MB for features.
+impl<'a> NetworkProposer<'a> {
+    /// A proposer in single precision with 32 positions.
+    /// A forward pass takes some hundred megabytes of memory.
     pub fn new(network: &'a FusionNet, device: Device) -> Self {
-        Self { network, device, precision: Precision::Single, places: 32, cells: 64 * 32 * 32 }
+        let max_cells = 64 * 32 * 32;
+        Self { network, device, precision: Precision::Single, positions: 32, max_cells }
     }
 
-    /// Proposes for states on one canvas.
-    fn ask_together(&self, states: &[&State<'_>], canvas: Canvas) -> Vec<Vec<Proposal>> {
-        let places = self.network.config().places as u32;
+    /// Proposes moves for states on one canvas, in one forward pass.
+    fn propose_batch(&self, states: &[&State<'_>], canvas: Canvas) -> Vec<Vec<Proposal>> {
+        let max_side = self.network.config().max_side as u32;
         assert!(
-            states.iter().all(|state| state.layer.size().0.max(state.layer.size().1) <= places),
-            "the network knows {places} places along each axis"
+            states.iter().all(|state| state.layer.size().0.max(state.layer.size().1) <= max_side),
+            "a layer is larger than {max_side} x {max_side} cells, the network's limit"
         );
         let mut inputs = Inputs::new(canvas, self.network.config().history as usize);
         states.iter().for_each(|state| inputs.push(state, Symmetry::ALL[0]));
         let (image, history) = inputs.tensors(self.device);
-        let proposals = ask(self.network, &image, &history, self.precision);
-        let (position, action) = (numbers(&proposals.position), numbers(&proposals.action));
-        let cells = canvas.cells();
-        let of_state = |(at, state): (usize, &&State<'_>)| {
-            let scores = &position[at * cells..][..cells];
-            let logits = &action[12 * at * cells..][..12 * cells];
+        let proposals = self.network.infer(&image, &history, self.precision);
+        let (position, action) = (to_vec(&proposals.position), to_vec(&proposals.action));
+        let scores = position.chunks_exact(canvas.cells());
+        let logits = action.chunks_exact(ACTIONS as usize * canvas.cells());
+        let outputs = scores.zip(logits);
+        let choose = |(state, (scores, logits)): (&&State<'_>, _)| {
             self.choose(state, canvas, scores, logits)
         };
-        states.iter().enumerate().map(of_state).collect()
+        states.iter().zip(outputs).map(choose).collect()
     }
 
-    /// The moves at the places that score most, each by its place's score and its own share of what
-    /// applies there.
+    /// The moves at the positions with the highest scores.
+    ///
+    /// A move's score is its position's score plus its log probability among the variants that
+    /// apply there: variants that do not apply take no probability.
     fn choose(
         &self,
         state: &State<'_>,
@@ -109,46 +116,47 @@ impl<'a> Asked<'a> {
         scores: &[f32],
         logits: &[f32],
     ) -> Vec<Proposal> {
-        let mut places: Vec<(usize, Vec<PlacedVariant>)> = Vec::new();
+        let mut positions: Vec<(usize, Vec<PlacedVariant>)> = Vec::new();
         state.links.for_each_variant(|placed| {
             let cell = usize::from(placed.y) * canvas.width as usize + usize::from(placed.x);
-            match places.last_mut() {
+            match positions.last_mut() {
                 Some((last, moves)) if *last == cell => moves.push(placed),
-                _ => places.push((cell, vec![placed])),
+                _ => positions.push((cell, vec![placed])),
             }
         });
-        places.sort_by(|(a, _), (b, _)| scores[*b].total_cmp(&scores[*a]));
-        places.truncate(self.places.max(1));
+        positions.sort_by(|(a, _), (b, _)| scores[*b].total_cmp(&scores[*a]));
+        positions.truncate(self.positions.max(1));
         let mut proposals = Vec::new();
-        for (cell, moves) in places {
+        for (cell, moves) in positions {
             let logit = |placed: &PlacedVariant| {
                 logits[usize::from(placed.variant.class()) * scores.len() + cell]
             };
-            let most = moves.iter().map(logit).fold(f32::NEG_INFINITY, f32::max);
-            let sum: f32 = moves.iter().map(|placed| (logit(placed) - most).exp()).sum();
+            // The maximum is subtracted before exponentiation, so that no term overflows.
+            let max = moves.iter().map(logit).fold(f32::NEG_INFINITY, f32::max);
+            let sum: f32 = moves.iter().map(|placed| (logit(placed) - max).exp()).sum();
             proposals.extend(moves.iter().map(|&placed| Proposal {
                 placed,
                 change: state.layer.change(placed),
-                score: scores[cell] + logit(&placed) - most - sum.ln(),
+                score: scores[cell] + logit(&placed) - max - sum.ln(),
             }));
         }
-        sort(&mut proposals);
+        sort_by_score(&mut proposals);
         proposals
     }
 }
 
-impl Proposer for Asked<'_> {
+impl Proposer for NetworkProposer<'_> {
     fn propose(&mut self, states: &[State<'_>]) -> Vec<Vec<Proposal>> {
         let mut by_canvas: BTreeMap<Canvas, Vec<usize>> = BTreeMap::new();
-        for (at, state) in states.iter().enumerate() {
-            by_canvas.entry(Canvas::holding(state.layer.size())).or_default().push(at);
+        for (index, state) in states.iter().enumerate() {
+            by_canvas.entry(Canvas::holding(state.layer.size())).or_default().push(index);
         }
         let mut proposals = vec![Vec::new(); states.len()];
-        for (canvas, members) in by_canvas {
-            for together in members.chunks((self.cells / canvas.cells()).max(1)) {
-                let asked: Vec<_> = together.iter().map(|&at| &states[at]).collect();
-                for (&at, proposed) in together.iter().zip(self.ask_together(&asked, canvas)) {
-                    proposals[at] = proposed;
+        for (canvas, indices) in by_canvas {
+            for indices in indices.chunks((self.max_cells / canvas.cells()).max(1)) {
+                let batch: Vec<_> = indices.iter().map(|&index| &states[index]).collect();
+                for (&index, proposed) in indices.iter().zip(self.propose_batch(&batch, canvas)) {
+                    proposals[index] = proposed;
                 }
             }
         }
@@ -156,11 +164,12 @@ impl Proposer for Asked<'_> {
     }
 }
 
-fn sort(proposals: &mut [Proposal]) {
+/// Sorts by falling score; proposals with equal scores keep their order.
+fn sort_by_score(proposals: &mut [Proposal]) {
     proposals.sort_by(|a, b| b.score.total_cmp(&a.score));
 }
 
-/// All numbers of a tensor, in the order of its axes.
-fn numbers(tensor: &Tensor) -> Vec<f32> {
+/// All elements of a tensor in the order of its axes.
+fn to_vec(tensor: &Tensor) -> Vec<f32> {
     Vec::try_from(tensor.contiguous().view([-1])).expect("single precision, one axis")
 }

@@ -1,16 +1,19 @@
-//! From proposals to better paths: Aali et al., section FusionNet, inference.
+//! Walks that follow proposals to better paths (Aali et al., section FusionNet, inference).
 //!
-//! Of the proposed moves the one that lowers the crossings most is made, of equal ones the one that
-//! scores most, and none that leads back to a state seen before.
-//! Where no new best comes for long, or nothing is left to do, the walk goes back to its best path,
-//! unless it has come to another that is as good, and from there some moves are made as an annealer
-//! makes them, the more the longer it has been in vain.
-//! All moves ever made are counted.
-//! Many layers are walked together, so that the network sees them in batches.
+//! A walk is an iterated local search with a tabu list:
+//! - Each step applies the proposed move that lowers the crossings most, the one with the highest
+//!   score among equals, but never one that returns to a state visited before.
+//! - After [`Settings::patience`] moves without a new best, or when no proposal is left, the walk
+//!   returns to its best path (or stays, if its present path is as good) and applies some random
+//!   moves, accepted as by an annealer at a fixed temperature; more each time, until a new best is
+//!   found.
+//!
+//! All applied moves count towards the budget.
+//! Several layers are walked in lockstep, so that the network sees them in batches.
 
 use std::collections::HashSet;
-use std::sync::atomic::{AtomicBool, Ordering};
 
+use beadwork_base::{Control, Interrupted};
 use beadwork_grid::{Links, Path, PlacedVariant};
 use beadwork_search::{Move, Stop};
 use rand::SeedableRng;
@@ -18,42 +21,43 @@ use rand::distr::Distribution;
 use rand::distr::weighted::WeightedIndex;
 use rand_chacha::ChaCha8Rng;
 
-use super::layer::{Layer, Made, State};
+use super::layer::{AppliedMove, Layer, State};
 use super::propose::{Proposal, Proposer};
 
 /// How to walk.
+///
+/// Construct it with `..Settings::default()`: fields may be added.
 #[derive(Clone, Copy)]
-pub struct WalkSettings<'a> {
-    /// Most moves, perturbations included; 0 for none.
+pub struct Settings<'a> {
+    /// Maximum number of moves of a walk, random ones included.
     pub budget: usize,
-    /// Moves without a new best after which some are made at random; with 0 no others are.
+    /// Moves without a new best after which random moves follow; with 0, all moves are random.
     pub patience: usize,
-    /// Whether these are made from the best path so far, the last of equal ones, rather than from
-    /// where the walk is.
+    /// Whether random moves start from the best path so far (the last of equal ones) rather than
+    /// from the present path.
     pub returns: bool,
-    /// Number of those; 0 is taken as 1.
+    /// Number of random moves of the first perturbation; 0 counts as 1.
     pub perturbation: usize,
-    /// As many times that number are made at most, after as many perturbations in vain; 0 is taken
-    /// as 1.
+    /// Growth limit: the n-th perturbation since the last new best has n times as many moves, but
+    /// at most `escalation` times as many; 0 counts as 1.
     pub escalation: usize,
-    /// The temperature at which they are accepted, in crossings: positive.
+    /// Temperature at which random moves are accepted, in crossings; positive.
     pub temperature: f64,
-    /// Ends all walks soon after it turns true.
-    pub cancel: Option<&'a AtomicBool>,
-    /// Told before each question, and at the end, how far the walks have come.
-    pub observer: Option<&'a dyn Fn(Progress)>,
+    /// Called before each forward pass and at the end, with the state of all walks.
+    /// An observer of this method; progress is reported to [`Control::progress`].
+    pub observer: Option<&'a dyn Fn(Status)>,
 }
 
-/// How far walks have come.
+/// Status of a group of walks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
-    /// Moves made by the longest.
-    pub made: usize,
-    /// Crossings of the best paths of all walks together.
+pub struct Status {
+    /// Moves applied by the longest walk.
+    pub moves: usize,
+    /// Crossings of the best paths, summed over all walks.
     pub crossings: u64,
 }
 
-impl Default for WalkSettings<'_> {
+impl Default for Settings<'_> {
     fn default() -> Self {
         Self {
             budget: 2000,
@@ -62,106 +66,117 @@ impl Default for WalkSettings<'_> {
             perturbation: 4,
             escalation: 8,
             temperature: 1.0,
-            cancel: None,
             observer: None,
         }
     }
 }
 
-/// A path to be improved.
+/// A path to improve.
 #[derive(Debug)]
 pub struct Task<'a> {
     /// Its layer.
     pub layer: &'a Layer,
-    /// The path to begin with.
+    /// The start path.
     pub start: &'a Path,
-    /// Crossings that are enough.
+    /// Number of crossings at which the walk ends.
     pub target: u32,
-    /// Seed of the moves made at random.
+    /// Seed of the random moves.
     pub seed: u64,
 }
 
-/// What a walk came to.
+/// The result of a walk.
 #[derive(Clone, Debug)]
-pub struct Walked {
+pub struct Outcome {
     /// The best path.
     pub path: Path,
-    /// Crossings of the start.
+    /// Crossings of the start path.
     pub initial: u32,
     /// Crossings of the best path.
     pub crossings: u32,
-    /// The moves to it.
+    /// The moves from the start path to the best path.
     pub moves: Vec<Move>,
-    /// All moves made.
-    pub made: usize,
-    /// Those of them that were made at random.
-    pub perturbed: usize,
-    /// [`Stop::TargetReached`] where the target is reached, [`Stop::Done`] where the budget is spent or
-    /// nothing applies, [`Stop::Cancelled`].
+    /// Number of moves applied in all, those that led nowhere included.
+    pub total_moves: usize,
+    /// Number of random moves among them.
+    pub random_moves: usize,
+    /// [`Stop::TargetReached`]; [`Stop::Done`] if the budget is spent or no move applies;
+    /// [`Stop::Cancelled`] or [`Stop::TimeUp`] if the walk was interrupted.
     pub stop: Stop,
 }
 
-/// One of the walks.
-struct Walk<'a> {
-    task: &'a Task<'a>,
-    links: Links,
-    initial: u32,
-    crossings: u32,
-    best: u32,
-    /// The moves from the start to the present path.
-    trail: Vec<Made>,
-    moves_to_best: usize,
-    /// All moves made, and how many they were at the last new best or perturbation.
-    made: usize,
-    since: usize,
-    perturbed: usize,
-    /// Perturbations since the last new best.
-    failures: usize,
-    /// Keys of the states it has been in.
-    seen: HashSet<u64>,
-    key: u64,
-    rng: ChaCha8Rng,
-    stuck: bool,
-}
-
 /// Walks from all starts, each until its target or the budget is reached.
-/// The walks do not depend on each other, but for what the proposer makes of them.
 ///
-/// Costs a question for each move of the longest walk, with all layers that are still walked.
+/// The walks do not influence each other, apart from rounding in the network's batches.
+///
+/// Costs a forward pass for each move of the longest walk, on all layers that are still walking.
+/// Progress counts the moves of the longest walk; `total` is the budget.
+/// When `control` interrupts, the outcomes hold the best paths so far.
+/// Its threads are not used: libtorch has its own.
 ///
 /// # Panics
 /// If the temperature is not positive.
-pub fn walk(
+pub fn solve(
     tasks: &[Task<'_>],
     proposer: &mut dyn Proposer,
-    settings: &WalkSettings<'_>,
-) -> Vec<Walked> {
+    settings: &Settings<'_>,
+    control: &Control<'_>,
+) -> Vec<Outcome> {
     assert!(
         settings.temperature > 0.0,
-        "a temperature of {} is not positive",
+        "temperature is {}: expected a positive number",
         settings.temperature
     );
     let mut walks: Vec<_> = tasks.iter().map(Walk::new).collect();
-    loop {
+    let interrupted = loop {
+        let moves = walks.iter().map(|walk| walk.total_moves).max().unwrap_or_default();
         if let Some(observer) = settings.observer {
-            observer(Progress {
-                made: walks.iter().map(|walk| walk.made).max().unwrap_or_default(),
-                crossings: walks.iter().map(|walk| u64::from(walk.best)).sum(),
-            });
+            let crossings = walks.iter().map(|walk| u64::from(walk.best)).sum();
+            observer(Status { moves, crossings });
         }
+        control.report(moves, settings.budget);
         let mut active: Vec<_> =
             walks.iter_mut().filter(|walk| !walk.has_ended(settings)).collect();
-        let cancelled = settings.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed));
-        if active.is_empty() || cancelled {
-            break;
+        if active.is_empty() {
+            break None;
+        }
+        if let Some(interrupted) = control.interrupted() {
+            break Some(interrupted);
         }
         let states: Vec<_> = active.iter().map(|walk| walk.state()).collect();
         let proposed = proposer.propose(&states);
         for (walk, proposals) in active.iter_mut().zip(proposed) {
             walk.step(&proposals, settings);
         }
-    }
-    walks.into_iter().map(|walk| walk.finish(settings)).collect()
+    };
+    walks.into_iter().map(|walk| walk.finish(settings, interrupted)).collect()
+}
+
+/// The state of one walk.
+struct Walk<'a> {
+    task: &'a Task<'a>,
+    links: Links,
+    initial: u32,
+    crossings: u32,
+    /// Crossings of the best path.
+    best: u32,
+    /// The moves from the start path to the present path.
+    moves: Vec<AppliedMove>,
+    /// Number of these that lead to the best path.
+    moves_to_best: usize,
+    /// Number of moves applied in all.
+    total_moves: usize,
+    /// `total_moves` at the last new best or after the last perturbation.
+    last_reset: usize,
+    random_moves: usize,
+    /// Perturbations since the last new best.
+    perturbations: usize,
+    /// Zobrist hashes of all states visited, relative to the start: the tabu list.
+    visited: HashSet<u64>,
+    /// Hash of the present state.
+    hash: u64,
+    rng: ChaCha8Rng,
+    /// Whether no move applies.
+    stuck: bool,
 }
 
 impl<'a> Walk<'a> {
@@ -173,21 +188,21 @@ impl<'a> Walk<'a> {
             initial,
             crossings: initial,
             best: initial,
-            trail: Vec::new(),
+            moves: Vec::new(),
             moves_to_best: 0,
-            made: 0,
-            since: 0,
-            perturbed: 0,
-            failures: 0,
-            seen: HashSet::from([0]),
-            key: 0,
+            total_moves: 0,
+            last_reset: 0,
+            random_moves: 0,
+            perturbations: 0,
+            visited: HashSet::from([0]),
+            hash: 0,
             rng: ChaCha8Rng::seed_from_u64(task.seed),
             stuck: false,
         }
     }
 
-    fn has_ended(&self, settings: &WalkSettings<'_>) -> bool {
-        self.best <= self.task.target || self.made >= settings.budget || self.stuck
+    fn has_ended(&self, settings: &Settings<'_>) -> bool {
+        self.best <= self.task.target || self.total_moves >= settings.budget || self.stuck
     }
 
     fn state(&self) -> State<'_> {
@@ -196,123 +211,132 @@ impl<'a> Walk<'a> {
             links: &self.links,
             crossings: self.crossings,
             initial: self.initial,
-            made: &self.trail,
+            moves: &self.moves,
         }
     }
 
-    fn step(&mut self, proposals: &[Proposal], settings: &WalkSettings<'_>) {
+    /// Applies the best proposal that is not tabu, or perturbs the path.
+    fn step(&mut self, proposals: &[Proposal], settings: &Settings<'_>) {
         let width = self.task.layer.size().0;
-        let fresh = proposals
+        let allowed = proposals
             .iter()
-            .filter(|proposal| !self.seen.contains(&(self.key ^ key(proposal.placed, width))));
-        // The first of equal ones scores most.
-        let chosen = fresh.min_by_key(|proposal| proposal.change).copied();
+            .filter(|proposal| !self.visited.contains(&(self.hash ^ hash(proposal.placed, width))));
+        // `min_by_key` returns the first of equal ones, which has the highest score.
+        let chosen = allowed.min_by_key(|proposal| proposal.change).copied();
         match chosen {
-            Some(proposal) if self.made - self.since < settings.patience => {
-                self.make(proposal.placed, proposal.change);
+            Some(proposal) if self.total_moves - self.last_reset < settings.patience => {
+                self.apply(proposal.placed, proposal.change);
             }
             _ => self.perturb(settings),
         }
     }
 
-    /// Moves as an annealer's at one temperature.
-    fn perturb(&mut self, settings: &WalkSettings<'_>) {
+    /// Applies random moves, from the best path if the settings say so.
+    fn perturb(&mut self, settings: &Settings<'_>) {
         if settings.returns {
             if self.crossings == self.best {
-                // As good as the one known so far, from which nothing better was found.
-                self.moves_to_best = self.trail.len();
+                // The present path is as good as the best one, from which the search has failed.
+                self.moves_to_best = self.moves.len();
             } else {
-                self.go_back();
+                self.return_to_best();
             }
         }
-        self.failures += 1;
-        let count = settings.perturbation.max(1) * self.failures.min(settings.escalation.max(1));
-        for _ in 0..count {
-            let Some((placed, change)) = self.draw(settings.temperature) else {
+        self.perturbations += 1;
+        let factor = self.perturbations.min(settings.escalation.max(1));
+        for _ in 0..settings.perturbation.max(1) * factor {
+            let Some((placed, change)) = self.draw_move(settings.temperature) else {
                 self.stuck = true;
                 return;
             };
-            self.make(placed, change);
-            self.perturbed += 1;
+            self.apply(placed, change);
+            self.random_moves += 1;
             if self.has_ended(settings) {
                 return;
             }
         }
-        self.since = self.made;
+        self.last_reset = self.total_moves;
     }
 
-    /// A move that applies: drawn as if any were tried until one is accepted, whatever it adds to
-    /// the crossings with a chance of e to the power of that, negative, by the temperature.
-    fn draw(&mut self, temperature: f64) -> Option<(PlacedVariant, i32)> {
-        let mut all = Vec::new();
-        self.links.for_each_variant(|placed| all.push((placed, self.task.layer.change(placed))));
-        // The least that any adds is taken from all, which changes no ratio, so that not all
-        // chances are too small to tell.
-        let least = all.iter().map(|&(_, change)| change.max(0)).min()?;
-        let chances =
-            all.iter().map(|&(_, change)| (f64::from(least - change.max(0)) / temperature).exp());
-        let chances = WeightedIndex::new(chances).expect("one of them at least is 1");
-        Some(all[chances.sample(&mut self.rng)])
+    /// Draws a move as an annealer would accept it: rejection-free Metropolis sampling.
+    /// `None` if no move applies.
+    ///
+    /// An annealer proposes moves uniformly and accepts one that adds d crossings with probability
+    /// min(1, e^(-d / T)), so the accepted move is distributed in proportion to that.
+    /// Drawing from this distribution directly avoids the rejections.
+    fn draw_move(&mut self, temperature: f64) -> Option<(PlacedVariant, i32)> {
+        let mut moves = Vec::new();
+        let layer = self.task.layer;
+        self.links.for_each_variant(|placed| moves.push((placed, layer.change(placed))));
+        // Subtracting the lowest increase leaves all ratios as they are, and makes the largest
+        // weight 1: not all of them can underflow to 0.
+        let lowest = moves.iter().map(|&(_, change)| change.max(0)).min()?;
+        let weights = moves
+            .iter()
+            .map(|&(_, change)| (f64::from(lowest - change.max(0)) / temperature).exp());
+        let distribution = WeightedIndex::new(weights).expect("the largest weight is 1");
+        Some(moves[distribution.sample(&mut self.rng)])
     }
 
-    /// Takes up the best path again, which is no move: it was never given away.
-    fn go_back(&mut self) {
-        self.trail.truncate(self.moves_to_best);
+    /// Restores the best path by replaying its moves; this does not count as moves.
+    fn return_to_best(&mut self) {
+        self.moves.truncate(self.moves_to_best);
         self.links = Links::new(self.task.start);
-        self.key = 0;
-        for made in &self.trail {
-            assert!(self.links.apply_variant(made.placed), "what was made can be made again");
-            self.key ^= key(made.placed, self.task.layer.size().0);
+        self.hash = 0;
+        for applied in &self.moves {
+            assert!(self.links.apply_variant(applied.placed), "applied moves apply in a replay");
+            self.hash ^= hash(applied.placed, self.task.layer.size().0);
         }
         self.crossings = self.best;
     }
 
-    fn make(&mut self, placed: PlacedVariant, change: i32) {
-        assert!(self.links.apply_variant(placed), "a proposed move applies");
+    fn apply(&mut self, placed: PlacedVariant, change: i32) {
+        assert!(self.links.apply_variant(placed), "proposed moves apply");
         let before = self.crossings;
         self.crossings = before.saturating_add_signed(change);
-        self.trail.push(Made { placed, before, after: self.crossings });
-        self.made += 1;
-        self.key ^= key(placed, self.task.layer.size().0);
-        self.seen.insert(self.key);
+        self.moves.push(AppliedMove { placed, before, after: self.crossings });
+        self.total_moves += 1;
+        self.hash ^= hash(placed, self.task.layer.size().0);
+        self.visited.insert(self.hash);
         if self.crossings < self.best {
             self.best = self.crossings;
-            self.moves_to_best = self.trail.len();
-            self.since = self.made;
-            self.failures = 0;
+            self.moves_to_best = self.moves.len();
+            self.last_reset = self.total_moves;
+            self.perturbations = 0;
         }
     }
 
-    fn finish(self, settings: &WalkSettings<'_>) -> Walked {
-        let moves: Vec<_> = self.trail[..self.moves_to_best]
+    fn finish(self, settings: &Settings<'_>, interrupted: Option<Interrupted>) -> Outcome {
+        let moves: Vec<_> = self.moves[..self.moves_to_best]
             .iter()
-            .map(|made| Move::Variant(made.placed))
+            .map(|applied| Move::Variant(applied.placed))
             .collect();
         let mut path = self.task.start.clone();
         for step in &moves {
-            assert!(step.apply(&mut path), "what applies to the links applies to the path");
+            assert!(step.apply(&mut path), "a move that applies to the links applies to the path");
         }
-        let stop = match (self.best <= self.task.target, self.has_ended(settings)) {
-            (true, _) => Stop::TargetReached,
-            (false, true) => Stop::Done,
-            (false, false) => Stop::Cancelled,
+        let stop = match interrupted {
+            _ if self.best <= self.task.target => Stop::TargetReached,
+            Some(interrupted) if !self.has_ended(settings) => interrupted.into(),
+            _ => Stop::Done,
         };
-        Walked {
+        Outcome {
             path,
             initial: self.initial,
             crossings: self.best,
             moves,
-            made: self.made,
-            perturbed: self.perturbed,
+            total_moves: self.total_moves,
+            random_moves: self.random_moves,
             stop,
         }
     }
 }
 
-/// A number by which states are told apart: exclusive or of those of all unit cells switched an odd
-/// number of times.
-fn key(placed: PlacedVariant, width: u32) -> u64 {
-    placed.switches(width).iter().fold(0, |key, switch| key ^ switch.zobrist_key())
+/// Zobrist hash of a move: the exclusive or of the hashes of its switches.
+///
+/// The hash of a state is the exclusive or over all moves that led to it, so it depends only on
+/// which unit cells were switched an odd number of times, which determines the links.
+fn hash(placed: PlacedVariant, width: u32) -> u64 {
+    placed.switches(width).iter().fold(0, |hash, switch| hash ^ switch.zobrist_key())
 }
 
 #[cfg(test)]
@@ -321,15 +345,14 @@ mod tests {
 
     use std::collections::BTreeMap;
 
-    use beadwork_base::Control;
     use beadwork_grid::{Layout, LayoutSpec, Region, Start};
     use rand::RngExt;
 
     use super::*;
 
-    /// An annealer tries any move, and makes it by a chance that falls with the crossings it adds.
+    /// Compares with an annealer's loop: propose uniformly, accept by the Metropolis rule.
     #[test]
-    fn random_moves_are_drawn_as_an_annealer_accepts_them() {
+    fn random_moves_are_distributed_as_an_annealer_accepts_them() {
         let region = Region::rectangle(12, 11).unwrap();
         let zones = LayoutSpec::new(Layout::Voronoi).zones(&region, 4).unwrap();
         let layer = Layer::new(&region, &zones);
@@ -337,7 +360,7 @@ mod tests {
         let task = Task { layer: &layer, start: &start, target: 0, seed: 3 };
         let mut walk = Walk::new(&task);
         (0..10).for_each(|_| {
-            walk.draw(5.0).into_iter().for_each(|(placed, change)| walk.make(placed, change))
+            walk.draw_move(5.0).into_iter().for_each(|(placed, change)| walk.apply(placed, change))
         });
         let mut all = Vec::new();
         walk.links.for_each_variant(|placed| all.push((placed, layer.change(placed))));
@@ -345,7 +368,7 @@ mod tests {
             const DRAWS: usize = 20_000;
             let (mut drawn, mut accepted) = (BTreeMap::new(), BTreeMap::new());
             for _ in 0..DRAWS {
-                *drawn.entry(walk.draw(temperature).unwrap().1).or_insert(0_usize) += 1;
+                *drawn.entry(walk.draw_move(temperature).unwrap().1).or_insert(0_usize) += 1;
                 let change = loop {
                     let (_, change) = all[(walk.rng.random::<f64>() * all.len() as f64) as usize];
                     if walk.rng.random::<f64>() < (-f64::from(change) / temperature).exp() {
@@ -356,11 +379,11 @@ mod tests {
             }
             assert!(drawn.len() > 2, "{drawn:?}");
             for change in drawn.keys().chain(accepted.keys()) {
-                let [ours, theirs] =
-                    [&drawn, &accepted].map(|of| of.get(change).copied().unwrap_or(0) as f64);
+                let [drawn, accepted] = [&drawn, &accepted]
+                    .map(|counts| counts.get(change).copied().unwrap_or(0) as f64);
                 assert!(
-                    (ours - theirs).abs() < 5.0 * (ours + theirs).sqrt(),
-                    "{change}: {ours} {theirs}"
+                    (drawn - accepted).abs() < 5.0 * (drawn + accepted).sqrt(),
+                    "{change}: drawn {drawn} times, accepted {accepted} times"
                 );
             }
         }

@@ -1,25 +1,23 @@
-//! What several tests need.
+//! Datasets, layers and configurations that several tests use.
 
-#![allow(dead_code, reason = "no test needs all of it")]
+#![allow(dead_code, reason = "each test uses a part of it")]
 #![allow(clippy::unwrap_used, reason = "a test may fail anywhere")]
 
-use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use beadwork_dataset::{Config, Dataset, Factory, GenerateSettings, Slice, generate};
+use beadwork_base::{Control, Threads};
+use beadwork_dataset::{Config, Dataset, Factory, generate};
 use beadwork_grid::{Layout, LayoutSpec, Region, Zones};
+use beadwork_learn::fusion::TrainingConfig;
 use beadwork_learn::fusion::layer::Layer;
-use beadwork_learn::fusion::train::Training;
 use tempfile::{TempDir, tempdir};
 
-pub(crate) static NEVER: AtomicBool = AtomicBool::new(false);
+/// Guards libtorch's random number generator, which is global to the process.
+static GENERATOR: Mutex<()> = Mutex::new(());
 
-/// libtorch's generator of random numbers belongs to the whole process: whoever draws from it holds
-/// this, and has it alone.
-pub(crate) static GENERATOR: Mutex<()> = Mutex::new(());
-
-pub(crate) fn alone() -> MutexGuard<'static, ()> {
-    // A test that failed while it had it leaves nothing behind: each seeds it anew.
+/// Locks libtorch's random number generator: a test that draws from it holds the guard.
+pub(crate) fn lock_generator() -> MutexGuard<'static, ()> {
+    // A test that failed with the lock held does no harm: each test seeds the generator itself.
     GENERATOR.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -35,18 +33,18 @@ layouts = [{ name = 'voronoi' }, { name = 'islands', side = 3 }]
 ";
 
 pub(crate) fn dataset(config: &str) -> (TempDir, Dataset) {
-    let factory = Factory::new(Config::from_toml(config).unwrap(), Vec::new()).unwrap();
+    let control = Control::on(Threads::Current);
+    let config = Config::from_toml(config).unwrap();
+    let factory = Factory::new(config, Vec::new(), &control).unwrap();
     let folder = tempdir().unwrap();
-    let settings =
-        GenerateSettings { slice: Slice::WHOLE, threads: 2, cancel: &NEVER, observer: &|_| {} };
-    generate(&factory, folder.path(), &settings).unwrap();
+    generate(&factory, folder.path(), &generate::Settings::default(), &control).unwrap();
     let dataset = Dataset::open(folder.path()).unwrap();
     (folder, dataset)
 }
 
-/// A network and a training that take a second.
-pub(crate) fn small() -> Training {
-    Training {
+/// A configuration whose training takes a second.
+pub(crate) fn small() -> TrainingConfig {
+    TrainingConfig {
         width: 4,
         hidden: 8,
         history: 4,
@@ -54,11 +52,11 @@ pub(crate) fn small() -> Training {
         batch: 8,
         per_trajectory: 64,
         pool: 2,
-        warm_up: 3,
+        warmup_steps: 3,
         evaluate_every: 5,
         valid_per_trajectory: 2,
         threads: 1,
-        ..Training::default()
+        ..TrainingConfig::default()
     }
 }
 

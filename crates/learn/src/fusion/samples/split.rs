@@ -1,0 +1,48 @@
+//! The split of a dataset into training, validation and test instances.
+
+use std::fmt;
+
+use beadwork_dataset::{Instance, Trajectory};
+
+/// A part of a dataset.
+/// All trajectories of one instance are in the same part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Split {
+    /// Training: eight of ten instances, and all instances of layouts that are not random.
+    Train,
+    /// Validation: one of ten instances; training stops early by its loss and keeps the best
+    /// weights.
+    Valid,
+    /// Test: one of ten instances, which training never reads.
+    Test,
+}
+
+impl Split {
+    /// The part that a trajectory belongs to, in a dataset of `strata` combinations.
+    ///
+    /// It is decided by the trajectory's number among those of its own combination of layout, size
+    /// and preset, whose instances all differ.
+    /// Layouts that do not depend on a seed give the same instance each time; they are used for
+    /// training only.
+    pub fn of(trajectory: &Trajectory, strata: u64) -> Self {
+        let is_random = match &trajectory.instance {
+            Instance::Layout { layout, .. } => layout.is_random(),
+            Instance::Picture { .. } => false,
+        };
+        match trajectory.index / strata.max(1) % 10 {
+            8 if is_random => Self::Valid,
+            9 if is_random => Self::Test,
+            _ => Self::Train,
+        }
+    }
+}
+
+impl fmt::Display for Split {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Train => "training",
+            Self::Valid => "validation",
+            Self::Test => "test",
+        })
+    }
+}
