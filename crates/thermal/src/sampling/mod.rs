@@ -26,8 +26,8 @@ impl Simulation {
     /// An interval shorter than the long steps of [`Method::Fast`](crate::simulation::Method::Fast)
     /// cuts these steps and takes more time.
     /// Progress counts the events of the call.
-    /// An interrupted call leaves the simulation as [`Simulation::run`] says, and has taken all
-    /// samples that were due until then.
+    /// [`Simulation::run`] describes the state after an interrupted call; all samples that were due
+    /// until then have been taken.
     ///
     /// # Panics
     /// If the interval is not more than 0.

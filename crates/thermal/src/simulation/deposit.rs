@@ -75,7 +75,7 @@ impl Simulation {
     /// between cells that are not neighbours, and returns how long that takes, s.
     ///
     /// Progress counts deposition events, as [`Simulation::layer_events`] lists them.
-    /// An interrupted call leaves the simulation as [`Simulation::run`] says.
+    /// [`Simulation::run`] describes the state after an interrupted call.
     pub fn deposit(
         &mut self,
         layer: u32,
@@ -120,8 +120,8 @@ impl Simulation {
     /// All events before it are complete, and those after it have not begun.
     /// The event at that moment may be cut short: its voxel, if it has one, may be deposited, and
     /// the nozzle no longer holds it at the extrusion temperature.
-    /// The simulation is as valid as after any other call, and can be read and run on; voxels that
-    /// are deposited must not be deposited again.
+    /// The simulation is in a valid state: it can be read, and run through other events.
+    /// Voxels that are deposited must not be deposited again.
     pub fn run(
         &mut self,
         events: &[DepositionEvent],
