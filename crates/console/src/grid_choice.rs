@@ -40,15 +40,6 @@ fn percent(text: &str) -> Result<f64, String> {
     percent.ok_or_else(|| "expected a number from 0 to 10".to_owned())
 }
 
-/// A grid, and a lower bound on the pieces of its layers.
-#[derive(Clone, Copy, Debug)]
-pub struct Candidate {
-    /// Settings of the slicing.
-    pub settings: Settings,
-    /// Proven lower bound on the pieces of all layers, where no piece runs across a zone border.
-    pub piece_bound: u64,
-}
-
 impl GridArgs {
     /// Settings of all grids to try; the first are those of the flags.
     pub fn settings(&self, first: &Settings) -> Vec<Settings> {
@@ -72,11 +63,16 @@ impl GridArgs {
         all
     }
 
-    /// Screens all grids, and returns the `count` best ones, those of equal bounds in the order of
-    /// [`GridArgs::settings`].
-    /// The grid of the flags is always among them.
+    /// Number of grids to try.
+    pub fn count(&self) -> usize {
+        self.settings(&Settings::default()).len()
+    }
+
+    /// Screens all grids, and returns the settings of the `count` best ones: those of the lowest
+    /// bound on the pieces of all layers, of equal ones the first of [`GridArgs::settings`].
+    /// The grid of the flags is always the first of them, unless only other grids have cells in
+    /// every layer below the top.
     ///
-    /// A grid without cells in some layer below the top is left out.
     /// For each grid, fills the outlines of all layers with cells and computes a maximum 2-matching
     /// of each layer.
     pub fn best(
@@ -84,35 +80,32 @@ impl GridArgs {
         part: &CutPart,
         count: usize,
         threads: Threads<'_>,
-    ) -> anyhow::Result<Vec<Candidate>> {
+    ) -> anyhow::Result<Vec<Settings>> {
         let all = self.settings(&part.settings);
         if all.len() == 1 {
-            return Ok(vec![Candidate { settings: all[0], piece_bound: 0 }]);
+            return Ok(all);
         }
         let bar = progress::bar(all.len() as u64, "grids");
-        let mut candidates = Vec::new();
-        for (number, settings) in all.into_iter().enumerate() {
-            let layers = part.layers(&settings, threads).with_context(|| {
-                let [x, y] = settings.phase;
-                format!("grid with beads of {} mm and phase {x}, {y}", settings.cell_mm)
-            });
+        let control = Control { cancel: Some(cancel::token()?), ..Control::on(threads) };
+        let mut bounds = Vec::new();
+        for settings in &all {
+            control.check().context("stopped")?;
+            // What is wrong with the grid of the flags is reported when it is planned.
+            let layers = part.layers(settings, threads).ok();
+            if let Some(layers) = layers.filter(|layers| layers.gap().is_none()) {
+                bounds.push((*settings, pieces(&layers, &control).context("stopped")?));
+            }
             bar.inc(1);
-            // The default grid decides what is an error; others are only alternatives.
-            let layers = match layers {
-                Ok(layers) if number == 0 || layers.gap().is_none() => layers,
-                Err(error) if number == 0 => return Err(error),
-                _ => continue,
-            };
-            let control = Control { cancel: Some(cancel::token()?), ..Control::on(threads) };
-            candidates.push(Candidate { settings, piece_bound: pieces(&layers, &control)? });
         }
         bar.finish_and_clear();
-        let first = candidates[0];
-        candidates[1..].sort_by_key(|candidate| candidate.piece_bound);
-        candidates.truncate(count.max(1));
-        candidates.sort_by_key(|candidate| candidate.piece_bound);
-        debug_assert!(candidates.iter().any(|candidate| candidate.settings == first.settings));
-        Ok(candidates)
+        let is_first = |settings: &Settings| *settings == all[0];
+        bounds.sort_by_key(|(settings, bound)| (!is_first(settings), *bound));
+        let mut best: Vec<Settings> =
+            bounds.into_iter().take(count.max(1)).map(|(settings, _)| settings).collect();
+        if best.is_empty() {
+            best.push(all[0]);
+        }
+        Ok(best)
     }
 }
 
