@@ -9,7 +9,7 @@ use beadwork_console::text::{count, duration};
 use beadwork_search::plan::tools::ToolPlan;
 use serde_json::{Value, json};
 
-use super::Files;
+use super::args::Files;
 
 /// Wall-clock time of the steps, in s.
 pub(super) struct Seconds {
@@ -23,6 +23,10 @@ pub(super) struct Seconds {
 
 pub(super) struct Report<'a> {
     pub(super) part: &'a Part,
+    /// Position of the grid relative to the part, in fractions of a cell.
+    pub(super) phase: [f64; 2],
+    /// Number of grids tried.
+    pub(super) grids: usize,
     pub(super) plan: &'a ToolPlan,
     pub(super) printed: &'a Printed,
     pub(super) lift_cost: u32,
@@ -32,11 +36,14 @@ pub(super) struct Report<'a> {
 impl Report<'_> {
     /// All results; only the seconds differ between two runs.
     pub(super) fn json(&self) -> Value {
-        let Self { part, plan, printed, lift_cost, seconds } = self;
+        let Self { part, phase, grids, plan, printed, lift_cost, seconds } = self;
         let frame = &part.layers.frame;
         let totals = &printed.totals;
         let continuous = plan.layers.iter().filter(|layer| layer.is_continuous);
         let optimal = plan.layers.iter().filter(|layer| layer.is_optimal()).count();
+        let kept_links = plan.layers.iter().filter_map(|layer| layer.kept_links);
+        let purge = printed.settings.purge.as_ref();
+        let tower = purge.and_then(|purge| purge.tower).filter(|_| totals.prime_tower_mm > 0.0);
         let mut value = json!(totals);
         let more = json!({
             "part": part.name,
@@ -45,6 +52,8 @@ impl Report<'_> {
             "height": frame.height,
             "bead_mm": frame.cell_mm,
             "layer_mm": frame.layer_mm,
+            "grid_phase": phase,
+            "grids_tried": grids,
             "cells": part.layers.cell_count(),
             "materials": printed.settings.tools.iter().map(|tool| &tool.name).collect::<Vec<_>>(),
             "tool_cost": number(plan.tool_cost),
@@ -55,16 +64,19 @@ impl Report<'_> {
                 "tool_changes": plan.order.min_changes,
                 "layers_optimal": optimal,
             },
-            "fixed_order": { "tool_cost": number(plan.fixed.cost), "tool_changes": plan.fixed.changes },
+            "fixed_order": {
+                "tool_cost": number(plan.fixed.cost),
+                "tool_changes": plan.fixed.changes,
+            },
             "continuous_layers": continuous.count(),
             "frontier": plan.frontier.iter().map(|point| json!({
                 "lifts": point.lifts,
                 "tool_cost": number(point.tool_cost),
                 "up_to_lift_cost": point.up_to_lift_cost,
             })).collect::<Vec<_>>(),
-            "kept_links": plan.layers.iter().filter_map(|layer| layer.kept_links).map(u64::from).sum::<u64>(),
+            "kept_links": kept_links.map(u64::from).sum::<u64>(),
             "checked": { "layers": printed.checked.layers, "cells": printed.checked.cells },
-            "tower": printed.settings.purge.as_ref().and_then(|purge| purge.tower).filter(|_| totals.prime_tower_mm > 0.0).map(|tower| json!({
+            "tower": tower.map(|tower| json!({
                 "left_mm": tower.left_mm, "front_mm": tower.front_mm, "width_mm": tower.width_mm,
             })),
             "seconds": {
@@ -99,6 +111,11 @@ impl Report<'_> {
             frame.height,
             count(printed.settings.tools.len() as u64, "material"),
         )?;
+        if self.grids > 1 {
+            let [x, y] = self.phase;
+            let (bead, grids) = (frame.cell_mm, self.grids);
+            writeln!(text, "beads of {bead:.4} mm, grid phase {x}, {y}: best of {grids} grids")?;
+        }
         let min_changes = planned.order.min_changes;
         let bound = if u64::from(min_changes) == planned.tool_changes() {
             " (proven minimum)".to_owned()

@@ -1,0 +1,175 @@
+//! Flags of `plan`, and the files it writes.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use anyhow::bail;
+use beadwork_console::grid_choice::GridArgs;
+use beadwork_console::output;
+use beadwork_console::part::PartArgs;
+use beadwork_console::printer::ProfileArgs;
+use beadwork_search::plan::Constraints;
+use beadwork_search::plan::tools::{Mode, Settings, Stacking};
+use clap::ValueEnum;
+
+/// Plan a part and write its G-code.
+///
+/// Meshes are sliced into layers of cells one bead wide; every layer is covered by beads, and the
+/// order of beads and tools is chosen for the part as a whole.
+/// The G-code is checked from its text: it prints every cell once, with the tool of its material.
+/// What is proven optimal is so on the grid of cells: --phases and --bead-range try other grids.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  beadwork plan example:logo-plate --objective tools --out logo.gcode
+  beadwork plan yin_yang.3mf --rotate 90,0,0 --objective tools --out yin_yang.gcode --svg layers.svg
+  beadwork plan body.stl inlay.stl --objective tools --mode free --flavour klipper --out badge.gcode
+  beadwork plan plate.3mf --objective tools --lift-cost 50 --purge 90 --before 1:0 --json
+  beadwork plan torus.3mf --objective tools --phases 4 --bead-range 10 --out torus.gcode
+  beadwork plan part.obj --unit in --bead 0.45 --layer 0.2 --profile printer.toml \\
+    --objective tools --out part.gcode")]
+pub(crate) struct Args {
+    #[command(flatten)]
+    pub(super) part: PartArgs,
+    #[command(flatten)]
+    pub(super) grid: GridArgs,
+    /// Objective: tools (tool changes, and lifts at the price of --lift-cost).
+    #[arg(long, value_name = "NAME")]
+    pub(super) objective: Objective,
+    /// How layers may be printed: each the cheaper way (cheapest), without lifts wherever possible
+    /// (continuous), or tool by tool (free).
+    #[arg(long, value_name = "MODE", default_value = "cheapest")]
+    mode: ModeName,
+    /// Cost of a lift, in mm³ of purged material.
+    #[arg(long, value_name = "MM3", default_value_t = 2)]
+    pub(super) lift_cost: u32,
+    /// Two tools, numbered from 0 as in the G-code: in every layer that uses both, the first one
+    /// prints first.
+    /// Can be repeated.
+    #[arg(long, value_name = "A:B")]
+    before: Vec<Pair>,
+    /// The tool that prints first, numbered from 0 as in the G-code.
+    #[arg(long, value_name = "TOOL")]
+    first_tool: Option<u8>,
+    /// Use the tools in the same order in every layer.
+    #[arg(long)]
+    same_order: bool,
+    /// Also start each layer from the path of the layer below; of equally good paths, take the one
+    /// that shares more links with it (keep), or fewer (break).
+    #[arg(long, value_name = "RULE")]
+    stacking: Option<StackingName>,
+    #[command(flatten)]
+    pub(super) profile: ProfileArgs,
+    /// G-code file to write; its totals are written to a JSON file of the same name with .json
+    /// appended.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Draw some layers with their paths.
+    #[arg(long, value_name = "FILE")]
+    pub(super) svg: Option<PathBuf>,
+    /// Seed of all random choices.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Maximum number of attempts at each connected component of a layer.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 50,
+        value_parser = clap::value_parser!(u32).range(1..)
+    )]
+    attempts: u32,
+    /// Threads; 0 for one per core.
+    /// The result does not depend on them.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) threads: usize,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum Objective {
+    Tools,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ModeName {
+    Cheapest,
+    Continuous,
+    Free,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum StackingName {
+    Keep,
+    Break,
+}
+
+/// Two tools.
+#[derive(Clone, Copy)]
+struct Pair(u8, u8);
+
+impl FromStr for Pair {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let tool = |text: &str| text.trim().parse().ok();
+        let pair = text.split_once(':').and_then(|(a, b)| Some(Self(tool(a)?, tool(b)?)));
+        pair.ok_or_else(|| "expected two tools, numbered from 0, as in 1:0".to_owned())
+    }
+}
+
+/// The files to write.
+pub(super) struct Files<'a> {
+    pub(super) gcode: Option<&'a Path>,
+    /// Totals beside the G-code; `None` where that is a terminal or a pipe.
+    pub(super) totals: Option<PathBuf>,
+}
+
+impl Args {
+    /// The files to write; refuses, before any work, those that cannot be written.
+    pub(super) fn files(&self) -> anyhow::Result<Files<'_>> {
+        let gcode = self.out.as_deref();
+        let is_file = |path: &&Path| fs::metadata(path).map_or(true, |metadata| metadata.is_file());
+        for path in [gcode, self.svg.as_deref()].into_iter().flatten() {
+            if path.is_dir() {
+                bail!("'{}' is a folder", path.display());
+            }
+        }
+        let totals = gcode.filter(is_file).map(|path| {
+            let mut name = path.as_os_str().to_owned();
+            name.push(".json");
+            PathBuf::from(name)
+        });
+        if self.svg.is_some() && (self.svg.as_deref() == gcode || self.svg == totals) {
+            output::usage_error("--svg and --out name the same file");
+        }
+        Ok(Files { gcode, totals })
+    }
+
+    /// Settings of the planner.
+    pub(super) fn settings(&self) -> Settings {
+        Settings {
+            mode: match self.mode {
+                ModeName::Cheapest => Mode::Cheapest,
+                ModeName::Continuous => Mode::Continuous,
+                ModeName::Free => Mode::Free,
+            },
+            lift_cost: self.lift_cost.into(),
+            constraints: Constraints {
+                before: self.before.iter().map(|&Pair(a, b)| (a, b)).collect(),
+                first: self.first_tool,
+                same_order: self.same_order,
+                ..Constraints::default()
+            },
+            stacking: self.stacking.map(|rule| match rule {
+                StackingName::Keep => Stacking::Keep,
+                StackingName::Break => Stacking::Break,
+            }),
+            seed: self.seed,
+            attempts: self.attempts,
+            ..Settings::default()
+        }
+    }
+}
