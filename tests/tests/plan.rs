@@ -40,8 +40,8 @@ fn a_part_becomes_gcode_with_totals_beside_it() {
         text(&svg),
     ];
     let summary = run(&arguments);
-    assert!(summary.contains("4 tool changes (proven to be the fewest)"), "{summary}");
-    assert!(summary.contains("read again and checked: 76800 cells"), "{summary}");
+    assert!(summary.contains("4 tool changes (proven minimum)"), "{summary}");
+    assert!(summary.contains("checked from its text: 76800 cells"), "{summary}");
     assert!(fs::read_to_string(&svg).unwrap().contains("layer 5"));
 
     let totals: Value =

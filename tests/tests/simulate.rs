@@ -153,7 +153,7 @@ fn measures_and_pictures_are_written() {
 
     let svg = fs::read_to_string(svg).unwrap();
     assert!(svg.starts_with("<svg") && svg.ends_with("</svg>\n"));
-    assert!(svg.contains("Unevenness") && svg.contains("layer 4, complete"));
+    assert!(svg.contains("Standard deviation") && svg.contains("layer 4, complete"));
     assert_eq!(svg.matches("data:image/png;base64,").count(), 4);
 
     // 24 x 4, 24 x 4 and 24 x 16 voxels, and a scale.
@@ -260,15 +260,15 @@ fn probes_need_a_voxel_of_the_part() {
     );
 
     let misuse = |more: &[&str]| misused(&[&["simulate", "example:u-shape"], more].concat());
-    assert!(misuse(&["--probe", "1,2", "--probe-out", "x"]).contains("as 30,5,1.2"));
+    assert!(misuse(&["--probe", "1,2", "--probe-out", "x"]).contains("as in 30,5,1.2"));
     assert!(misuse(&["--probe", "1,2,3"]).contains("--probe-out"));
     assert!(misuse(&["--probe-out", "x"]).contains("--probe"));
     assert!(misuse(&["--probe-seconds", "2"]).contains("--probe"));
     let out = ["--probe", "1,2,3", "--probe-out", "x"];
     assert!(
-        misuse(&[&out[..], &["--probe-seconds", "0"]].concat()).contains("give seconds from 0.001")
+        misuse(&[&out[..], &["--probe-seconds", "0"]].concat()).contains("expected 0.001")
     );
-    assert!(misuse(&[&out[..], &["--csv", "x"]].concat()).contains("the same file"));
+    assert!(misuse(&[&out[..], &["--csv", "x"]].concat()).contains("named for two results"));
     assert!(
         misuse(&["--time-above=warm"]).contains("expected a temperature in °C or glass-transition")
     );
@@ -307,7 +307,7 @@ fn a_planned_program_is_simulated_with_its_part_and_without() {
     let error = fail(&["simulate", "example:u-shape", "--gcode", text(&gcode)]);
     assert!(error.contains("the program leaves out") && error.contains("in layer 9"), "{error}");
     let error = fail(&["simulate", example, "--bead", "0.4", "--gcode", text(&gcode)]);
-    assert!(error.ends_with("give --bead 0.5"), "{error}");
+    assert!(error.ends_with("try --bead 0.5"), "{error}");
     let half = folder.path().join("half.gcode");
     let program = fs::read_to_string(&gcode).unwrap();
     let end = program.match_indices(";LAYER_CHANGE").nth(4).unwrap().0;
@@ -366,12 +366,12 @@ fn bad_input_is_reported_and_leaves_nothing_behind() {
     assert!(misuse(&["--print-mm-s", "20", "--gcode", "x"]).contains("cannot be used with"));
     assert!(misuse(&["--left-out", "0.1"]).contains("--gcode"));
     assert!(misuse(&["--left-out", "2", "--gcode", "x"]).contains("from 0 to 1"));
-    assert!(misuse(&["--end-seconds", "-1"]).contains("give seconds"));
-    assert!(misuse(&["--section", "w=1", "--section-out", "x"]).contains("give x, y or z"));
+    assert!(misuse(&["--end-seconds", "-1"]).contains("expected 0 to 1,000,000 seconds"));
+    assert!(misuse(&["--section", "w=1", "--section-out", "x"]).contains("expected an axis and mm"));
     assert!(misuse(&["--section", "x=1"]).contains("--section-out"));
-    assert!(misuse(&["--section", "x=1", "--section-out", "a.gif"]).contains("neither"));
+    assert!(misuse(&["--section", "x=1", "--section-out", "a.gif"]).contains("expected a .png file"));
     let two = ["--section", "x=1", "--section", "y=1", "--section-out", "a.png"];
-    assert!(misuse(&two).contains("has to be a folder"));
-    assert!(misuse(&["--csv", "same", "--svg", "same"]).contains("the same file"));
-    assert!(misuse(&["--method", "naive", "--accuracy", "high"]).contains("means nothing"));
+    assert!(misuse(&two).contains("must be a folder"));
+    assert!(misuse(&["--csv", "same", "--svg", "same"]).contains("named for two results"));
+    assert!(misuse(&["--method", "naive", "--accuracy", "high"]).contains("--accuracy requires --method fast"));
 }

@@ -1,4 +1,4 @@
-//! What a command searches: a drawn layout, or a picture.
+//! Flags that name one layer: a generated layout, or a picture.
 
 use std::fs;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use beadwork_dataset::Size;
 use beadwork_grid::{Layout, LayoutSpec, Region, RegionShape, Zones};
 use beadwork_part::Picture;
 
-/// Flags that name one instance.
+/// Flags that name one layer.
 #[derive(clap::Args)]
 pub(crate) struct InstanceArgs {
     /// Layout: left_right, stripes, islands, voronoi, checkerboard or top_bottom.
@@ -17,27 +17,27 @@ pub(crate) struct InstanceArgs {
     /// Size in cells.
     #[arg(long, value_name = "WxH", default_value = "30x30", conflicts_with = "image")]
     size: Size,
-    /// Outline of the region: disc, ring, blob, rotated_rectangle, star or l; the whole plane if
-    /// not given.
+    /// Shape of the region: disc, ring, blob, rotated_rectangle, star or l; the whole grid by
+    /// default.
     #[arg(long, value_name = "NAME", conflicts_with = "image")]
     shape: Option<RegionShape>,
-    /// Number of zones; the layout's own if not given.
+    /// Number of zones; by default that of the layout.
     #[arg(long, value_name = "K", conflicts_with = "image")]
     zones: Option<u8>,
-    /// Side of an island or of a checkerboard's block, in cells; the layout's own if not given.
+    /// Side of an island or of a checkerboard block, in cells; by default that of the layout.
     #[arg(long, value_name = "CELLS", conflicts_with = "image")]
     side: Option<u16>,
-    /// A PNG picture: each pixel a cell, each colour a zone, transparent pixels outside the region.
+    /// PNG picture: each pixel is a cell, each colour a zone; transparent pixels lie outside.
     #[arg(long, value_name = "PNG")]
     image: Option<PathBuf>,
 }
 
-/// One instance with its name.
+/// One layer with its name.
 pub(crate) struct Instance {
     pub(crate) name: String,
     pub(crate) region: Region,
     pub(crate) zones: Zones,
-    /// The picture's own colours.
+    /// Colours of the zones in the picture.
     pub(crate) colours: Option<Vec<[u8; 3]>>,
 }
 
@@ -53,11 +53,11 @@ impl InstanceArgs {
                 .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
             return Ok(Instance { name, region, zones, colours: Some(colours) });
         }
-        let usual = LayoutSpec::new(self.layout);
+        let defaults = LayoutSpec::new(self.layout);
         let spec = LayoutSpec {
-            zones: self.zones.unwrap_or(usual.zones),
-            side: self.side.unwrap_or(usual.side),
-            ..usual
+            zones: self.zones.unwrap_or(defaults.zones),
+            side: self.side.unwrap_or(defaults.side),
+            ..defaults
         };
         let Size { width, height } = self.size;
         let region = match self.shape {

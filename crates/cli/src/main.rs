@@ -1,10 +1,10 @@
 //! The command line of beadwork.
 //!
-//! Exit codes: 0 done, 1 failed, 2 wrong use.
+//! Exit codes: 0 success, 1 failure, 2 usage error.
 //! Results go to stdout (with `--json` one JSON document and nothing else), progress and errors to
-//! stderr; a reader that closes the pipe early has seen enough.
+//! stderr; a closed pipe is not a failure.
 
-#![allow(clippy::print_stderr, reason = "a command line talks to its terminal")]
+#![allow(clippy::print_stderr, reason = "a command line reports to its terminal")]
 #![allow(
     clippy::doc_markdown,
     reason = "the comments on flags are their help, where backticks are noise"
@@ -12,7 +12,6 @@
 
 mod completions;
 mod doctor;
-mod ends;
 mod gen_data;
 mod generations;
 mod inspect;
@@ -20,6 +19,7 @@ mod instance;
 mod path_file;
 mod plan;
 mod simulate;
+mod terminals;
 #[cfg(feature = "learn")]
 mod train;
 mod zones;
@@ -30,7 +30,7 @@ use beadwork_console::output;
 use beadwork_lab::{bench, eval};
 use clap::{CommandFactory, Parser, Subcommand};
 
-/// Plans how a 3D printer's head moves: fewer tool changes, fewer lifts, more even heat.
+/// Plans how a 3D printer's nozzle moves: fewer tool changes, fewer lifts, more even heat.
 #[derive(Parser)]
 #[command(version, name = "beadwork", propagate_version = true)]
 struct Cli {

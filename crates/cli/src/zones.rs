@@ -1,4 +1,4 @@
-//! `zones`: a path of few crossings for one layer.
+//! `zones`: a path with few crossings for one layer.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
@@ -20,12 +20,12 @@ use beadwork_search::exact::{self, Observers, Stage};
 use beadwork_search::{CostMatrix, anneal, genetic};
 use serde_json::json;
 
-use crate::ends::{Place, read_costs};
 use crate::generations;
 use crate::instance::{Instance, InstanceArgs};
 use crate::path_file;
+use crate::terminals::{TerminalName, read_costs};
 
-/// Find a path of few zone crossings for one layer.
+/// Find a path with few zone crossings for one layer.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -34,7 +34,7 @@ Examples:
   beadwork zones --layout islands --size 60x60 --shape disc --costs purge.csv
   beadwork zones --layout voronoi --size 50x50 --seed 3 --method anneal
   beadwork zones --layout islands --size 100x100 --preset fast --svg islands.svg
-  beadwork zones --layout islands --size 50x50 --method genetic --preset window --plot generations.svg
+  beadwork zones --layout islands --size 50x50 --method genetic --plot generations.svg
   beadwork zones --layout voronoi --size 30x30 --seed 3 --method fusion --svg learned.svg
   beadwork zones --image logo.png --preset fast --svg logo.svg --path logo.csv")]
 pub(crate) struct Args {
@@ -43,51 +43,51 @@ pub(crate) struct Args {
     /// Seed of the layout and of the search.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// How to choose the path; exact if not given, or anneal if a preset of it is.
+    /// Search method; exact by default, or anneal if --preset names one of its presets.
     #[arg(long, value_name = "METHOD")]
     method: Option<MethodName>,
-    /// Exact: seconds after which it gives the best it has.
+    /// Exact: time limit in seconds, after which the best path so far is returned.
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     time: Option<Duration>,
-    /// Exact: most attempts at each connected part of the region; 50 if not given.
+    /// Exact: maximum number of attempts at each component of the region; 50 by default.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     attempts: Option<u32>,
-    /// Exact: where the path begins: X,Y, left, top, right, bottom or any.
-    #[arg(long, value_name = "PLACE", default_value = "any")]
-    start_at: Place,
-    /// Exact: where the path ends: X,Y, left, top, right, bottom or any.
-    #[arg(long, value_name = "PLACE", default_value = "any")]
-    end_at: Place,
-    /// Exact: a file with what crossings cost: a row for each zone, a number for each zone to step
+    /// Exact: where the path starts: a cell X,Y, left, top, right, bottom or any.
+    #[arg(long, value_name = "WHERE", default_value = "any")]
+    start_at: TerminalName,
+    /// Exact: where the path ends: a cell X,Y, left, top, right, bottom or any.
+    #[arg(long, value_name = "WHERE", default_value = "any")]
+    end_at: TerminalName,
+    /// Exact: file with the cost of each crossing: one row per zone, one number per zone stepped
     /// to.
     #[arg(long, value_name = "FILE")]
     costs: Option<PathBuf>,
-    /// Anneal: paper (if not given), short, medium, long, extra_long or fast.
-    /// Genetic: paper (if not given), two_point, window, short or fast.
+    /// Anneal: paper (default), short, medium, long, extra_long or fast.
+    /// Genetic: paper (default), two_point, window, short or fast.
     #[arg(long, value_name = "NAME")]
     preset: Option<String>,
-    /// Fusion: folder of the trained network; models/fusion-small if not given.
+    /// Fusion: folder of the trained network; models/fusion-small by default.
     #[arg(long, value_name = "DIR")]
     model: Option<PathBuf>,
-    /// Fusion: crossings that are enough; the proven bound if not given.
+    /// Fusion: number of crossings at which the walk stops; the proven bound by default.
     #[arg(long, value_name = "N")]
     target: Option<u32>,
-    /// Fusion: most moves; 1000 if not given.
+    /// Fusion: maximum number of moves; 1000 by default.
     #[arg(long, value_name = "N")]
     budget: Option<usize>,
-    /// Path to start from: row_zigzag, column_zigzag, spiral, cover, or auto (the row zigzag where
-    /// there is one, else the cover).
+    /// Start path: row_zigzag, column_zigzag, spiral, cover, or auto (the row zigzag where one
+    /// exists, otherwise the cover).
     #[arg(long, value_name = "START", default_value = "auto")]
     start: StartChoice,
     /// Write the path as CSV: piece, x and y of each cell, in order.
-    /// With --json, the path is in the document too.
+    /// The JSON document always contains it.
     #[arg(long, value_name = "FILE")]
     path: Option<PathBuf>,
     /// Draw the layer before and after.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
-    /// Genetic: threads; 0 for one a core.
-    /// They change the time and nothing else.
+    /// Genetic: threads; 0 for one per core.
+    /// The result does not depend on them.
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
     /// Genetic: draw the crossings and the diversity of each generation.
@@ -101,9 +101,8 @@ pub(crate) struct Args {
     json: bool,
 }
 
-/// Seconds as typed.
 fn seconds(text: &str) -> Result<Duration, String> {
-    let seconds: f64 = text.parse().map_err(|_| "give a number of seconds".to_owned())?;
+    let seconds: f64 = text.parse().map_err(|_| "expected a number of seconds".to_owned())?;
     Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())
 }
 
@@ -113,8 +112,8 @@ impl Args {
         let exact = [
             ("--time", self.time.is_some()),
             ("--attempts", self.attempts.is_some()),
-            ("--start-at", self.start_at != Place::Any),
-            ("--end-at", self.end_at != Place::Any),
+            ("--start-at", self.start_at != TerminalName::Any),
+            ("--end-at", self.end_at != TerminalName::Any),
             ("--costs", self.costs.is_some()),
             ("--stages", self.stages.is_some()),
         ];
@@ -139,7 +138,7 @@ impl Args {
         if self.preset.is_some() && !matches!(method, MethodName::Anneal | MethodName::Genetic) {
             usage_error("--preset is for --method anneal and --method genetic");
         }
-        // Before anything is read or made.
+        // A wrong preset is reported before any work.
         match method {
             MethodName::Anneal => drop(self.preset(anneal::Preset::Paper)),
             MethodName::Genetic => drop(self.preset(genetic::Preset::Paper)),
@@ -147,9 +146,9 @@ impl Args {
         }
     }
 
-    /// The preset of the method in question, or its usual one.
-    fn preset<P: FromStr<Err: Display>>(&self, usual: P) -> P {
-        let Some(name) = &self.preset else { return usual };
+    /// The preset of the method that the flags name, or its default.
+    fn preset<P: FromStr<Err: Display>>(&self, default: P) -> P {
+        let Some(name) = &self.preset else { return default };
         name.parse().unwrap_or_else(|error: P::Err| {
             let bred = self.method.is_none() && name.parse::<genetic::Preset>().is_ok();
             let hint = if bred { "; with --method genetic it is a preset" } else { "" };
@@ -159,8 +158,8 @@ impl Args {
 }
 
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
-    let usual = if args.preset.is_some() { MethodName::Anneal } else { MethodName::Exact };
-    let method = args.method.unwrap_or(usual);
+    let default = if args.preset.is_some() { MethodName::Anneal } else { MethodName::Exact };
+    let method = args.method.unwrap_or(default);
     args.check(method);
     let instance = args.instance.load(args.seed)?;
     let Instance { region, zones, .. } = &instance;
@@ -175,7 +174,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     };
     let drawn: Mutex<BTreeMap<Stage, BTreeSet<[Cell; 2]>>> = Mutex::default();
     let stages = |stage: Stage, links: &[[Cell; 2]]| {
-        drawn.lock().expect("no drawing panics").entry(stage).or_default().extend(links);
+        drawn.lock().expect("no observer panics").entry(stage).or_default().extend(links);
     };
     let (pool, model);
     let mut threads = Threads::One;
@@ -236,7 +235,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(file) = &args.stages {
         output::file(
             file,
-            draw_stages(&instance, &drawn.into_inner().expect("no drawing panics"), &row, &best),
+            draw_stages(&instance, &drawn.into_inner().expect("no observer panics"), &row, &best),
         )?;
     }
     if args.json {
@@ -246,19 +245,19 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     }
 }
 
-/// One line for people.
+/// The result on one line.
 fn describe(row: &Row, costs: Option<&CostMatrix>) -> String {
     let Row { layout, width, height, zones, initial, crossings, seconds, .. } = row;
     let pieces = match row.pieces {
         1 => String::new(),
-        pieces if pieces == row.piece_bound => format!(" in {pieces} pieces, the fewest possible"),
+        pieces if pieces == row.piece_bound => format!(" in {pieces} pieces (proven minimum)"),
         pieces => format!(" in {pieces} pieces (at least {})", row.piece_bound),
     };
     let bound = row.bound.unwrap_or_default();
     let quality = match &row.exact {
-        _ if row.is_proven() && costs.is_none() => ", proven to be the fewest".to_owned(),
+        _ if row.is_proven() && costs.is_none() => ", proven minimum".to_owned(),
         Some(exact) if exact.optimal => {
-            format!(" at a cost of {}, proven to be the least", exact.cost)
+            format!(" at a cost of {}, proven minimum", exact.cost)
         }
         Some(exact) if costs.is_some() => format!(" at a cost of {}, at least {bound}", exact.cost),
         _ => format!(", at least {bound}"),
@@ -271,15 +270,16 @@ fn describe(row: &Row, costs: Option<&CostMatrix>) -> String {
             row.moves,
             genetic.history.len() - 1
         ),
-        (.., Some(fusion)) => format!("{} moves of {} that were made", row.moves, fusion.made),
+        (.., Some(fusion)) => format!("{} moves of {} made", row.moves, fusion.made),
         _ => format!("{} moves", row.moves),
     };
     format!(
-        "{layout} {width}x{height}, {zones} zones: {initial} -> {crossings} crossings{pieces}{quality}; {work} in {seconds:.3} s\n"
+        "{layout} {width}x{height}, {zones} zones: {initial} -> {crossings} crossings{pieces}\
+         {quality}; {work} in {seconds:.3} s\n"
     )
 }
 
-/// The steps of an attempt, side by side, and the path.
+/// Draws the stages of an attempt side by side, and the path.
 fn draw_stages(
     instance: &Instance,
     stages: &BTreeMap<Stage, BTreeSet<[Cell; 2]>>,
@@ -293,13 +293,14 @@ fn draw_stages(
         let what = match stage {
             Stage::Ladders => "1. ladders inside the zones",
             Stage::Cheapest => "2. cheapest 2-matching",
-            Stage::Linked => "3. nothing left apart",
+            Stage::Linked => "3. all components connected",
             Stage::Merged => "4. cycles joined by switches",
             Stage::Settled => "5. the last cycles joined",
         };
         format!("{what}: {} crossings", crossings(links))
     };
-    // A step made anew, for a part that takes more pieces than thought, is drawn once.
+    // A stage that was repeated, because a component needs more pieces than expected, is drawn
+    // once.
     let stages: BTreeMap<Stage, Vec<[Cell; 2]>> =
         stages.iter().map(|(&stage, links)| (stage, links.iter().copied().collect())).collect();
     let titles: Vec<String> = stages.iter().map(|(&stage, links)| title(stage, links)).collect();

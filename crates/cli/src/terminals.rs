@@ -1,4 +1,4 @@
-//! Flags that say where a path begins and ends, and what its crossings cost.
+//! Flags that say where a path starts and ends, and what its crossings cost.
 
 use std::fs;
 use std::path::PathBuf;
@@ -9,15 +9,15 @@ use beadwork_grid::Region;
 use beadwork_search::CostMatrix;
 use beadwork_search::exact::{Side, Terminal};
 
-/// Where a path begins or ends, as typed.
+/// Value of `--start-at` and `--end-at`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Place {
+pub(crate) enum TerminalName {
     Any,
     Cell { x: u32, y: u32 },
     Side(Side),
 }
 
-impl FromStr for Place {
+impl FromStr for TerminalName {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -28,11 +28,11 @@ impl FromStr for Place {
             "right" => Side::Right,
             "bottom" => Side::Bottom,
             _ => {
-                let place = text
+                let cell = text
                     .split_once(',')
                     .and_then(|(x, y)| Some((x.parse().ok()?, y.parse().ok()?)));
-                return place.map(|(x, y)| Self::Cell { x, y }).ok_or_else(|| {
-                    "give a cell as X,Y, or left, top, right, bottom or any".to_owned()
+                return cell.map(|(x, y)| Self::Cell { x, y }).ok_or_else(|| {
+                    "expected a cell X,Y, left, top, right, bottom or any".to_owned()
                 });
             }
         };
@@ -40,8 +40,8 @@ impl FromStr for Place {
     }
 }
 
-impl Place {
-    /// The terminal it stands for in a region.
+impl TerminalName {
+    /// The terminal that it names in a region.
     pub(crate) fn terminal(self, region: &Region) -> anyhow::Result<Terminal> {
         Ok(match self {
             Self::Any => Terminal::Any,
@@ -51,7 +51,7 @@ impl Place {
                     || y >= region.height()
                     || !region.contains(region.cell(x, y))
                 {
-                    bail!("the cell {x},{y} lies outside the region");
+                    bail!("cell {x},{y} lies outside of the region");
                 }
                 Terminal::Cell(region.cell(x, y))
             }
@@ -59,8 +59,9 @@ impl Place {
     }
 }
 
-/// Reads costs of crossings: a line for each zone with a number for each zone, the cost of a step
-/// from the one to the other.
+/// Reads the costs of crossings: one row for each zone stepped from, one number for each zone
+/// stepped to.
+/// Numbers are separated by commas or blanks; empty lines are ignored.
 pub(crate) fn read_costs(path: &PathBuf) -> anyhow::Result<CostMatrix> {
     let in_file = || format!("cannot read costs from '{}'", path.display());
     let text = fs::read_to_string(path).with_context(in_file)?;
@@ -80,7 +81,7 @@ pub(crate) fn read_costs(path: &PathBuf) -> anyhow::Result<CostMatrix> {
         if costs.len() != expected {
             let got = costs.len() + rows.len() - expected;
             return Err(anyhow::anyhow!(
-                "row {} has {got} numbers, there are {} rows",
+                "row {} has {got} numbers, but there are {} rows",
                 number + 1,
                 rows.len()
             ))
