@@ -97,7 +97,7 @@ fn ends_and_costs_are_respected() {
     assert!(fail(&["zones", "--size", "9x9", "--start-at", "9,0"]).contains("9,0"));
     assert!(
         fail(&["zones", "--size", "9x9", "--start-at", "3,3", "--end-at", "3,3"])
-            .contains("begin and end")
+            .contains("start and end are both")
     );
     for (content, message) in
         [("0 1", "row 1 has 2"), ("0 x\n1 0", "'x' in row 1"), ("0 1\n1 0", "3"), ("1", "inside")]
