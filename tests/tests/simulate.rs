@@ -265,9 +265,7 @@ fn probes_need_a_voxel_of_the_part() {
     assert!(misuse(&["--probe-out", "x"]).contains("--probe"));
     assert!(misuse(&["--probe-seconds", "2"]).contains("--probe"));
     let out = ["--probe", "1,2,3", "--probe-out", "x"];
-    assert!(
-        misuse(&[&out[..], &["--probe-seconds", "0"]].concat()).contains("expected 0.001")
-    );
+    assert!(misuse(&[&out[..], &["--probe-seconds", "0"]].concat()).contains("expected 0.001"));
     assert!(misuse(&[&out[..], &["--csv", "x"]].concat()).contains("named for two results"));
     assert!(
         misuse(&["--time-above=warm"]).contains("expected a temperature in °C or glass-transition")
@@ -367,11 +365,18 @@ fn bad_input_is_reported_and_leaves_nothing_behind() {
     assert!(misuse(&["--left-out", "0.1"]).contains("--gcode"));
     assert!(misuse(&["--left-out", "2", "--gcode", "x"]).contains("from 0 to 1"));
     assert!(misuse(&["--end-seconds", "-1"]).contains("expected 0 to 1,000,000 seconds"));
-    assert!(misuse(&["--section", "w=1", "--section-out", "x"]).contains("expected an axis and mm"));
+    assert!(
+        misuse(&["--section", "w=1", "--section-out", "x"]).contains("expected an axis and mm")
+    );
     assert!(misuse(&["--section", "x=1"]).contains("--section-out"));
-    assert!(misuse(&["--section", "x=1", "--section-out", "a.gif"]).contains("expected a .png file"));
+    assert!(
+        misuse(&["--section", "x=1", "--section-out", "a.gif"]).contains("expected a .png file")
+    );
     let two = ["--section", "x=1", "--section", "y=1", "--section-out", "a.png"];
     assert!(misuse(&two).contains("must be a folder"));
     assert!(misuse(&["--csv", "same", "--svg", "same"]).contains("named for two results"));
-    assert!(misuse(&["--method", "naive", "--accuracy", "high"]).contains("--accuracy requires --method fast"));
+    assert!(
+        misuse(&["--method", "naive", "--accuracy", "high"])
+            .contains("--accuracy requires --method fast")
+    );
 }
