@@ -20,9 +20,14 @@ pub fn thread_count(threads: usize) -> usize {
     if threads == 0 { cores() } else { threads }
 }
 
+/// A control that Ctrl-C cancels and that shows no progress.
+pub fn cancellable(threads: Threads<'_>) -> anyhow::Result<Control<'_>> {
+    Ok(Control { cancel: Some(cancel::token()?), ..Control::on(threads) })
+}
+
 /// Makes a long call that Ctrl-C cancels and that shows no progress.
 pub fn quiet<R>(threads: Threads<'_>, call: impl FnOnce(&Control<'_>) -> R) -> anyhow::Result<R> {
-    Ok(call(&Control { cancel: Some(cancel::token()?), ..Control::on(threads) }))
+    Ok(call(&cancellable(threads)?))
 }
 
 /// Makes a long call that Ctrl-C cancels, with a progress bar named `what`.
@@ -38,8 +43,7 @@ pub fn with_bar<R>(
         bar.set_length(progress.total as u64);
         bar.set_position(progress.done as u64);
     };
-    let control =
-        Control { cancel: Some(cancel::token()?), progress: Some(&report), ..Control::on(threads) };
+    let control = Control { progress: Some(&report), ..cancellable(threads)? };
     let result = call(&control);
     bar.finish_and_clear();
     Ok(result)

@@ -12,7 +12,9 @@
     reason = "the comments on flags are their help, where backticks are noise"
 )]
 
+mod args;
 pub mod bench;
 pub mod eval;
 mod heat_parts;
 mod paper;
+mod statistics;

@@ -1,12 +1,14 @@
-//! The figures of Aali et al., to stand beside ours.
+//! Figures of Aali et al., which the tables of `eval zones` and `eval fusion` show next to ours.
 
 use anyhow::bail;
-use beadwork_base::Control;
+use beadwork_base::Threads;
+use beadwork_console::control;
 use beadwork_dataset::Size;
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
 use beadwork_search::anneal::Preset;
 
-/// The presets whose mean comes closest to Table 5: all of the paper's but the shortest.
+/// The presets whose mean comes closest to the paper's Table 5: all of its presets except the
+/// shortest.
 pub(crate) const AVERAGED: [Preset; 4] =
     [Preset::Medium, Preset::Paper, Preset::Long, Preset::ExtraLong];
 
@@ -19,23 +21,24 @@ const fn size(width: u32, height: u32) -> Size {
     Size { width, height }
 }
 
-/// One layout in one size.
+/// A cell of the paper's tables: one layout in one size, with the paper's results.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cell {
     pub(crate) layout: Layout,
     pub(crate) size: Size,
     /// Crossings of the row zigzag on the paper's instance.
     pub(crate) zigzag: u32,
-    /// Best reduction by annealing, Table 3, in %.
+    /// Best reduction by annealing (Table 3), in %.
     pub(crate) best: f64,
-    /// Best reduction by the genetic algorithm, Table 1, in %.
+    /// Best reduction by the genetic algorithm (Table 1), in %.
     pub(crate) genetic: f64,
-    /// Mean reduction by annealing, Table 5, in %.
+    /// Mean reduction by annealing (Table 5), in %.
     pub(crate) mean: f64,
 }
 
-/// All 24 cells, layout by layout.
+/// The 24 cells: the six sizes of each layout.
 pub(crate) fn cells() -> impl Iterator<Item = Cell> {
+    // For each layout and size: zigzag, best, genetic, mean.
     let rows = [
         (
             [30, 50, 60, 80, 100, 100],
@@ -75,30 +78,50 @@ pub(crate) fn cells() -> impl Iterator<Item = Cell> {
 }
 
 impl Cell {
-    /// Seeds of instances whose zigzag crosses within 10 % as often as the paper's, at most so
-    /// many.
+    /// Whether both are the same layout in the same size.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        (self.layout, self.size) == (other.layout, other.size)
+    }
+
+    /// The first `max` seeds of instances like the paper's, whose zigzag has as many crossings as
+    /// that of the paper's instance, to within 10 %.
     ///
-    /// A layout that is not drawn at random has one instance, of seed 0.
-    pub(crate) fn matching_seeds(&self, most: u64) -> anyhow::Result<Vec<u64>> {
+    /// Of the paper's random instances only the crossings of their zigzag are known.
+    /// A layout that is not random has one instance, of seed 0.
+    ///
+    /// # Errors
+    /// If none of the first 20,000 seeds matches, or if interrupted by Ctrl-C.
+    pub(crate) fn matching_seeds(&self, max: u64) -> anyhow::Result<Vec<u64>> {
         const TRIED: u64 = 20_000;
 
         if !self.layout.is_random() {
             return Ok(vec![0]);
         }
+        let control = control::cancellable(Threads::One)?;
         let region = Region::rectangle(self.size.width, self.size.height)?;
-        let start = Start::RowZigzag.path(&region, &Control::default())?;
+        let zigzag = Start::RowZigzag.path(&region, &control)?;
         let spec = LayoutSpec::new(self.layout);
-        let matches = |seed: &u64| {
-            let zones = spec.zones(&region, *seed).ok();
-            let count = zones.map(|zones| Crossings::new(&region, &zones).count(&start));
+        let matches = |seed: u64| {
+            let zones = spec.zones(&region, seed).ok();
+            let count = zones.map(|zones| Crossings::new(&region, &zones).count(&zigzag));
             count.is_some_and(|count| 10 * count.abs_diff(self.zigzag) <= self.zigzag)
         };
-        let found: Vec<u64> = (0..TRIED).filter(matches).take(most as usize).collect();
+        let mut found = Vec::new();
+        for seed in 0..TRIED {
+            control.check()?;
+            if matches(seed) {
+                found.push(seed);
+            }
+            if found.len() as u64 == max {
+                break;
+            }
+        }
         if found.is_empty() {
             bail!(
-                "no {} of {} among {TRIED} has about {} crossings",
+                "{} {}: the zigzag of no instance of seeds 0 to {} has about {} crossings",
                 self.layout,
                 self.size,
+                TRIED - 1,
                 self.zigzag
             );
         }

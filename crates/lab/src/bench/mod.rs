@@ -1,4 +1,4 @@
-//! `bench`: rates and ratios, measured in one run.
+//! `bench`: run times, rates and memory on the machine at hand.
 
 mod dataset;
 mod grid;
@@ -6,21 +6,20 @@ mod grid;
 mod learn;
 mod part;
 mod thermal;
+mod timing;
 mod zones;
-
-use std::time::Instant;
 
 use clap::Subcommand;
 
-/// Measure rates on this machine.
+/// Measure run times, rates and memory on this machine.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
-    what: What,
+    command: Command,
 }
 
 #[derive(Subcommand)]
-enum What {
+enum Command {
     Grid(grid::GridArgs),
     Zones(zones::ZonesArgs),
     Part(part::PartArgs),
@@ -32,29 +31,21 @@ enum What {
 
 /// Runs the benchmark that the arguments name.
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    match &args.what {
-        What::Grid(args) => grid::run(args),
-        What::Zones(args) => zones::run(args),
-        What::Part(args) => part::run(args),
-        What::Thermal(args) => thermal::run(args),
-        What::Dataset(args) => dataset::run(args),
+    match &args.command {
+        Command::Grid(args) => grid::run(args),
+        Command::Zones(args) => zones::run(args),
+        Command::Part(args) => part::run(args),
+        Command::Thermal(args) => thermal::run(args),
+        Command::Dataset(args) => dataset::run(args),
         #[cfg(feature = "learn")]
-        What::Learn(args) => learn::run(args),
+        Command::Learn(args) => learn::run(args),
     }
 }
 
-/// Median seconds of several runs after one that does not count.
+// TEMPORARY
 fn median(repeats: u64, mut run: impl FnMut(u64)) -> f64 {
-    run(0);
-    let times = (0..repeats).map(|seed| {
-        let begin = Instant::now();
-        run(seed);
-        begin.elapsed().as_secs_f64()
-    });
-    middle(times.collect())
+    timing::median_seconds(repeats, |n| Ok(run(n))).unwrap()
 }
-
-fn middle(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
+fn middle(v: Vec<f64>) -> f64 {
+    crate::statistics::median(v)
 }

@@ -1,5 +1,4 @@
-//! Parts of a long evaluation, kept in a folder so that an interrupted one goes on where it
-//! stopped.
+//! Results of the jobs of a long evaluation in a folder, so that an interrupted evaluation resumes.
 
 use std::fs;
 use std::hash::{DefaultHasher, Hasher};
@@ -15,31 +14,36 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
-/// A folder with a file for each finished part, and one that says what all of them were made with.
+/// A folder with one file for the result of each finished job in `parts/`, and `run.json`, which
+/// records what all results depend on: settings, build and machine.
 pub(super) struct Store {
     folder: PathBuf,
     machine: Value,
-    /// Parts that lay there already.
-    kept: AtomicU64,
+    /// Number of results that were loaded rather than computed.
+    loaded: AtomicU64,
 }
 
 impl Store {
-    /// Opens a folder, making it if need be.
-    /// One of other settings, of another build of this program or of another machine is refused,
-    /// for its parts would not go together with new ones.
+    /// Opens a folder; creates it if it does not exist.
+    ///
+    /// # Errors
+    /// If the folder belongs to an evaluation with other settings, by another build of this program
+    /// or on another machine: its results must not be mixed with new ones.
     pub(super) fn open(folder: &Path, settings: &Value) -> anyhow::Result<Self> {
         let parts = folder.join("parts");
-        fs::create_dir_all(&parts).with_context(|| format!("cannot make '{}'", parts.display()))?;
+        fs::create_dir_all(&parts)
+            .with_context(|| format!("cannot create '{}'", parts.display()))?;
         let facts = machine::facts();
         let key = json!({
-            "settings": settings, "build": build()?, "processor": facts["processor"], "cores": facts["cores"],
+            "settings": settings, "build": build()?,
+            "processor": facts["processor"], "cores": facts["cores"],
         });
         let path = folder.join("run.json");
         let machine = match read(&path)? {
             Some(mut run) if run["key"] == key => run["machine"].take(),
             Some(_) => bail!(
-                "'{0}' holds an evaluation with other settings, by another build or from another machine: choose another --out, or remove \
-                 it: rm -r '{0}'",
+                "'{0}' holds an evaluation with other settings, by another build or from another \
+                 machine: choose another --out, or remove it: rm -r '{0}'",
                 folder.display()
             ),
             None => {
@@ -47,37 +51,41 @@ impl Store {
                 facts
             }
         };
-        Ok(Self { folder: folder.to_owned(), machine, kept: AtomicU64::new(0) })
+        Ok(Self { folder: folder.to_owned(), machine, loaded: AtomicU64::new(0) })
     }
 
-    /// What the first part was made on.
+    /// Facts of the machine, as recorded when the evaluation was started.
     pub(super) fn machine(&self) -> &Value {
         &self.machine
     }
 
-    /// The parts of all jobs in their order, each as it lies there or made now, and the seconds
-    /// that it took then.
-    pub(super) fn parts<J: Sync, T: Serialize + DeserializeOwned + Send>(
+    /// The results of all jobs in their order, each with the seconds it took to compute.
+    ///
+    /// Jobs run in parallel.
+    /// A result with the job's `name` that is in the folder already is loaded instead.
+    /// Ctrl-C ends the call with an error; finished results stay in the folder.
+    pub(super) fn results<J: Sync, T: Serialize + DeserializeOwned + Send>(
         &self,
         pool: &rayon::ThreadPool,
         jobs: &[J],
         name: impl Fn(&J) -> String + Sync,
-        make: impl Fn(&J) -> anyhow::Result<T> + Sync,
+        compute: impl Fn(&J) -> anyhow::Result<T> + Sync,
     ) -> anyhow::Result<Vec<(T, f64)>> {
         let bar = progress::resumed(jobs.len() as u64, self.count()?, "eval zones");
-        let part = |job: &J| {
-            self.part(&name(job), || {
-                let made = make(job);
+        let result = |job: &J| {
+            self.result(&name(job), || {
+                let result = compute(job);
                 bar.inc(1);
-                made
+                result
             })
         };
-        let parts = pool.install(|| jobs.par_iter().with_max_len(1).map(part).collect());
+        // Jobs take seconds to minutes, so that each is worth stealing for a thread.
+        let results = pool.install(|| jobs.par_iter().with_max_len(1).map(result).collect());
         bar.finish_and_clear();
-        parts
+        results
     }
 
-    /// How many parts are there.
+    /// Number of results in the folder.
     fn count(&self) -> anyhow::Result<u64> {
         let parts = self.folder.join("parts");
         let entries =
@@ -85,51 +93,49 @@ impl Store {
         Ok(entries.count() as u64)
     }
 
-    /// The part of this name, as it lies there or made now, and the seconds that it took then.
-    ///
-    /// What is made after the cancel token was set is not kept: the searches give up early.
-    fn part<T: Serialize + DeserializeOwned>(
+    /// The result of this name and the seconds it took, loaded or computed now.
+    fn result<T: Serialize + DeserializeOwned>(
         &self,
         name: &str,
-        make: impl FnOnce() -> anyhow::Result<T>,
+        compute: impl FnOnce() -> anyhow::Result<T>,
     ) -> anyhow::Result<(T, f64)> {
         let path = self.folder.join("parts").join(format!("{name}.json"));
         let damaged = || damaged(&path);
-        if let Some(mut kept) = read(&path)? {
-            self.kept.fetch_add(1, Ordering::Relaxed);
-            let seconds = kept["seconds"].as_f64().with_context(damaged)?;
-            return Ok((
-                serde_json::from_value(kept["part"].take()).with_context(damaged)?,
-                seconds,
-            ));
+        if let Some(mut stored) = read(&path)? {
+            self.loaded.fetch_add(1, Ordering::Relaxed);
+            let seconds = stored["seconds"].as_f64().with_context(damaged)?;
+            let result = serde_json::from_value(stored["part"].take()).with_context(damaged)?;
+            return Ok((result, seconds));
         }
-        let stopped = || -> anyhow::Result<()> {
-            if cancel::token()?.as_flag().load(Ordering::Relaxed) {
-                bail!("stopped; the same command goes on from '{}'", self.folder.display());
-            }
-            Ok(())
-        };
-        stopped()?;
+        self.check_cancelled()?;
         let begin = Instant::now();
-        let part = make();
-        stopped()?;
-        let (part, seconds) = (part?, begin.elapsed().as_secs_f64());
-        output::file(&path, format!("{}\n", json!({ "seconds": seconds, "part": part })))?;
-        Ok((part, seconds))
+        let result = compute();
+        // A cancelled search returns the best path so far, which must not be stored as a result.
+        self.check_cancelled()?;
+        let (result, seconds) = (result?, begin.elapsed().as_secs_f64());
+        output::file(&path, format!("{}\n", json!({ "seconds": seconds, "part": result })))?;
+        Ok((result, seconds))
     }
 
-    /// Writes a result beside the parts.
-    pub(super) fn result(&self, name: &str, text: &str) -> anyhow::Result<()> {
+    fn check_cancelled(&self) -> anyhow::Result<()> {
+        if cancel::token()?.is_cancelled() {
+            bail!("cancelled; the same command resumes from '{}'", self.folder.display());
+        }
+        Ok(())
+    }
+
+    /// Writes a file, such as a table, to the folder.
+    pub(super) fn write(&self, name: &str, text: &str) -> anyhow::Result<()> {
         output::file(&self.folder.join(name), text)
     }
 
-    /// Parts that earlier runs had made.
-    pub(super) fn kept(&self) -> u64 {
-        self.kept.load(Ordering::Relaxed)
+    /// Number of results so far that were loaded from earlier runs.
+    pub(super) fn loaded(&self) -> u64 {
+        self.loaded.load(Ordering::Relaxed)
     }
 }
 
-/// The document in a file; `None` where there is no file.
+/// The JSON document in a file; `None` if there is no such file.
 fn read(path: &Path) -> anyhow::Result<Option<Value>> {
     match fs::read(path) {
         Ok(bytes) => Ok(Some(serde_json::from_slice(&bytes).with_context(|| damaged(path))?)),
@@ -139,11 +145,12 @@ fn read(path: &Path) -> anyhow::Result<Option<Value>> {
 }
 
 fn damaged(path: &Path) -> String {
-    format!("'{}' is damaged: remove it to have it made again", path.display())
+    format!("'{}' is damaged: remove it, and the same command computes it again", path.display())
 }
 
-/// A number that tells builds of this program apart: the commit does not, for sources may have been
-/// changed or not built anew.
+/// Hash of this program's file, which identifies its build.
+///
+/// The commit does not: sources may have uncommitted changes, or not have been compiled since.
 fn build() -> anyhow::Result<String> {
     let program = std::env::current_exe().context("cannot find this program's file")?;
     let bytes =
@@ -160,21 +167,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parts_are_made_once_and_for_one_key() {
+    fn results_are_computed_once_and_for_one_key() {
         let folder = std::env::temp_dir().join(format!("beadwork-store-{}", std::process::id()));
         let store = Store::open(&folder, &json!(1)).unwrap();
-        assert_eq!(store.part("a", || Ok(vec![1.1, 2.0 / 3.0])).unwrap().0, [1.1, 2.0 / 3.0]);
-        assert_eq!(store.part("a", || Ok(vec![3.0])).unwrap().0, [1.1, 2.0 / 3.0]);
-        assert_eq!((store.kept(), store.count().unwrap()), (1, 1));
-        assert!(store.part::<u32>("b", || bail!("no room")).is_err());
-        assert_eq!(store.part("b", || Ok(4)).unwrap().0, 4);
+        assert_eq!(store.result("a", || Ok(vec![1.1, 2.0 / 3.0])).unwrap().0, [1.1, 2.0 / 3.0]);
+        assert_eq!(store.result("a", || Ok(vec![3.0])).unwrap().0, [1.1, 2.0 / 3.0]);
+        assert_eq!((store.loaded(), store.count().unwrap()), (1, 1));
+        assert!(store.result::<u32>("b", || bail!("disk full")).is_err());
+        assert_eq!(store.result("b", || Ok(4)).unwrap().0, 4);
         let facts = store.machine().clone();
         assert_eq!(*Store::open(&folder, &json!(1)).unwrap().machine(), facts);
 
         let error = Store::open(&folder, &json!(2)).map(drop).unwrap_err();
         assert!(error.to_string().contains("other settings"), "{error}");
         fs::write(folder.join("parts/a.json"), "{").unwrap();
-        let error = store.part("a", || Ok(5)).unwrap_err();
+        let error = store.result("a", || Ok(5)).unwrap_err();
         assert!(error.to_string().contains("damaged"), "{error}");
         fs::remove_dir_all(&folder).unwrap();
     }

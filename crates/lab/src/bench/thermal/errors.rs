@@ -1,20 +1,21 @@
-//! How far a simulation is from a more exact one.
+//! Differences between a simulation and a more exact one.
 
 use beadwork_grid::Cell;
 use beadwork_thermal::{Simulation, TemperatureStatistics};
 use serde::Serialize;
 
-/// Births before a layer's end in which a difference of temperatures is told apart: those near the
-/// nozzle are the largest.
+/// Number of voxels, deposited last before the end of a layer, that [`Errors::settled_max_k`]
+/// leaves out: errors are largest near the nozzle.
 const RECENT: usize = 120;
 
-/// Temperatures of all deposited voxels at each layer's end, °C, in the order of their births.
+/// Temperatures of all deposited voxels at the end of each layer, °C, in the order of their
+/// deposition.
 #[derive(Default)]
-pub(super) struct Fields(Vec<Vec<f32>>);
+pub(super) struct Temperatures(Vec<Vec<f32>>);
 
-impl Fields {
-    /// Takes down the temperatures at the end of a layer.
-    pub(super) fn look(&mut self, layer: usize, simulation: &Simulation, orders: &[Vec<Cell>]) {
+impl Temperatures {
+    /// Records the temperatures at the end of a layer; `orders` holds the order of each layer.
+    pub(super) fn record(&mut self, layer: usize, simulation: &Simulation, orders: &[Vec<Cell>]) {
         let width = simulation.part().frame.width;
         let voxels = orders[..=layer]
             .iter()
@@ -28,43 +29,45 @@ impl Fields {
     }
 }
 
-/// Differences at the layers' ends, K.
+/// Errors of the temperatures at the ends of layers, K.
 #[derive(Clone, Copy, Default, Serialize)]
 #[expect(clippy::struct_field_names, reason = "the unit")]
 pub(super) struct Errors {
-    /// Root of the mean square over all voxels and layers.
+    /// Root mean square over all voxels and layers.
     pub(super) rms_k: f64,
-    /// The largest.
+    /// Maximum over all voxels and layers.
     pub(super) max_k: f64,
-    /// The largest, without the last 120 births of each layer.
+    /// Maximum over all voxels except the last [`RECENT`] of each layer.
     pub(super) settled_max_k: f64,
-    /// The largest of a layer's standard deviation over all deposited voxels.
+    /// Maximum error over the layers of the standard deviation of all deposited voxels.
     pub(super) std_k: f64,
 }
 
 impl Errors {
-    pub(super) fn between(fields: &Fields, reference: &Fields) -> Self {
+    /// Errors of temperatures relative to a reference for the same orders.
+    pub(super) fn between(temperatures: &Temperatures, reference: &Temperatures) -> Self {
         let mut errors = Self::default();
         let (mut squares, mut count) = (0.0, 0_usize);
-        for (field, reference) in fields.0.iter().zip(&reference.0) {
-            let settled = field.len().saturating_sub(RECENT);
-            for (i, (own, other)) in field.iter().zip(reference).enumerate() {
-                let difference = f64::from(own - other).abs();
+        for (layer, reference) in temperatures.0.iter().zip(&reference.0) {
+            let settled = layer.len().saturating_sub(RECENT);
+            for (i, (own, exact)) in layer.iter().zip(reference).enumerate() {
+                let difference = f64::from(own - exact).abs();
                 squares += difference * difference;
                 errors.max_k = errors.max_k.max(difference);
                 if i < settled {
                     errors.settled_max_k = errors.settled_max_k.max(difference);
                 }
             }
-            count += field.len();
-            errors.std_k = errors.std_k.max((deviation(field) - deviation(reference)).abs());
+            count += layer.len();
+            let std_error = standard_deviation(layer) - standard_deviation(reference);
+            errors.std_k = errors.std_k.max(std_error.abs());
         }
         errors.rms_k = (squares / count as f64).sqrt();
         errors
     }
 }
 
-fn deviation(field: &[f32]) -> f64 {
-    let celsius = field.iter().map(|&celsius| f64::from(celsius));
+fn standard_deviation(celsius: &[f32]) -> f64 {
+    let celsius = celsius.iter().map(|&celsius| f64::from(celsius));
     TemperatureStatistics::of(celsius).map_or(0.0, |all| all.std_c)
 }

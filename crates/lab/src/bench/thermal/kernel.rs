@@ -1,84 +1,100 @@
-//! The sweep of a static block, beside the memory that it moves.
+//! Speed of the sweep over a static block, compared with the memory traffic that it causes.
+//!
+//! The explicit scheme moves 12 bytes for every voxel that it updates, as many as the STREAM triad
+//! `a = b + x c` moves for every element.
+//! The rate of the triad in the same cache is therefore the rate of updates that only memory would
+//! limit.
 
 use std::fmt;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
-use beadwork_base::Control;
+use beadwork_base::{Control, Threads};
+use beadwork_console::control;
 use beadwork_part::Pattern;
 use beadwork_thermal::simulation::Method;
 use beadwork_thermal::{Simulation, ThermalMaterial};
 use pulp::{Simd, WithSimd};
 use serde::Serialize;
 
-use super::process;
-use crate::bench::middle;
+use super::printing::process;
 use crate::heat_parts::{HeatPart, orders};
+use crate::statistics::median;
 
-/// Numbers in each of the triad's three arrays: together they fill about as much memory as the
-/// block's two.
+/// Elements of each of the triad's three arrays: together they occupy about as much memory as the
+/// two arrays of the block.
 const TRIAD: usize = 50_000;
 
-/// Numbers in a cache line.
+/// Single-precision numbers in a cache line.
 const LINE: usize = 16;
 
-/// Rates in 10⁹ a second.
+/// Steps of one timed run, and passes of the triad in one.
+const STEPS: usize = 4_000;
+
+/// Rates, in 10⁹ per second.
 #[derive(Serialize)]
 pub(super) struct Kernel {
-    /// The sum of one array and a multiple of another into a third, within the second-level cache:
-    /// 12 bytes each, as many as an update moves.
+    /// Elements per second of the triad, whose arrays fit in the second-level cache.
     triad_g_per_s: f64,
-    /// Voxels of the rectangular part, all of them deposited, in explicit steps.
+    /// Updates of voxels per second by the explicit scheme, on the rectangular part after its last
+    /// deposition.
     updates_g_per_s: f64,
-    /// The second over the first, the median of the runs' own ratios.
+    /// Updates relative to the triad: median of the ratios of each run.
     share: f64,
 }
 
+/// Measures both rates alternately, at least five times.
 pub(super) fn measure(repeats: u64) -> anyhow::Result<Kernel> {
-    let part = Arc::new(HeatPart::Rectangular.voxels());
-    let process = process();
-    let mut simulation =
-        Simulation::new(part.clone(), &ThermalMaterial::abs(), &process, Method::Naive)?;
-    let control = Control::default();
-    for (layer, order) in orders(&part, Pattern::CONVENTIONAL)?.iter().enumerate() {
-        simulation.deposit(layer as u32, order, &control)?;
-    }
-    let step_s = part.frame.cell_mm / process.print_mm_s;
-    let steps = 4_000;
+    let control = control::cancellable(Threads::One)?;
+    let mut simulation = printed_block(&control)?;
+    let voxels = simulation.part().count();
+    let step_s = simulation.part().frame.cell_mm / process().print_mm_s;
     let [mut a, mut b, mut c] = [0.0, 1.0, 2.0].map(|number| vec![number; TRIAD + LINE]);
     let [a, b, c] = [&mut a, &mut b, &mut c].map(|numbers| aligned(numbers));
     let (mut triads, mut updates, mut shares) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..repeats.max(5) {
-        let triad = rate(TRIAD * steps, || {
-            for _ in 0..steps {
-                pulp::Arch::new().dispatch(Triad { a, b, c });
-                black_box(&mut *a);
-            }
-        });
-        let pause_s = step_s * steps as f64;
-        let update = rate(part.count() * steps, || {
-            simulation.pause(pause_s, &control).expect("the default control never interrupts");
-        });
+        let begin = Instant::now();
+        for _ in 0..STEPS {
+            pulp::Arch::new().dispatch(Triad { a, b, c });
+            black_box(&mut *a);
+        }
+        let triad = giga_per_second(TRIAD * STEPS, begin);
+        let begin = Instant::now();
+        simulation.pause(step_s * STEPS as f64, &control)?;
+        let update = giga_per_second(voxels * STEPS, begin);
         triads.push(triad);
         updates.push(update);
         shares.push(update / triad);
     }
     Ok(Kernel {
-        triad_g_per_s: middle(triads),
-        updates_g_per_s: middle(updates),
-        share: middle(shares),
+        triad_g_per_s: median(triads),
+        updates_g_per_s: median(updates),
+        share: median(shares),
     })
 }
 
-/// The numbers from the first on that begins a cache line.
+/// The rectangular part with all its voxels deposited, by the explicit scheme.
+fn printed_block(control: &Control<'_>) -> anyhow::Result<Simulation> {
+    let part = Arc::new(HeatPart::Rectangular.voxels());
+    let orders = orders(&part, Pattern::CONVENTIONAL)?;
+    let mut simulation = Simulation::new(part, &ThermalMaterial::abs(), &process(), Method::Naive)?;
+    for (layer, order) in orders.iter().enumerate() {
+        simulation.deposit(layer as u32, order, control)?;
+    }
+    Ok(simulation)
+}
+
+/// The [`TRIAD`] numbers that begin at the first boundary of a cache line.
 fn aligned(numbers: &mut [f32]) -> &mut [f32] {
     let start = numbers.as_ptr().align_offset(4 * LINE).min(LINE);
     &mut numbers[start..start + TRIAD]
 }
 
-/// Once through the arrays.
-/// A type of its own, as closures are not compiled for the widest lanes.
+/// One pass over the arrays: `a = b + 0.5 c`.
+///
+/// It is a type because pulp compiles only implementations of [`WithSimd`] for the widest lanes of
+/// the processor, not closures.
 struct Triad<'a> {
     a: &'a mut [f32],
     b: &'a [f32],
@@ -90,7 +106,7 @@ impl WithSimd for Triad<'_> {
 
     #[expect(
         clippy::inline_always,
-        reason = "only what is inlined is compiled for the processor's lanes"
+        reason = "only inlined code is compiled for the processor's lanes"
     )]
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
@@ -103,11 +119,9 @@ impl WithSimd for Triad<'_> {
     }
 }
 
-/// 10⁹ things a second.
-fn rate(things: usize, run: impl FnOnce()) -> f64 {
-    let begin = Instant::now();
-    run();
-    things as f64 / begin.elapsed().as_secs_f64() / 1e9
+/// 10⁹ items per second, where `items` were processed since `begin`.
+fn giga_per_second(items: usize, begin: Instant) -> f64 {
+    items as f64 / begin.elapsed().as_secs_f64() / 1e9
 }
 
 impl fmt::Display for Kernel {

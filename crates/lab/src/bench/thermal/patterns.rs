@@ -1,68 +1,73 @@
-//! All 38 patterns of each layer, tried from one state, and two forks on two threads.
+//! Run time of the trial of all 38 patterns on each layer, and the gain by a second thread.
 
 use std::fmt;
 use std::sync::Arc;
 use std::time::Instant;
 
-use beadwork_base::{Control, Threads};
-use beadwork_console::control;
+use beadwork_base::Threads;
+use beadwork_console::{control, progress};
 use beadwork_part::Pattern;
 use beadwork_thermal::{Simulation, ThermalMaterial};
 use serde::Serialize;
 
-use super::{FAST, process};
-use crate::bench::middle;
+use super::printing::{FAST, process};
 use crate::heat_parts::{HeatPart, all_orders};
+use crate::statistics::median;
 
-/// On the rectangular part, whose layers are then laid by the conventional pattern.
+/// Figures of the rectangular part: all patterns are tried on each layer, which is then deposited
+/// in the conventional pattern.
 #[derive(Serialize)]
 pub(super) struct Patterns {
-    /// Seconds for the 38 patterns of a layer on two threads, mean and most over the layers.
+    /// Mean time over the layers for their 38 patterns on two threads, in seconds.
     mean_s: f64,
-    most_s: f64,
-    /// Time of two forks one after the other over that on two threads: the median over the layers
-    /// and their ends.
+    /// Maximum time over the layers.
+    #[serde(rename = "most_s")]
+    max_s: f64,
+    /// Time of two simulations one after the other, divided by their time on two threads: median
+    /// over the layers.
     forks_ratio: f64,
 }
 
 pub(super) fn measure() -> anyhow::Result<Patterns> {
     let part = Arc::new(HeatPart::Rectangular.voxels());
     let pool = control::pool(2)?;
+    let bar = progress::bar(part.depth as u64, "layers");
     let mut simulation = Simulation::new(part.clone(), &ThermalMaterial::abs(), &process(), FAST)?;
-    let (mut all, mut ratios) = (Vec::new(), Vec::new());
-    for (layer, orders) in all_orders(&part)?.iter().enumerate() {
+    let (mut all_patterns, mut ratios) = (Vec::new(), Vec::new());
+    for (layer, orders) in (0..).zip(all_orders(&part)?) {
         let time = |orders: &[Vec<u32>], threads| -> anyhow::Result<f64> {
+            let control = control::cancellable(threads)?;
             let begin = Instant::now();
-            let (layer, control) = (layer as u32, Control::on(threads));
             simulation.try_orders(layer, orders, Simulation::statistics, &control)?;
             Ok(begin.elapsed().as_secs_f64())
         };
-        all.push(time(orders, Threads::Pool(&pool))?);
+        all_patterns.push(time(&orders, Threads::Pool(&pool))?);
         for _ in 0..5 {
             let twice = [orders[0].clone(), orders[0].clone()];
             ratios.push(time(&twice, Threads::One)? / time(&twice, Threads::Pool(&pool))?);
         }
         let conventional = &orders[Pattern::CONVENTIONAL.number()];
-        simulation.deposit(layer as u32, conventional, &Control::default())?;
+        simulation.deposit(layer, conventional, &control::cancellable(Threads::One)?)?;
+        bar.inc(1);
     }
-    let mean_s = all.iter().sum::<f64>() / all.len() as f64;
+    bar.finish_and_clear();
+    let mean_s = all_patterns.iter().sum::<f64>() / all_patterns.len() as f64;
     Ok(Patterns {
         mean_s,
-        most_s: all.into_iter().fold(0.0, f64::max),
-        forks_ratio: middle(ratios),
+        max_s: all_patterns.into_iter().fold(0.0, f64::max),
+        forks_ratio: median(ratios),
     })
 }
 
 impl fmt::Display for Patterns {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { mean_s, max_s, forks_ratio } = self;
         writeln!(
             f,
-            "| 38 patterns of a layer, 2 threads: mean s | most s | two forks, 1 thread / 2 threads |"
-        )?;
-        writeln!(
-            f,
-            "|---|---|---|\n| {:.2} | {:.2} | {:.2} |",
-            self.mean_s, self.most_s, self.forks_ratio
+            "| 38 patterns of a layer, 2 threads: mean s | max s \
+             | two simulations, 1 thread / 2 threads |\n\
+             |---|---|---|\n\
+             | {mean_s:.2} | {max_s:.2} | {forks_ratio:.2} |"
         )
     }
 }

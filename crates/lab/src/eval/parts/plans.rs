@@ -11,7 +11,7 @@ use beadwork_console::progress::ProgressBar;
 use beadwork_search::plan::tools::{self, Mode, Settings};
 use serde::Serialize;
 
-use super::Case;
+use super::cases::Case;
 
 /// What a lift costs in these tables, in mm³; a change of tools purges 140.
 const LIFT_COST: f64 = 2.0;

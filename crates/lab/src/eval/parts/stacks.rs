@@ -13,7 +13,7 @@ use beadwork_search::plan::kept_links;
 use beadwork_search::plan::tools::{self, Mode, Settings, Stacking};
 use serde::Serialize;
 
-use super::Case;
+use super::cases::Case;
 
 /// All layers of one part with one kind of start.
 #[derive(Serialize)]

@@ -12,10 +12,10 @@ use beadwork_search::anneal::Preset;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use super::ZonesArgs;
-use super::statistics::mean;
-use super::table::{instances, percent, table};
+use super::args::ZonesArgs;
+use super::cell_table::{instances, percent, table};
 use crate::paper::{self, AVERAGED, Cell};
+use crate::statistics::mean;
 
 /// One search to run.
 struct Job {

@@ -1,26 +1,36 @@
-//! Means, and how sure they are.
+//! Means, their confidence intervals, and medians.
 
 use std::fmt;
 
-/// The mean; not a number if there are no values.
-pub(super) fn mean(values: impl Iterator<Item = f64>) -> f64 {
+/// Mean; not a number if there are no values.
+pub(crate) fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
     sum / count
 }
 
-/// A mean with its confidence interval of 95 %: it lies within `half_width` of `mean`.
+/// Median; the upper one of the two central values if their number is even.
+///
+/// # Panics
+/// If there are no values.
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// A mean with its 95 % confidence interval, from `mean - half_width` to `mean + half_width`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Interval {
-    pub(super) mean: f64,
-    /// Infinite where there is nothing to tell it from.
-    pub(super) half_width: f64,
+pub(crate) struct Interval {
+    pub(crate) mean: f64,
+    /// Infinite if there are too few values to estimate the variance.
+    pub(crate) half_width: f64,
 }
 
 impl Interval {
-    /// Of the mean of the groups' means, by Student's t distribution.
-    /// Each group is a sample of its own: how far the groups lie apart says nothing of how sure
-    /// their means are.
-    pub(super) fn of(groups: &[Vec<f64>]) -> Self {
+    /// Confidence interval of the mean of the groups' means, by Student's t distribution.
+    ///
+    /// Each group is a separate sample: only the variance within the groups counts, not the
+    /// differences between their means.
+    pub(crate) fn of(groups: &[Vec<f64>]) -> Self {
         let means: Vec<f64> = groups.iter().map(|group| mean(group.iter().copied())).collect();
         let count = groups.len() as f64;
         let (mut variance, mut freedom) = (0.0, 0.0);
@@ -38,13 +48,13 @@ impl Interval {
         Self { mean: mean(means.into_iter()), half_width }
     }
 
-    /// Whether 0 lies outside.
-    pub(super) fn tells(&self) -> bool {
+    /// Whether 0 lies outside the interval.
+    pub(crate) fn excludes_zero(&self) -> bool {
         self.mean.abs() > self.half_width
     }
 }
 
-/// Such as "0.41 +- 0.12".
+/// Prints, for example, `0.41 +- 0.12`.
 impl fmt::Display for Interval {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.half_width.is_finite() {
@@ -55,14 +65,16 @@ impl fmt::Display for Interval {
     }
 }
 
-/// The quantile 0.975 of Student's t distribution: from tables up to 4 degrees of freedom, beyond
-/// that by its expansion around the normal distribution's (Abramowitz and Stegun, 26.7.5), which is
-/// right to 0.3 % there.
+/// The quantile 0.975 of Student's t distribution.
+///
+/// Up to 4 degrees of freedom it comes from a table; from 5 on from the expansion around the
+/// quantile of the normal distribution (Abramowitz and Stegun, 26.7.5), whose error is below 0.3 %
+/// there.
 fn quantile(freedom: f64) -> f64 {
-    const FEW: [f64; 4] = [12.706, 4.303, 3.182, 2.776];
+    const TABLE: [f64; 4] = [12.706, 4.303, 3.182, 2.776];
 
-    if let Some(&few) = FEW.get(freedom as usize - 1) {
-        return few;
+    if let Some(&quantile) = TABLE.get(freedom as usize - 1) {
+        return quantile;
     }
     let z = 1.959_964_f64;
     let powers = [z, z.powi(3), z.powi(5), z.powi(7)];
@@ -75,6 +87,14 @@ fn quantile(freedom: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn median_of_an_even_number_of_values_is_the_upper_one() {
+        let median_is =
+            |values: &[f64], expected: f64| median(values.to_vec()).total_cmp(&expected).is_eq();
+        assert!(median_is(&[3.0, 1.0, 2.0], 2.0));
+        assert!(median_is(&[4.0, 1.0, 3.0, 2.0], 3.0));
+    }
 
     #[test]
     fn quantiles_are_those_of_the_tables() {
@@ -96,14 +116,14 @@ mod tests {
     }
 
     #[test]
-    fn intervals_hold_the_mean() {
+    fn interval_of_one_group_is_that_of_its_mean() {
         let interval = Interval::of(&[vec![1.0, 2.0, 3.0, 4.0, 5.0]]);
         // t(4) = 2.776, standard error 1 / sqrt(2).
-        assert!(
-            (interval.half_width / (2.776 / 2_f64.sqrt()) - 1.0).abs() < 1e-9 && interval.tells()
-        );
+        assert!((interval.half_width / (2.776 / 2_f64.sqrt()) - 1.0).abs() < 1e-9);
         assert!((interval.mean - 3.0).abs() < 1e-9);
-        assert!(!Interval::of(&[vec![4.0]]).tells() && !Interval::of(&[vec![-1.0, 1.0]]).tells());
+        assert!(interval.excludes_zero());
+        assert!(!Interval::of(&[vec![4.0]]).excludes_zero());
+        assert!(!Interval::of(&[vec![-1.0, 1.0]]).excludes_zero());
         assert_eq!(Interval::of(&[vec![2.0, 2.0]]), Interval { mean: 2.0, half_width: 0.0 });
         assert_eq!(
             (Interval::of(&[vec![4.0]]).to_string(), Interval::of(&[vec![1.0; 3]]).to_string()),
@@ -112,11 +132,11 @@ mod tests {
     }
 
     #[test]
-    fn groups_that_lie_apart_are_no_less_sure() {
+    fn distance_between_groups_does_not_widen_the_interval() {
         let near = Interval::of(&[vec![1.0, 3.0], vec![1.0, 3.0]]);
         let apart = Interval::of(&[vec![1.0, 3.0], vec![101.0, 103.0]]);
         assert!((near.half_width - apart.half_width).abs() < 1e-9);
-        // Two groups with a standard error of 1 each: that of their mean is 1 / sqrt(2), with 2
+        // The standard error is 1 for each of the two groups, so 1 / sqrt(2) for their mean, with 2
         // degrees of freedom.
         assert!(
             (apart.mean - 52.0).abs() < 1e-9

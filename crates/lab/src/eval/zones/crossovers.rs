@@ -11,10 +11,10 @@ use beadwork_search::genetic::{self, Crossover, Evolution, Preset, Settings};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::ZonesArgs;
-use super::statistics::{Interval, mean};
-use super::store::Store;
+use super::args::ZonesArgs;
+use crate::eval::store::Store;
 use crate::paper::{self, Cell};
+use crate::statistics::{Interval, mean};
 
 /// What is compared; the first is the paper's, which the others are compared with.
 fn ways(paper: Evolution) -> [(&'static str, Evolution); 5] {
@@ -70,7 +70,7 @@ pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
     let jobs: Vec<(Cell, u64)> =
         cells.iter().flat_map(|&cell| (0..seeds).map(move |seed| (cell, seed))).collect();
     let name = |(cell, seed): &(Cell, u64)| format!("{}-{}-{seed}", cell.layout, cell.size);
-    let runs = store.parts(&pool, &jobs, name, |(cell, seed)| compare(cell, *seed, preset))?;
+    let runs = store.results(&pool, &jobs, name, |(cell, seed)| compare(cell, *seed, preset))?;
     let mut runs = runs.into_iter().map(|(run, _)| run);
     let all: Vec<(Cell, Vec<Run>)> = cells
         .into_iter()
@@ -87,8 +87,8 @@ pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
             .map(|(cell, runs)| json!({"layout": cell.layout.name(), "size": cell.size.to_string(), "runs": runs}))
             .collect::<Vec<_>>(),
     });
-    store.result("crossovers.md", &text)?;
-    store.result("crossovers.json", &format!("{document:#}\n"))?;
+    store.write("crossovers.md", &text)?;
+    store.write("crossovers.json", &format!("{document:#}\n"))?;
     if args.json {
         return output::json(&document);
     }
@@ -147,7 +147,7 @@ fn table(text: &mut String, all: &[(Cell, Vec<Run>)]) -> std::fmt::Result {
             let groups: Vec<Vec<f64>> =
                 cells.iter().map(|runs| runs.iter().map(saved).collect()).collect();
             let interval = Interval::of(&groups);
-            format!("{interval}{}", if interval.tells() { " *" } else { "" })
+            format!("{interval}{}", if interval.excludes_zero() { " *" } else { "" })
         });
         writeln!(
             text,

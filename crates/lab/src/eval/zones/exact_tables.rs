@@ -13,8 +13,10 @@ use beadwork_search::anneal::Preset;
 use beadwork_search::exact;
 use serde_json::{Value, json};
 
-use super::{ZonesArgs, growth, statistics};
+use super::args::ZonesArgs;
+use super::growth;
 use crate::paper;
+use crate::statistics;
 
 /// Instances of one kind.
 pub(super) struct Case {

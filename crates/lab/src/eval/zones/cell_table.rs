@@ -1,4 +1,4 @@
-//! Tables of the paper's 24 cells.
+//! Markdown tables of the paper's 24 cells.
 
 use std::fmt::Write;
 
@@ -6,12 +6,12 @@ use beadwork_grid::Layout;
 
 use crate::paper::{self, Cell};
 
-/// A share, or a dash where no run gave one.
+/// A number in per cent, or a dash if it is not a number because there are no runs.
 pub(super) fn percent(value: f64) -> String {
     if value.is_nan() { "-".to_owned() } else { format!("{value:.1}") }
 }
 
-/// A table of the 24 cells, a row for each layout.
+/// Writes a table with a row for each layout and a column for each size.
 pub(super) fn table(text: &mut String, entry: impl Fn(&Cell) -> String) -> std::fmt::Result {
     let sizes = paper::SIZES.map(|size| size.to_string());
     writeln!(text, "| layout | {} |", sizes.join(" | "))?;
@@ -24,16 +24,27 @@ pub(super) fn table(text: &mut String, entry: impl Fn(&Cell) -> String) -> std::
     Ok(())
 }
 
-/// How many instances of each random cell are like the paper's.
+/// Number of different instances among the seeds of instances, which may repeat.
+pub(super) fn distinct(seeds: impl Iterator<Item = u64>) -> usize {
+    let mut seeds: Vec<u64> = seeds.collect();
+    seeds.sort_unstable();
+    seeds.dedup();
+    seeds.len()
+}
+
+/// Lists for each random cell the number of instances like the paper's.
 pub(super) fn instances(
     text: &mut String,
     counts: impl Iterator<Item = (Cell, usize)>,
 ) -> std::fmt::Result {
-    writeln!(text, "\nInstances whose zigzag crosses within 10 % as often as the paper's:")?;
+    writeln!(
+        text,
+        "\nInstances whose zigzag has as many crossings as the paper's, within 10 %:\n"
+    )?;
     for (Cell { layout, size, zigzag, .. }, count) in
         counts.filter(|(cell, _)| cell.layout.is_random())
     {
-        writeln!(text, "- {layout} {size}: {count} (the paper's crosses {zigzag} times)")?;
+        writeln!(text, "- {layout} {size}: {count} ({zigzag} crossings in the paper)")?;
     }
     Ok(())
 }

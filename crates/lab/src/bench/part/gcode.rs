@@ -1,0 +1,95 @@
+//! Speed of writing, reading, checking and timing G-code.
+
+use std::fmt;
+use std::hint::black_box;
+
+use beadwork_base::{Control, Threads};
+use beadwork_console::control;
+use beadwork_console::plan::printed_layers;
+use beadwork_gcode::Program;
+use beadwork_grid::cover;
+use beadwork_mesh::{Body, Model, Placement, Solid};
+use beadwork_part::print::{self, Print, Title};
+use beadwork_part::slice::{Layers, Settings, slice};
+use serde::Serialize;
+
+use crate::bench::timing::median_seconds;
+
+/// Lines per second on one thread, for the G-code of a sphere.
+#[derive(Serialize)]
+pub(super) struct Gcode {
+    /// Lines of the program.
+    lines: usize,
+    /// From planned layers to a program.
+    made: f64,
+    /// From a program to text.
+    written: f64,
+    /// From text to a program.
+    read: f64,
+    /// Check that a program prints its layers.
+    checked: f64,
+    /// Printing time of a program.
+    timed: f64,
+}
+
+/// Measures all steps on the G-code of a sphere of 60 mm.
+pub(super) fn measure(repeats: u64) -> anyhow::Result<Gcode> {
+    let control = &control::cancellable(Threads::One)?;
+    let sliced = sphere(control)?;
+    let covers = sliced.layers.iter().flatten().map(|layer| cover(&layer.region, control));
+    let covers: Vec<_> = covers.collect::<Result<_, _>>()?;
+    let layers = printed_layers(&sliced, covers.iter());
+    let settings =
+        print::Settings { tools: vec![print::Tool::default()], ..print::Settings::default() };
+    let title = Title { part: "sphere", version: env!("CARGO_PKG_VERSION") };
+    let make = || Print::new(title, &layers, &sliced.frame, &settings, control);
+    let program = make()?.program;
+    let text = program.emit();
+    let lines = program.lines.len();
+    let limits = settings.printer.limits();
+    let rate = |step: &dyn Fn() -> anyhow::Result<()>| -> anyhow::Result<f64> {
+        Ok(lines as f64 / median_seconds(repeats, |_| step())?)
+    };
+    Ok(Gcode {
+        lines,
+        made: rate(&|| Ok(drop(make()?)))?,
+        written: rate(&|| Ok(drop(program.emit())))?,
+        read: rate(&|| Ok(drop(Program::parse(&text, control)?)))?,
+        checked: rate(&|| {
+            print::check(&program, &layers, &sliced.frame, &settings, control)?;
+            Ok(())
+        })?,
+        timed: rate(&|| {
+            black_box(program.print_seconds(limits, control)?);
+            Ok(())
+        })?,
+    })
+}
+
+/// A sphere of 60 mm as layers of one material.
+fn sphere(control: &Control<'_>) -> anyhow::Result<Layers> {
+    let mut model = Model {
+        bodies: vec![Body {
+            name: String::new(),
+            mesh: Solid::Sphere { radius_mm: 30.0, steps: 60 }.mesh(),
+            material: Some(0),
+            paint: Vec::new(),
+        }],
+        materials: Vec::new(),
+    };
+    Placement::default().apply(&mut model)?;
+    Ok(slice(&model, &Settings::default(), control)?)
+}
+
+impl fmt::Display for Gcode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [made, written, read, checked, timed] =
+            [self.made, self.written, self.read, self.checked, self.timed].map(|rate| rate / 1e6);
+        write!(
+            f,
+            "G-code, million lines per second ({} lines): made {made:.1}, written {written:.1}, \
+             read {read:.1}, checked {checked:.1}, timed {timed:.1}",
+            self.lines
+        )
+    }
+}
