@@ -11,6 +11,8 @@ mod zones;
 
 use clap::Subcommand;
 
+use crate::statistics::median as middle;
+
 /// Measure run times, rates and memory on this machine.
 #[derive(clap::Args)]
 pub struct Args {
@@ -42,10 +44,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
 }
 
-// TEMPORARY
+/// As [`timing::median_seconds`], for runs that cannot fail.
+#[cfg(feature = "learn")]
 fn median(repeats: u64, mut run: impl FnMut(u64)) -> f64 {
-    timing::median_seconds(repeats, |n| Ok(run(n))).unwrap()
-}
-fn middle(v: Vec<f64>) -> f64 {
-    crate::statistics::median(v)
+    let run = |number| {
+        run(number);
+        Ok(())
+    };
+    timing::median_seconds(repeats, run).expect("runs return no error")
 }

@@ -24,8 +24,8 @@ use beadwork_search::{Stop, chains, exact};
 use serde::Serialize;
 use serde_json::json;
 
+use super::statistics::mean;
 use crate::paper;
-use crate::statistics::mean;
 
 /// How many moves and seconds FusionNet takes to the crossings that the paper's annealer reaches,
 /// and what others take.

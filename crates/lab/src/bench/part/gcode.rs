@@ -47,23 +47,29 @@ pub(super) fn measure(repeats: u64) -> anyhow::Result<Gcode> {
     let text = program.emit();
     let lines = program.lines.len();
     let limits = settings.printer.limits();
-    let rate = |step: &dyn Fn() -> anyhow::Result<()>| -> anyhow::Result<f64> {
-        Ok(lines as f64 / median_seconds(repeats, |_| step())?)
-    };
     Ok(Gcode {
         lines,
-        made: rate(&|| Ok(drop(make()?)))?,
-        written: rate(&|| Ok(drop(program.emit())))?,
-        read: rate(&|| Ok(drop(Program::parse(&text, control)?)))?,
-        checked: rate(&|| {
-            print::check(&program, &layers, &sliced.frame, &settings, control)?;
-            Ok(())
+        made: rate(lines, repeats, || Ok(make()?))?,
+        written: rate(lines, repeats, || Ok(program.emit()))?,
+        read: rate(lines, repeats, || Ok(Program::parse(&text, control)?))?,
+        checked: rate(lines, repeats, || {
+            Ok(print::check(&program, &layers, &sliced.frame, &settings, control)?)
         })?,
-        timed: rate(&|| {
-            black_box(program.print_seconds(limits, control)?);
-            Ok(())
-        })?,
+        timed: rate(lines, repeats, || Ok(program.print_seconds(limits, control)?))?,
     })
+}
+
+/// Lines per second of a step that processes all lines.
+fn rate<T>(
+    lines: usize,
+    repeats: u64,
+    step: impl Fn() -> anyhow::Result<T>,
+) -> anyhow::Result<f64> {
+    let seconds = median_seconds(repeats, |_| {
+        black_box(step()?);
+        Ok(())
+    })?;
+    Ok(lines as f64 / seconds)
 }
 
 /// A sphere of 60 mm as layers of one material.

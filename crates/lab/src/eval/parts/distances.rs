@@ -25,8 +25,8 @@ pub(super) struct Distances {
     /// From the centre of each side between a filled and an empty cell to the outlines, along the
     /// normal of the side.
     pub(super) of_cells: Vec<f64>,
-    /// From points along the outlines to the nearest such side: the larger of the distances along
-    /// x and y; infinite beyond [`MAX_RING`].
+    /// From points along the outlines to the nearest such side: the larger of the distances along x
+    /// and y; infinite beyond [`MAX_RING`].
     pub(super) of_outline: Vec<f64>,
     /// For each of those points that is further away than [`HALF`], whether the part, or the gap
     /// next to it, is thinner there than the diagonal of a cell.

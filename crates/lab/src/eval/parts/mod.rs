@@ -13,6 +13,9 @@ use std::path::PathBuf;
 use beadwork_console::{control, machine, output, progress};
 use serde_json::json;
 
+/// Steps of the progress bar for each part: three planning modes, the starts, and the surface.
+const STEPS: usize = 3 + stacks::STARTS + 1;
+
 /// Plan whole parts in all modes, and report tool changes, lifts and their lower bounds.
 ///
 /// Further tables compare starts from the layer below with starts from scratch, and cells with the
@@ -44,7 +47,7 @@ pub(super) struct PartsArgs {
 pub(super) fn run(args: &PartsArgs) -> anyhow::Result<()> {
     let pool = control::pool(args.threads)?;
     let (cases, missing) = cases::load(args.files.as_deref(), &pool)?;
-    let bar = progress::bar(3 * cases.len() as u64, "eval parts");
+    let bar = progress::bar((cases.len() * STEPS) as u64, "eval parts");
     let plans = plans::measure(&cases, args.seed, &pool, &bar)?;
     let stacks = stacks::measure(&cases, args.seed, &bar)?;
     let surfaces = surfaces::measure(&cases, &bar)?;

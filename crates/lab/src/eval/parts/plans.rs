@@ -1,4 +1,4 @@
-//! Tool changes and lifts in all modes, checked from the text of the G-code.
+//! Tool changes and lifts in all planning modes, checked in the text of the G-code.
 
 use std::fmt::Write;
 use std::time::Instant;
@@ -8,12 +8,14 @@ use beadwork_console::control;
 use beadwork_console::plan::{print, refs};
 use beadwork_console::printer::{Profile, tool_costs};
 use beadwork_console::progress::ProgressBar;
+use beadwork_gcode::ToolUse;
 use beadwork_search::plan::tools::{self, Mode, Settings};
+use rayon::ThreadPool;
 use serde::Serialize;
 
 use super::cases::Case;
 
-/// What a lift costs in these tables, in mm³; a change of tools purges 140.
+/// Cost of a lift in these tables, in mm³ of purged filament; a tool change purges 140.
 const LIFT_COST: f64 = 2.0;
 
 /// One part in one mode.
@@ -24,103 +26,112 @@ pub(super) struct Row {
     tools: usize,
     layers: usize,
     cells: u64,
-    /// Cells that the G-code prints, counted from its text: each once, with the tool of its zone,
-    /// and nothing else.
+    /// Cells that the text of the G-code prints.
+    /// The check fails unless each is printed once, with the tool of its zone, and nothing else is
+    /// printed.
     cells_checked: u64,
     tool_changes: u64,
-    least_tool_changes: Option<u32>,
-    fixed_order_changes: Option<u32>,
+    /// Proven minimum of the tool changes in any mode.
+    #[serde(rename = "least_tool_changes")]
+    min_tool_changes: u32,
+    /// Tool changes if each layer used its tools in rising order.
+    fixed_order_changes: u32,
     lifts: u64,
+    /// Layers whose path is proven optimal.
     layers_optimal: usize,
     print_seconds: f64,
     grams: f64,
     purge_grams: f64,
     plan_seconds: f64,
+    /// Wall-clock time to write the G-code and to check its text.
     write_seconds: f64,
+    /// Lifts and the tool cost that they save, in mm³, at the corners of the frontier.
     frontier: Vec<(u64, u64)>,
 }
 
+/// Plans all parts in all modes.
 pub(super) fn measure(
     cases: &[Case],
     seed: u64,
-    pool: &rayon::ThreadPool,
+    pool: &ThreadPool,
     bar: &ProgressBar,
 ) -> anyhow::Result<Vec<Row>> {
     let profile = Profile::for_tables();
     let mut rows = Vec::new();
-    for Case { name, part, .. } in cases {
-        for (mode, mode_name) in
-            [(Mode::Cheapest, "cheapest"), (Mode::Continuous, "continuous"), (Mode::Free, "free")]
-        {
-            let settings = profile.complete(&part.model.materials)?;
-            let costs =
-                tool_costs(settings.purge.as_ref().expect("complete settings have volumes"))?;
-            let how = Settings { mode, seed, lift_cost: LIFT_COST, ..Settings::default() };
-            let begin = Instant::now();
-            let plan = control::quiet(Threads::Pool(pool), |control| {
-                tools::solve(&refs(&part.layers), &costs, &how, control)
-            })??;
-            let plan_seconds = begin.elapsed().as_secs_f64();
-            let begin = Instant::now();
-            let printed = print(part, &plan, &profile, settings)?;
-            let write_seconds = begin.elapsed().as_secs_f64();
-            let tools = &printed.totals.tools;
-            let purged = |tool: &beadwork_gcode::ToolUse| {
-                tool.grams * tool.purge_mm / tool.filament_mm.max(1e-9)
-            };
-            rows.push(Row {
-                part: name,
-                mode: mode_name,
-                tools: part.model.materials.len(),
-                layers: plan.layers.len(),
-                cells: part.layers.cell_count(),
-                cells_checked: printed.checked.cells,
-                tool_changes: plan.tool_changes(),
-                least_tool_changes: Some(plan.order.min_changes),
-                fixed_order_changes: Some(plan.fixed.changes),
-                lifts: plan.lifts,
-                layers_optimal: plan.layers.iter().filter(|layer| layer.is_optimal()).count(),
-                print_seconds: printed.totals.print_seconds,
-                grams: tools.iter().map(|tool| tool.grams).sum(),
-                purge_grams: tools.iter().map(purged).sum(),
-                plan_seconds,
-                write_seconds,
-                frontier: plan
-                    .frontier
-                    .iter()
-                    .map(|point| (point.lifts, point.tool_cost as u64))
-                    .collect(),
-            });
+    for case in cases {
+        for mode in [Mode::Cheapest, Mode::Continuous, Mode::Free] {
+            rows.push(row(case, mode, seed, &profile, pool)?);
+            bar.inc(1);
         }
-        bar.inc(1);
     }
     Ok(rows)
+}
+
+fn row(
+    Case { name, part, .. }: &Case,
+    mode: Mode,
+    seed: u64,
+    profile: &Profile,
+    pool: &ThreadPool,
+) -> anyhow::Result<Row> {
+    let control = control::cancellable(Threads::Pool(pool))?;
+    let print_settings = profile.complete(&part.model.materials)?;
+    let costs = tool_costs(print_settings.purge.as_ref().expect("complete settings have volumes"))?;
+    let settings = Settings { mode, seed, lift_cost: LIFT_COST, ..Settings::default() };
+    let begin = Instant::now();
+    let plan = tools::solve(&refs(&part.layers), &costs, &settings, &control)?;
+    let plan_seconds = begin.elapsed().as_secs_f64();
+    control.check()?;
+    let begin = Instant::now();
+    let printed = print(part, &plan, profile, print_settings)?;
+    let write_seconds = begin.elapsed().as_secs_f64();
+    let tools = &printed.totals.tools;
+    let purged = |tool: &ToolUse| tool.grams * tool.purge_mm / tool.filament_mm.max(1e-9);
+    let frontier = plan.frontier.iter().map(|point| (point.lifts, point.tool_cost as u64));
+    Ok(Row {
+        part: name,
+        mode: mode.name(),
+        tools: part.model.materials.len(),
+        layers: plan.layers.len(),
+        cells: part.layers.cell_count(),
+        cells_checked: printed.checked.cells,
+        tool_changes: plan.tool_changes(),
+        min_tool_changes: plan.order.min_changes,
+        fixed_order_changes: plan.fixed.changes,
+        lifts: plan.lifts,
+        layers_optimal: plan.layers.iter().filter(|layer| layer.is_optimal()).count(),
+        print_seconds: printed.totals.print_seconds,
+        grams: tools.iter().map(|tool| tool.grams).sum(),
+        purge_grams: tools.iter().map(purged).sum(),
+        plan_seconds,
+        write_seconds,
+        frontier: frontier.collect(),
+    })
 }
 
 pub(super) fn tables(text: &mut String, rows: &[Row]) -> std::fmt::Result {
     writeln!(
         text,
-        "Tool changes and lifts; beads of 0.5 mm, layers of 0.25 mm, 140 mm³ purged a change, a lift at {LIFT_COST} mm³:\n"
+        "Tool changes and lifts; beads of 0.5 mm, layers of 0.25 mm, 140 mm³ purged per tool \
+         change, cost of a lift {LIFT_COST} mm³:\n\n\
+         | part | tools | layers | cells | mode | tool changes | at least | fixed order | lifts \
+         | layers proven optimal | cells printed once | hours | g (purged) | s to plan \
+         | s to write and check |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
     )?;
-    writeln!(
-        text,
-        "| part | tools | layers | cells | mode | tool changes | at least | fixed order | lifts | layers proven optimal | cells printed once | hours | g (purged) | s to plan | s to write and check |"
-    )?;
-    writeln!(text, "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|")?;
-    let number =
-        |value: Option<u32>| value.map_or_else(|| "-".to_owned(), |value| value.to_string());
     for row in rows {
         writeln!(
             text,
-            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.1} % | {} | {:.2} | {:.1} ({:.1}) | {:.2} | {:.2} |",
+            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.1} % | {} | {:.2} | {:.1} ({:.1}) \
+             | {:.2} | {:.2} |",
             row.part,
             row.tools,
             row.layers,
             row.cells,
             row.mode,
             row.tool_changes,
-            number(row.least_tool_changes),
-            number(row.fixed_order_changes),
+            row.min_tool_changes,
+            row.fixed_order_changes,
             row.lifts,
             100.0 * row.layers_optimal as f64 / row.layers as f64,
             if row.cells == row.cells_checked { "all" } else { "NOT ALL" },
@@ -131,10 +142,7 @@ pub(super) fn tables(text: &mut String, rows: &[Row]) -> std::fmt::Result {
             row.write_seconds,
         )?;
     }
-    writeln!(
-        text,
-        "\nLifts against purged mm³, at any price of a lift (corners of the frontier):\n"
-    )?;
+    writeln!(text, "\nLifts: purged mm³, for any cost of a lift (corners of the frontier):\n")?;
     for row in rows.iter().filter(|row| row.mode == "cheapest" && row.frontier.len() > 1) {
         let points: Vec<String> =
             row.frontier.iter().map(|(lifts, cost)| format!("{lifts}: {cost}")).collect();

@@ -21,7 +21,7 @@ use crate::heat_parts::{HeatPart, all_orders};
 
 /// One print of one part.
 #[derive(Clone, Serialize)]
-pub(super) struct Print {
+pub(super) struct SimulatedPrint {
     /// The pattern of all layers, or `greedy`.
     pub(super) pattern: String,
     /// Minus the sum over the layers of the standard deviation of temperatures, K.
@@ -40,8 +40,8 @@ pub(super) struct PartRow {
     pub(super) voxels: usize,
     pub(super) layers: usize,
     /// One print for each of the 38 patterns, sorted by their numbers.
-    pub(super) patterns: Vec<Print>,
-    pub(super) greedy: Print,
+    pub(super) patterns: Vec<SimulatedPrint>,
+    pub(super) greedy: SimulatedPrint,
     /// The greedy choice for each layer.
     greedy_patterns: Vec<&'static str>,
     /// Estimated lift of the corners of the conventional, the best and the greedy print, mm.
@@ -52,19 +52,19 @@ pub(super) struct PartRow {
 
 impl PartRow {
     /// The print in the conventional pattern.
-    pub(super) fn conventional(&self) -> &Print {
+    pub(super) fn conventional(&self) -> &SimulatedPrint {
         &self.patterns[Pattern::CONVENTIONAL.number()]
     }
 
     /// The print with the largest reward among those of one pattern in all layers.
-    pub(super) fn best(&self) -> &Print {
+    pub(super) fn best(&self) -> &SimulatedPrint {
         &self.patterns[best_pattern(&self.patterns)]
     }
 }
 
 /// Number of the pattern with the largest reward; `prints` is sorted by the numbers of the
 /// patterns.
-fn best_pattern(prints: &[Print]) -> usize {
+fn best_pattern(prints: &[SimulatedPrint]) -> usize {
     (0..Pattern::COUNT)
         .max_by(|&a, &b| prints[a].reward.total_cmp(&prints[b].reward))
         .expect("there are 38 patterns")
@@ -113,7 +113,7 @@ impl Setup {
             print
         };
         let patterns = pool.install(|| {
-            Pattern::ALL.par_iter().map(print).collect::<anyhow::Result<Vec<Print>>>()
+            Pattern::ALL.par_iter().map(print).collect::<anyhow::Result<Vec<SimulatedPrint>>>()
         })?;
         let greedy_patterns = self.greedy_patterns(&part, &orders, pool, &bar)?;
         let greedy_plan: Vec<&[Cell]> = orders
@@ -149,8 +149,8 @@ impl Setup {
         })
     }
 
-    /// For each layer the pattern after which temperatures deviate least from their mean, where the
-    /// layers below are printed in the patterns chosen for them.
+    /// Chooses for each layer, from the bottom up, the pattern after which the standard deviation of
+    /// all temperatures is smallest.
     ///
     /// `orders` holds the orders of all patterns for each layer.
     fn greedy_patterns(
@@ -181,7 +181,12 @@ impl Setup {
     }
 
     /// Simulates one print; `plan` holds the order of each layer, `pattern` its name.
-    fn print(&self, part: &Arc<Voxels>, pattern: &str, plan: &[&[Cell]]) -> anyhow::Result<Print> {
+    fn print(
+        &self,
+        part: &Arc<Voxels>,
+        pattern: &str,
+        plan: &[&[Cell]],
+    ) -> anyhow::Result<SimulatedPrint> {
         let control = control::cancellable(Threads::One)?;
         let mut simulation = self.simulation(part)?;
         let mut reward = 0.0;
@@ -192,7 +197,7 @@ impl Setup {
         let print_seconds = simulation.seconds();
         simulation.pause(REST_S, &control)?;
         let section = simulation.section(Plane::Y(part.frame.height / 2));
-        Ok(Print {
+        Ok(SimulatedPrint {
             pattern: pattern.to_owned(),
             reward,
             print_seconds,

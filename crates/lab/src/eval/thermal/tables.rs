@@ -5,7 +5,7 @@ use std::fmt::{Result, Write};
 use beadwork_console::machine;
 use beadwork_part::Pattern;
 
-use super::part_row::{PartRow, Print};
+use super::part_row::{PartRow, SimulatedPrint};
 
 /// Figures of Kim et al. 2026 for a part, each for the conventional pattern and for the best of
 /// three runs of PPO.
@@ -92,7 +92,7 @@ fn plans(text: &mut String, rows: &[PartRow]) -> Result {
             [format!("{conventional:.2}"), String::new(), format!("{ppo:.2} (PPO)")]
         });
         for (((name, plan), lift_mm), paper) in plans.into_iter().zip(row.lifts_mm).zip(paper) {
-            let Print { deviation_k, print_seconds, .. } = plan;
+            let SimulatedPrint { deviation_k, print_seconds, .. } = plan;
             writeln!(
                 text,
                 "| {} | {name} | {deviation_k:.2} | {paper} | {print_seconds:.0} | {lift_mm:.3} |",

@@ -5,7 +5,6 @@ mod args;
 mod cell_table;
 mod crossovers;
 mod exact_tables;
-mod growth;
 mod paper_tables;
 
 use beadwork_console::output;
