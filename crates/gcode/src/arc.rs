@@ -69,7 +69,7 @@ impl Chords {
         Some(Self { from, to, centre, start_angle, span, radii, count, done: 0 })
     }
 
-    /// The end of the next chord, and the share of the arc's length (and filament) that it covers.
+    /// The end of the next chord, and its share of the arc's length and filament.
     pub(crate) fn next(&mut self) -> Option<([f64; 3], f64)> {
         if self.done == self.count {
             return None;

@@ -1,4 +1,4 @@
-//! The commands that planning and checking a print needs, as plain data.
+//! Typed commands, as plain data.
 
 use thiserror::Error;
 
@@ -189,7 +189,9 @@ pub struct Verbatim(Box<str>);
 
 /// A text that cannot be a [`Verbatim`] command.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("'{0}' is not a verbatim command: it is empty, typed, or more than a trimmed command")]
+#[error(
+    "'{0}' cannot be kept verbatim: it must be one trimmed command without a type or a comment"
+)]
 pub struct VerbatimError(pub String);
 
 impl Verbatim {

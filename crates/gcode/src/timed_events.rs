@@ -14,7 +14,7 @@ impl Program {
     /// It ends after an error.
     ///
     /// The durations add up to [`Program::print_seconds`].
-    /// Linear in all; nothing is computed before the iterator is advanced.
+    /// Linear in lines and chords; nothing is computed before the iterator is advanced.
     pub fn timed_events(&self, limits: MotionLimits) -> TimedEvents<'_> {
         TimedEvents {
             trace: Some(self.trace()),

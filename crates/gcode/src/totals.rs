@@ -96,7 +96,7 @@ impl Totals {
         Ok(totals)
     }
 
-    /// Adds everything about an event but its time.
+    /// Adds everything about an event except its time.
     fn add(&mut self, event: &Event) {
         match event {
             Event::Motion(motion) if motion.is_extrusion() => {

@@ -4,7 +4,7 @@
 //! It starts at position 0 with absolute positioning, absolute extrusion and tool 0. `G28` sets the
 //! named axes to 0 without a motion.
 //!
-//! Lengths of filament are relative with `G91`, and from `M83` to `M82`, as in Klipper.
+//! Extrusion is relative after `G91` until `G90`, and after `M83` until `M82`, as in Klipper.
 //! Marlin differs in that `G90` also ends `M83`, and `M82` overrides an earlier `G91`.
 //! A program that repeats `M83` after every `G90` and `G91` means the same to both.
 //!
@@ -34,7 +34,8 @@ impl Program {
     /// Returns an iterator over the events of the program, in order.
     /// It ends after an error.
     ///
-    /// Arcs are replaced by chords, straight motions that deviate from them by at most 5 µm.
+    /// Arcs are replaced by chords: straight motions that deviate from the arc by at most 5 µm, or
+    /// more if its radius exceeds 525 mm.
     /// Linear in lines and chords; nothing is computed before the iterator is advanced.
     pub fn trace(&self) -> Trace<'_> {
         Trace {

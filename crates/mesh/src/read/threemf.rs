@@ -32,8 +32,8 @@ use crate::transform::Transform;
 const RELATIONSHIPS: &str = "_rels/.rels";
 /// The root document if that entry is missing or does not name one.
 const DEFAULT_ROOT: &str = "3D/3dmodel.model";
-/// Maximum depth of objects composed of objects: more than any program writes.
-/// Objects that contain themselves reach it.
+/// Maximum nesting of components: deeper than any program writes.
+/// It also catches objects that contain themselves.
 const MAX_DEPTH: usize = 32;
 
 pub(super) fn read(

@@ -15,9 +15,9 @@ const BUFFER: usize = 1 << 16;
 /// An archive, and how much of it may still be unpacked.
 pub(super) struct Archive<'a> {
     zip: ZipArchive<Cursor<&'a [u8]>>,
-    /// Names of the entries by the normalized names.
+    /// Names of the entries by their normalized names.
     names: HashMap<String, String>,
-    /// Bytes that may still be unpacked, of the limit.
+    /// Bytes that may still be unpacked.
     remaining: u64,
     limit: u64,
     /// Bytes of the file whose content has been unpacked.
