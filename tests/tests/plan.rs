@@ -168,14 +168,14 @@ fn bad_input_is_reported_and_leaves_nothing_behind() {
         error
     };
     let error = refused("empty.stl", b"", &[]);
-    assert!(error.contains("empty.stl") && error.ends_with("the file is empty"), "{error}");
+    assert!(error.contains("empty.stl") && error.ends_with("file is empty"), "{error}");
     let error = refused("empty.3mf", b"", &[]);
-    assert!(error.ends_with("the file is empty"), "{error}");
+    assert!(error.ends_with("file is empty"), "{error}");
     let error = refused("noise.3mf", &[7; 3000], &[]);
-    assert!(error.ends_with("it is not a 3MF file, which is a ZIP archive"), "{error}");
+    assert!(error.ends_with("not a valid 3MF file: not a ZIP archive"), "{error}");
     let nan = "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 nan\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
     let error = refused("nan.stl", nan.as_bytes(), &[]);
-    assert!(error.ends_with("line 4: the coordinate NaN"), "{error}");
+    assert!(error.ends_with("line 4: 'nan' is not a finite number"), "{error}");
     let error = refused("part.step", b"x", &[]);
     assert!(error.ends_with("unknown extension; expected .stl, .3mf or .obj"), "{error}");
 
