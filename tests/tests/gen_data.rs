@@ -11,7 +11,8 @@ use beadwork_tests::{beadwork, binary, dataset, fail, one_error, run, text};
 use tempfile::{TempDir, tempdir};
 
 /// About two seconds of work for two threads, in many small shards.
-const SLOW: &str = "count = 60\nper_shard = 2\nsizes = ['24x24', '30x30']\npresets = ['fast', 'extra_long']\n\
+const SLOW: &str = "count = 60\nper_shard = 2\nsizes = ['24x24', '30x30']\n\
+    presets = ['fast', 'extra_long']\n\
                     layouts = [{ name = 'voronoi', zones = 5 }, { name = 'islands', side = 5 }]\n";
 
 fn config(folder: &Path, toml: &str) -> String {
@@ -132,7 +133,7 @@ fn ctrl_c_ends_cleanly_and_the_run_resumes() {
     let output = child.wait_with_output().unwrap();
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{stderr}");
-    assert!(stderr.contains("the same command goes on from there"), "{stderr}");
+    assert!(stderr.contains("the same command resumes the run"), "{stderr}");
     let left = dataset(&out);
     assert!(
         !left.contains_key("manifest.json") && left.keys().all(|name| name.starts_with("shard-")),

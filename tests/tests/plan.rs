@@ -125,7 +125,8 @@ fn profiles_are_read_and_their_faults_reported() {
     assert_eq!(value["materials"], serde_json::json!(["white ABS", "black ABS"]));
     assert_eq!(value["tool_cost"], 2 * 90 + 2 * 180);
     let tower = folder.path().join("tower.toml");
-    let place = "[purge]\nvolume_mm3 = [[0, 90], [180, 0]]\ntower = { left_mm = 10, front_mm = 20, width_mm = 40, depth_mm = 80 }\n";
+    let place = "[purge]\nvolume_mm3 = [[0, 90], [180, 0]]\n\
+        tower = { left_mm = 10, front_mm = 20, width_mm = 40, depth_mm = 80 }\n";
     fs::write(&tower, place).unwrap();
     for purge in [&[][..], &["--purge", "70"]] {
         let value = json(&[&plan[..], &[text(&tower)], purge].concat());
@@ -173,7 +174,8 @@ fn bad_input_is_reported_and_leaves_nothing_behind() {
     assert!(error.ends_with("file is empty"), "{error}");
     let error = refused("noise.3mf", &[7; 3000], &[]);
     assert!(error.ends_with("not a valid 3MF file: not a ZIP archive"), "{error}");
-    let nan = "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 nan\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
+    let nan = "solid x\nfacet normal 0 0 1\nouter loop\n\
+        vertex 0 0 nan\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
     let error = refused("nan.stl", nan.as_bytes(), &[]);
     assert!(error.ends_with("line 4: 'nan' is not a finite number"), "{error}");
     let error = refused("part.step", b"x", &[]);

@@ -25,7 +25,7 @@ fn json(arguments: &[&str]) -> Value {
 }
 
 fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
 }
 
 /// The document without the wall-clock time.
@@ -135,13 +135,13 @@ fn measures_and_pictures_are_written() {
 
     let csv = fs::read_to_string(csv).unwrap();
     let lines: Vec<&str> = csv.lines().collect();
-    let head =
+    let header =
         "layer,voxels,mean_c,std_c,min_c,max_c,print_seconds,hot_spots,ground_mean_c,ground_min_c";
-    assert_eq!(lines[0], head);
+    assert_eq!(lines[0], header);
     assert_eq!(lines.len(), 5);
     let layers = json(&[&plate])["layers"].clone();
     for (line, layer) in lines[1..].iter().zip(layers.as_array().unwrap()) {
-        for (name, value) in head.split(',').zip(line.split(',')) {
+        for (name, value) in header.split(',').zip(line.split(',')) {
             let output = layer[name].as_f64();
             assert!(value.is_empty() == output.is_none(), "{name}: {value}");
             assert!(
@@ -216,15 +216,15 @@ fn probes_record_their_history() {
     let read = |more: &[&str]| -> (String, Vec<Vec<Option<f64>>>) {
         run(&[&["simulate", &plate], &out[..], more].concat());
         let content = fs::read_to_string(&history).unwrap();
-        let (head, rows) = content.split_once('\n').unwrap();
+        let (header, rows) = content.split_once('\n').unwrap();
         let row = |row: &str| row.split(',').map(|value| value.parse().ok()).collect();
-        (head.to_owned(), rows.lines().map(row).collect())
+        (header.to_owned(), rows.lines().map(row).collect())
     };
 
     // A corner at the bottom, and the centre of the top, which is deposited late.
     let probes = ["--probe", "0,0,0", "--probe", "6,4,1"];
-    let (head, rows) = read(&[&probes[..], &["--end-seconds", "10"]].concat());
-    assert_eq!(head, "seconds,x0_y0_z0_c,x6_y4_z1_c");
+    let (header, rows) = read(&[&probes[..], &["--end-seconds", "10"]].concat());
+    assert_eq!(header, "seconds,x0_y0_z0_c,x6_y4_z1_c");
     let seconds: Vec<f64> = rows.iter().map(|row| row[0].unwrap()).collect();
     assert!((36..=39).contains(&rows.len()), "{seconds:?}");
     assert!(
@@ -348,10 +348,10 @@ fn bad_input_is_reported_and_leaves_nothing_behind() {
         fail(&["simulate", "--gcode", text(&file)])
     };
     assert!(program(b"G1 X1 F600\n").contains("no bead width and layer height"));
-    let head = "; extrusion_width = 0.5\n; layer_height = 0.25\n";
-    assert!(program(head.as_bytes()).ends_with("the program extrudes no bead of a part"));
-    assert!(program(format!("{head}G20\n").as_bytes()).contains("line 3: inches"));
-    let high = format!("{head}M83\nG1 Z1 F600\nG1 X5 E1\n");
+    let header = "; extrusion_width = 0.5\n; layer_height = 0.25\n";
+    assert!(program(header.as_bytes()).ends_with("the program extrudes no bead of a part"));
+    assert!(program(format!("{header}G20\n").as_bytes()).contains("line 3: inches"));
+    let high = format!("{header}M83\nG1 Z1 F600\nG1 X5 E1\n");
     assert!(program(high.as_bytes()).contains("layer 1 is empty"));
     assert!(
         fail(&["simulate", "--gcode", "/no/such.gcode"]).contains("cannot read '/no/such.gcode'")

@@ -1,4 +1,4 @@
-//! `gen-data`: records of searches, as training data.
+//! `gen-data`: records of searches as training data.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use serde_json::json;
 /// Write training data: records of searches in checked, resumable shards.
 ///
 /// The same configuration gives the same bytes with any number of threads.
-/// An interrupted run goes on when the same command is run again.
+/// The same command resumes an interrupted run.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -24,23 +24,24 @@ Examples:
 pub(crate) struct Args {
     #[command(flatten)]
     source: ConfigSource,
-    /// Folder of PNG pictures, in place of the one that the configuration names.
+    /// Folder of PNG pictures; overrides the configuration.
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
-    /// Seed, in place of the configuration's.
+    /// Seed; overrides the configuration.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Number of trajectories, in place of the configuration's.
+    /// Number of trajectories; overrides the configuration.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     count: Option<u64>,
-    /// Folder to write to; datasets/NAME if not given.
+    /// Folder to write to; datasets/NAME by default.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Threads; 0 for one a core.
+    /// Threads; 0 for one per core.
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
-    /// Make only the I-th of N equal slices.
-    /// All slices in one folder equal a whole run; the last one to end writes the manifest.
+    /// Make only the I-th of N equal shard ranges.
+    /// All ranges in one folder give the same bytes as a whole run; the last one to end writes the
+    /// manifest.
     #[arg(long, value_name = "I/N", default_value_t = ShardRange::ALL)]
     shard: ShardRange,
     /// Print one JSON document.
@@ -51,12 +52,16 @@ pub(crate) struct Args {
 #[derive(clap::Args)]
 #[group(required = true, multiple = false)]
 struct ConfigSource {
-    /// A built-in configuration: smoke (seconds), paper (22,111 trajectories), genetic (240
-    /// solutions of the genetic algorithm), chains (what FusionNet learns from), pictures (a folder
+    /// Built-in configuration: smoke (takes seconds), paper (22,111 trajectories), genetic (240
+    /// solutions of the genetic algorithm), chains (training data of FusionNet), pictures (a folder
     /// of PNG files).
-    #[arg(long, value_name = "NAME", value_parser = ["smoke", "paper", "genetic", "chains", "pictures"])]
+    #[arg(
+        long,
+        value_name = "NAME",
+        value_parser = ["smoke", "paper", "genetic", "chains", "pictures"]
+    )]
     preset: Option<String>,
-    /// A configuration file; see configs/gen-data.
+    /// Configuration file; see configs/gen-data.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
 }
@@ -66,7 +71,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(pictures) = &args.pictures {
         if config.pictures.is_none() {
             output::usage_error(
-                "--pictures needs a configuration of pictures, such as --preset pictures",
+                "--pictures requires a configuration of pictures, such as --preset pictures",
             );
         }
         config.pictures = Some(pictures.to_string_lossy().into_owned());
@@ -103,7 +108,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let generated = generated?;
     if generated.interrupted.is_some() {
         bail!(
-            "stopped; {} trajectories are in '{}', and the same command goes on from there",
+            "stopped; {} trajectories are in '{}'; the same command resumes the run",
             generated.made + generated.kept,
             folder.display()
         );
@@ -116,22 +121,29 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     });
     if args.json {
         return output::json(&json!({
-            "out": folder.display().to_string(), "slice": args.shard.to_string(), "made": generated.made, "kept": generated.kept,
-            "missing_shards": generated.missing_shards, "complete": generated.manifest.is_some(),
-            "moves": moves, "bytes": bytes, "raw_bytes": raw_bytes,
+            "out": folder.display().to_string(),
+            "slice": args.shard.to_string(),
+            "made": generated.made,
+            "kept": generated.kept,
+            "missing_shards": generated.missing_shards,
+            "complete": generated.manifest.is_some(),
+            "moves": moves,
+            "bytes": bytes,
+            "raw_bytes": raw_bytes,
         }));
     }
     let trajectories = generated.made + generated.kept;
     output::text(&match generated.manifest {
         Some(manifest) => format!(
-            "{} trajectories, {moves} moves, {:.1} MB in '{}'; {} made now\n",
+            "{} trajectories, {moves} moves, {:.1} MB in '{}'; {} made by this run\n",
             manifest.records,
             bytes as f64 / 1e6,
             folder.display(),
             generated.made
         ),
         None => format!(
-            "slice {}: {trajectories} trajectories in '{}'; {} shards of other slices are missing\n",
+            "shard range {}: {trajectories} trajectories in '{}'; {} shards of other ranges are \
+             missing\n",
             args.shard,
             folder.display(),
             generated.missing_shards
@@ -143,10 +155,10 @@ impl ConfigSource {
     /// The configuration and the name of its dataset.
     fn load(&self) -> anyhow::Result<(String, Config)> {
         if let Some(name) = &self.preset {
-            let config = Config::preset(name).expect("clap has checked the name");
+            let config = Config::preset(name).expect("clap checked the name");
             return Ok((name.clone(), config));
         }
-        let path = self.config.as_ref().expect("clap asks for one of the two");
+        let path = self.config.as_ref().expect("clap requires one of the two");
         let text = fs::read_to_string(path)
             .with_context(|| format!("cannot read '{}'", path.display()))?;
         let config = Config::from_toml(&text).with_context(|| format!("'{}'", path.display()))?;
@@ -156,7 +168,7 @@ impl ConfigSource {
     }
 }
 
-/// The PNG files of a folder by name, without extension.
+/// Reads the PNG files of a folder; returns the name of each, without extension, and its bytes.
 fn read_pictures(folder: &Path) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
     let entries =
         fs::read_dir(folder).with_context(|| format!("cannot list '{}'", folder.display()))?;
@@ -172,7 +184,7 @@ fn read_pictures(folder: &Path) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
         }
     }
     if pictures.is_empty() {
-        bail!("'{}' holds no PNG pictures", folder.display());
+        bail!("'{}' contains no PNG pictures", folder.display());
     }
     Ok(pictures)
 }

@@ -1,11 +1,10 @@
-//! `inspect`: what is in a dataset, and whether it is right.
+//! `inspect`: the contents of a dataset, and its check.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 
 use anyhow::{Context, bail};
 use beadwork_base::Control;
@@ -15,7 +14,7 @@ use beadwork_dataset::{Dataset, ShardReader, Trajectory, search_times};
 use rayon::prelude::*;
 use serde_json::json;
 
-/// Show what a dataset or a shard holds, and check it.
+/// Show the contents of a dataset or a shard, and check them.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -32,7 +31,7 @@ pub(crate) struct Args {
     /// Check every byte and replay every trajectory move by move.
     #[arg(long)]
     verify: bool,
-    /// Threads that verify; 0 for one a core.
+    /// Threads of --verify; 0 for one per core.
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
     /// Print one JSON document.
@@ -40,7 +39,7 @@ pub(crate) struct Args {
     json: bool,
 }
 
-/// A shard to look at.
+/// A shard that is inspected.
 struct Shard {
     path: PathBuf,
     first_record: u64,
@@ -80,7 +79,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     }
 
     let mut text = format!(
-        "{}: {records} trajectories in {} shards, {:.2} MB, {:.2} times smaller than raw\n",
+        "{}: {records} trajectories in {} shards, {:.2} MB, compressed by a factor of {:.2}\n",
         args.path.display(),
         shards.len(),
         bytes as f64 / 1e6,
@@ -90,7 +89,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         let per_move = bytes as f64 / manifest.moves.max(1) as f64;
         writeln!(
             text,
-            "{} moves, {per_move:.2} bytes a move; made by version {}, seed {}",
+            "{} moves, {per_move:.2} bytes per move; made by version {}, seed {}",
             manifest.moves, manifest.crate_version, manifest.seed
         )?;
         writeln!(text, "config {}", manifest.config)?;
@@ -100,10 +99,10 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         shards.iter().map(|shard| search_times(&shard.path)).collect();
     if let Some(times) = times.map(|times| times.concat()).filter(|times| !times.is_empty()) {
         let sum: f64 = times.iter().sum();
-        let (mean, most) = (sum / times.len() as f64, times.iter().copied().fold(0.0, f64::max));
+        let (mean, max) = (sum / times.len() as f64, times.iter().copied().fold(0.0, f64::max));
         writeln!(
             text,
-            "searches took {:.1} s in all, {mean:.2} ms on average, {most:.1} ms at most",
+            "searches took {:.1} s in total, {mean:.2} ms on average, {max:.1} ms at most",
             sum / 1e3
         )?;
     }
@@ -127,7 +126,7 @@ fn listed_shards(dataset: &Dataset, folder: &Path) -> Vec<Shard> {
     shards.collect()
 }
 
-/// A shard by itself, for which no manifest speaks: all of its bytes are checked.
+/// A shard without a manifest: all of its bytes are checked.
 fn read_shard(path: &Path) -> anyhow::Result<Shard> {
     let mut reader = open(path)?;
     let summary = reader.verify().with_context(|| format!("cannot read '{}'", path.display()))?;
@@ -161,10 +160,10 @@ fn first_records(shards: &[Shard], count: usize) -> anyhow::Result<Vec<Trajector
 }
 
 /// Checks every byte against the manifest and replays all trajectories, in parallel; stops at the
-/// first that is wrong.
+/// first fault.
 fn verify(shards: &[Shard], dataset: Option<&Dataset>, threads: usize) -> anyhow::Result<()> {
     let pool = control::pool(threads)?;
-    let cancel = cancel::token()?.as_flag();
+    let cancel = cancel::token()?;
     let bar = progress::bar(shards.iter().map(|shard| shard.records).sum(), "verify");
     let blocks: Vec<(&Shard, u32)> = shards
         .iter()
@@ -177,7 +176,7 @@ fn verify(shards: &[Shard], dataset: Option<&Dataset>, threads: usize) -> anyhow
                 .try_for_each(|shard| dataset.verify_shard(shard).map(drop))?;
         }
         let moves = blocks.par_iter().map(|&(shard, block)| {
-            if cancel.load(Ordering::Relaxed) {
+            if cancel.is_cancelled() {
                 bail!("stopped");
             }
             verify_block(shard, block, &bar)
@@ -188,13 +187,13 @@ fn verify(shards: &[Shard], dataset: Option<&Dataset>, threads: usize) -> anyhow
     let moves = verified?;
     match dataset.map(|dataset| dataset.manifest().moves) {
         Some(listed) if listed != moves => {
-            bail!("the manifest counts {listed} moves, the shards hold {moves}")
+            bail!("manifest lists {listed} moves, the shards hold {moves}")
         }
         _ => Ok(()),
     }
 }
 
-/// Replays the trajectories of one block; gives the number of their moves.
+/// Replays the trajectories of one block; returns the number of their moves.
 fn verify_block(shard: &Shard, block: u32, bar: &ProgressBar) -> anyhow::Result<u64> {
     let in_shard = || format!("'{}'", shard.path.display());
     let mut reader = open(&shard.path)?;
@@ -204,7 +203,7 @@ fn verify_block(shard: &Shard, block: u32, bar: &ProgressBar) -> anyhow::Result<
     for (number, trajectory) in (first..).zip(trajectories) {
         if trajectory.index != number {
             bail!(
-                "'{}' holds trajectory {} in the place of {number}",
+                "'{}': trajectory {} found where {number} was expected",
                 shard.path.display(),
                 trajectory.index
             );

@@ -13,7 +13,7 @@ use beadwork_search::Stop;
 
 pub use beadwork_learn::fusion::model::Model;
 
-use crate::search::FusionRow;
+use crate::row::FusionRow;
 use crate::{cancel, progress};
 
 /// A walk that follows the moves `FusionNet` proposes.

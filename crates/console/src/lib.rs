@@ -32,5 +32,6 @@ pub mod part;
 pub mod plan;
 pub mod printer;
 pub mod progress;
+mod row;
 pub mod search;
 pub mod text;

@@ -5,7 +5,7 @@ use std::path::Path as Folder;
 use anyhow::bail;
 use beadwork_grid::{Path, Region, Zones};
 
-use crate::search::FusionRow;
+use crate::row::FusionRow;
 
 /// A trained network: builds without the feature `learn` cannot have one.
 pub enum Model {}

@@ -24,7 +24,7 @@ pub(super) fn layer_map(layer: usize, simulation: &Simulation) -> Map {
 
 /// Charts over all layers, and below them maps of some.
 pub(super) fn draw(title: &str, layers: &[LayerMeasures], maps: &[Map]) -> anyhow::Result<String> {
-    const HEAD: u32 = 34;
+    const HEADER: u32 = 34;
     const HEIGHT: u32 = 250;
     const COLUMNS: usize = 3;
 
@@ -67,7 +67,7 @@ pub(super) fn draw(title: &str, layers: &[LayerMeasures], maps: &[Map]) -> anyho
         (map::WIDTH / COLUMNS as u32, HEIGHT),
     )?;
     let below = map::svg(maps, COLUMNS, Scale::of(maps.iter().flat_map(Map::celsius)));
-    let begin = HEAD + height(&above);
+    let begin = HEADER + height(&above);
     let (width, whole) = (map::WIDTH, begin + height(&below));
     let title = map::escaped(title);
     Ok(format!(
@@ -75,7 +75,7 @@ pub(super) fn draw(title: &str, layers: &[LayerMeasures], maps: &[Map]) -> anyho
 viewBox="0 0 {width} {whole}">
 <rect width="{width}" height="{whole}" fill="white"/>
 <text x="14" y="23" font-family="sans-serif" font-size="16" font-weight="bold">{title}</text>
-<g transform="translate(0,{HEAD})">
+<g transform="translate(0,{HEADER})">
 {above}</g>
 <g transform="translate(0,{begin})">
 {below}</g>

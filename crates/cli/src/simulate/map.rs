@@ -229,7 +229,7 @@ pub(super) fn png(map: &Map, scale: Scale) -> Vec<u8> {
     const GAP: usize = 18;
     const BAR: usize = 20;
     const LABEL: usize = 84;
-    const HEAD: usize = 24;
+    const HEADER: usize = 24;
 
     let [columns, rows] = map.size.map(|count| count as usize);
     let [wide_mm, high_mm] = map.size_mm();
@@ -241,7 +241,7 @@ pub(super) fn png(map: &Map, scale: Scale) -> Vec<u8> {
     let [zoom_x, zoom_y] = map.voxel_mm.map(|mm| (mm / min_mm * min_pixels).round() as usize);
     let (wide, high) = (columns * zoom_x, rows * zoom_y);
     let bar = high.clamp(MIN_SCALE, 2 * MIN_SCALE);
-    let size = [MARGIN + wide + GAP + BAR + LABEL, 2 * MARGIN + high.max(HEAD + bar)];
+    let size = [MARGIN + wide + GAP + BAR + LABEL, 2 * MARGIN + high.max(HEADER + bar)];
     let mut canvas = Canvas::white(size);
     for (row, values) in map.values.chunks(columns.max(1)).enumerate() {
         for (column, &celsius) in
@@ -252,7 +252,7 @@ pub(super) fn png(map: &Map, scale: Scale) -> Vec<u8> {
         }
     }
     let left = MARGIN + wide + GAP;
-    let top = MARGIN + HEAD;
+    let top = MARGIN + HEADER;
     canvas.write([left, MARGIN], "°C");
     for line in 0..bar {
         let share = 1.0 - (line as f64 + 0.5) / bar as f64;

@@ -203,7 +203,8 @@ impl Report<'_> {
         if let Some(WarpageEstimate { corner_lift_mm, curvature_1_m, .. }) = self.sampled.warpage {
             writeln!(
                 text,
-                "warpage: corners lift by {corner_lift_mm:.3} mm, curvature {curvature_1_m:.3} 1/m; \
+                "warpage: corners lift by {corner_lift_mm:.3} mm, curvature {curvature_1_m:.3} \
+                 1/m; \
                  for \
                  ranking plans, not a prediction"
             )?;

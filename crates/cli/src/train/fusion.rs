@@ -17,8 +17,8 @@ use super::log::Log;
 
 /// Train FusionNet, which proposes moves that lead to fewer crossings.
 ///
-/// Reads a dataset of `gen-data` and writes to a folder: config.toml and best.safetensors, the
-/// model; last.checkpoint, where the run stands; steps.csv and evaluations.csv; and events for
+/// Reads a dataset of `gen-data` and writes to a folder: the model (config.toml, best.safetensors),
+/// the state of the run (last.checkpoint), steps.csv and evaluations.csv, and events for
 /// TensorBoard.
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -30,22 +30,22 @@ Examples:
 pub(crate) struct Args {
     #[command(flatten)]
     source: Source,
-    /// The dataset's folder.
+    /// Folder of the dataset.
     #[arg(long, value_name = "DIR", default_value = "datasets/chains")]
     data: PathBuf,
     /// Folder to write to.
     #[arg(long, value_name = "DIR", default_value = "runs/fusion")]
     out: PathBuf,
-    /// Go on with the run in the folder.
+    /// Resume the run in the folder.
     #[arg(long)]
     resume: bool,
-    /// Steps, in place of the configuration's.
+    /// Number of steps; overrides the configuration.
     #[arg(long, value_name = "N")]
     steps: Option<u64>,
-    /// Seed, in place of the configuration's.
+    /// Seed; overrides the configuration.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Where to compute.
+    /// Device that computes.
     #[arg(long, value_name = "DEVICE", default_value = "cpu", value_parser = ["cpu", "cuda"])]
     device: String,
     /// Print one JSON document at the end.
@@ -53,7 +53,8 @@ pub(crate) struct Args {
     json: bool,
 }
 
-/// Built-in configurations: seconds; the committed weights, an hour; f = 48, days.
+/// Built-in configurations: one that takes seconds; that of the committed weights, which takes an
+/// hour; and the paper's with f = 48, which takes days.
 const PRESETS: [(&str, &str); 3] = [
     ("smoke", include_str!("../../../../configs/train/fusion-smoke.toml")),
     ("small", include_str!("../../../../configs/train/fusion-small.toml")),
@@ -63,11 +64,11 @@ const PRESETS: [(&str, &str); 3] = [
 #[derive(clap::Args)]
 #[group(required = true, multiple = false)]
 struct Source {
-    /// A built-in configuration: smoke (seconds), small (the committed weights, an hour), paper (f
-    /// = 48).
+    /// Built-in configuration: smoke (takes seconds), small (the committed weights; an hour), paper
+    /// (f = 48; days).
     #[arg(long, value_name = "NAME", value_parser = PRESETS.map(|(name, _)| name))]
     preset: Option<String>,
-    /// A configuration file; see configs/train.
+    /// Configuration file; see configs/train.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
 }
@@ -76,24 +77,26 @@ impl Source {
     fn read(&self) -> anyhow::Result<TrainingConfig> {
         if let Some(preset) = &self.preset {
             let (_, text) =
-                PRESETS.iter().find(|(name, _)| name == preset).expect("clap has checked the name");
-            return Ok(TrainingConfig::from_toml(text).expect("the configurations are tested"));
+                PRESETS.iter().find(|(name, _)| name == preset).expect("clap checked the name");
+            return Ok(
+                TrainingConfig::from_toml(text).expect("tests parse the built-in configurations")
+            );
         }
-        let path = self.config.as_ref().expect("clap asks for one of the two");
+        let path = self.config.as_ref().expect("clap requires one of the two");
         let text = fs::read_to_string(path)
             .with_context(|| format!("cannot read '{}'", path.display()))?;
         TrainingConfig::from_toml(&text)
-            .with_context(|| format!("'{}' is no configuration of a training", path.display()))
+            .with_context(|| format!("'{}' is not a training configuration", path.display()))
     }
 }
 
-/// Refuses a folder in which something would be overwritten.
+/// Refuses a folder in which files would be overwritten.
 fn check_folder(out: &Path, resume: bool) -> anyhow::Result<()> {
     let checkpoint = last_checkpoint(out);
     if checkpoint.exists() {
         ensure!(
             resume,
-            "'{}' holds a run: go on with --resume, or choose another folder",
+            "'{}' contains a run: continue it with --resume, or choose another folder",
             out.display()
         );
         return Ok(());
@@ -101,7 +104,8 @@ fn check_folder(out: &Path, resume: bool) -> anyhow::Result<()> {
     for file in [Model::config_file(out), Model::weights_file(out)] {
         ensure!(
             !file.exists(),
-            "'{}' would be overwritten, and there is no checkpoint to go on from: choose another folder",
+            "'{}' would be overwritten, and there is no checkpoint to resume from: choose another \
+             folder",
             file.display()
         );
     }
@@ -116,7 +120,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let dataset = Dataset::open(&args.data)?;
     check_folder(&args.out, args.resume)?;
     fs::create_dir_all(&args.out)
-        .with_context(|| format!("cannot make '{}'", args.out.display()))?;
+        .with_context(|| format!("cannot create '{}'", args.out.display()))?;
 
     let begin = Instant::now();
     let mut log = Log::open(&args.out, args.resume)?;
@@ -144,7 +148,9 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
                 let share = |hits: u64| 100.0 * hits as f64 / all.count.max(1) as f64;
                 bar.suspend(|| {
                     eprintln!(
-                        "beadwork: step {step}: loss {:.3}, position {:.1} % first, {:.1} % among five, action {:.1} %{}",
+                        "beadwork: step {step}: loss {:.3}, position {:.1} % first, {:.1} % among \
+                         five, action \
+                         {:.1} %{}",
                         evaluation.loss,
                         share(all.top_1),
                         share(all.top_5),
@@ -157,7 +163,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         }
         if let Err(error) = log.write(event) {
             failed.get_or_insert(error);
-            // Hours of work that nobody can follow are not what was asked for.
+            // A training without logs is of little use: stop it rather than waste hours.
             cancel.cancel();
         }
     };
@@ -174,7 +180,12 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     if args.json {
         let evaluation = last_evaluation.map(|evaluation| {
             let all = evaluation.all;
-            let hits = json!({ "examples": all.count, "top_1": all.top_1, "top_5": all.top_5, "action": all.action });
+            let hits = json!({
+                "examples": all.count,
+                "top_1": all.top_1,
+                "top_5": all.top_5,
+                "action": all.action,
+            });
             json!({ "loss": evaluation.loss, "hits": hits })
         });
         return output::json(&json!({
@@ -190,8 +201,8 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     }
     let how = match end {
         End::Done => "all steps are made",
-        End::Early => "it stopped getting better",
-        End::Cancelled | End::TimeUp => "stopped; go on with --resume",
+        End::Early => "stopped early, since evaluations no longer improve",
+        End::Cancelled | End::TimeUp => "stopped; --resume continues",
     };
     let best = weights.map_or("none yet".into(), |file| file.display().to_string());
     output::text(&format!("{how}; {examples} examples in {seconds:.0} s; best weights: {best}\n"))

@@ -1,4 +1,4 @@
-//! What a training run leaves behind for those who look at curves: tables and events.
+//! Logs of a training run: CSV tables and TensorBoard events.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{BufWriter, Write};
@@ -15,8 +15,7 @@ const STEPS: &str = "step,examples,loss,rate,gradient\n";
 const EVALUATIONS: &str = "step,loss,layout,examples,top_1,top_5,action\n";
 
 /// The logs of one run.
-/// Each event is in the tables when `write` comes back, and so before the checkpoint that follows
-/// it.
+/// Each event is in the tables when `write` returns, and so before the checkpoint that follows it.
 pub(super) struct Log {
     folder: PathBuf,
     steps: BufWriter<File>,
@@ -25,7 +24,7 @@ pub(super) struct Log {
 }
 
 impl Log {
-    /// New logs, or those of the run that goes on.
+    /// Opens new logs, or those of the run that is resumed.
     pub(super) fn open(folder: &Path, resume: bool) -> anyhow::Result<Self> {
         let events = OpenOptions::new()
             .create(true)
@@ -85,7 +84,7 @@ impl Log {
         Ok(())
     }
 
-    /// Drops what was written of steps that will be made once more, and a line that was cut short.
+    /// Removes the lines of steps that will be repeated, and a partial last line.
     fn forget_after(&mut self, steps: u64) -> anyhow::Result<()> {
         for (name, table) in
             [("steps.csv", &mut self.steps), ("evaluations.csv", &mut self.evaluations)]
@@ -108,23 +107,23 @@ impl Log {
     }
 }
 
-/// A table to go on with, or one of nothing but its head.
-fn table(path: &Path, head: &str, resume: bool) -> anyhow::Result<BufWriter<File>> {
+/// Opens a table to append to, or a new one with its header.
+fn table(path: &Path, header: &str, resume: bool) -> anyhow::Result<BufWriter<File>> {
     let open = || -> std::io::Result<File> {
         if !(resume && path.exists()) {
-            fs::write(path, head)?;
+            fs::write(path, header)?;
         }
         OpenOptions::new().append(true).open(path)
     };
     Ok(BufWriter::new(open().with_context(|| format!("cannot write '{}'", path.display()))?))
 }
 
-/// `TensorBoard` takes all files with `tfevents` in their names and reads them in this order.
+/// TensorBoard reads all files with `tfevents` in their names, in this order.
 fn events_name() -> String {
     format!("events.out.tfevents.{:010}.beadwork", now() as u64)
 }
 
-/// Seconds since 1970.
+/// Seconds since 1970-01-01.
 fn now() -> f64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64())
 }

@@ -1,4 +1,4 @@
-//! `train`: networks from recorded searches and simulations.
+//! `train`: networks trained from recorded searches.
 
 pub(crate) mod fusion;
 mod log;
@@ -7,8 +7,7 @@ mod tensorboard;
 use beadwork_console::memory;
 use clap::Subcommand;
 
-/// Train a network.
-/// A run that was stopped goes on with --resume, with the same losses.
+/// Train a network. --resume continues a stopped run, with the same losses.
 #[derive(clap::Args)]
 pub(crate) struct Args {
     #[command(subcommand)]

@@ -1,18 +1,18 @@
-//! Scalars in the files that `TensorBoard` reads.
+//! Writes scalars in the event files of TensorBoard.
 //!
-//! A file is a row of records (TFRecord: length, masked checksum, bytes, masked checksum), each of
-//! them an `Event` message of TensorFlow's event.proto: its time, its step, and a summary of named
-//! values.
+//! A file is a sequence of records (TFRecord: length, masked checksum, bytes, masked checksum).
+//! Each record is an `Event` message of TensorFlow's event.proto: its time, its step, and a summary
+//! of named values.
 
 use std::io::{self, Write};
 
-/// A file of events.
+/// An event file.
 pub(super) struct Events<W> {
     out: W,
 }
 
 impl<W: Write> Events<W> {
-    /// Begins a file, with the version that each must begin with.
+    /// Starts a file with the version record that every file starts with.
     /// `now` is in seconds since 1970.
     pub(super) fn new(out: W, now: f64) -> io::Result<Self> {
         let mut events = Self { out };
@@ -23,7 +23,7 @@ impl<W: Write> Events<W> {
         Ok(events)
     }
 
-    /// Writes values of one step.
+    /// Writes the values of one step.
     pub(super) fn write(&mut self, step: u64, scalars: &[(&str, f64)], now: f64) -> io::Result<()> {
         let mut summary = Message::default();
         for &(tag, value) in scalars {
@@ -39,7 +39,7 @@ impl<W: Write> Events<W> {
         self.record(&event.0)
     }
 
-    /// Hands everything to the file.
+    /// Flushes everything to the file.
     pub(super) fn flush(&mut self) -> io::Result<()> {
         self.out.flush()
     }
@@ -53,12 +53,12 @@ impl<W: Write> Events<W> {
     }
 }
 
-/// The checksum of a `TFRecord`: masked, since records may themselves hold checksums.
+/// The checksum of a TFRecord: masked, since records may themselves contain checksums.
 fn masked_checksum(bytes: &[u8]) -> u32 {
     crc32c::crc32c(bytes).rotate_right(15).wrapping_add(0xA282_EAD8)
 }
 
-/// A message of protocol buffers.
+/// A protocol buffers message.
 #[derive(Default)]
 struct Message(Vec<u8>);
 
@@ -95,12 +95,12 @@ impl Message {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "in a test a panic is the report")]
+    #![allow(clippy::unwrap_used, reason = "a panic fails the test")]
 
     use super::*;
 
-    /// Bytes as TensorFlow's own writer gives them, but for the checksums, which have a test vector
-    /// of their own.
+    /// The bytes of TensorFlow's own writer, except the checksums, which have their own test
+    /// vector.
     #[test]
     fn a_step_is_written_as_an_event() {
         let mut bytes = Vec::new();
