@@ -12,7 +12,7 @@ use crate::number::Number;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Command {
     /// A straight move, `G0` or `G1`.
-    Move(Move),
+    Move(LinearMove),
     /// A move along an arc, `G2` or `G3`.
     /// Boxed because it is rarer and larger than the others.
     Arc(Box<Arc>),
@@ -140,7 +140,7 @@ pub enum Wait {
 /// A straight move, `G0` or `G1`.
 /// With relative positioning, coordinates are distances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Move {
+pub struct LinearMove {
     /// Whether it is `G0`, which FDM printers treat like `G1`.
     pub rapid: bool,
     /// x in mm.

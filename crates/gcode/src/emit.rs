@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::command::{Arc, Command, Move, Wait};
+use crate::command::{Arc, Command, LinearMove, Wait};
 use crate::number::Number;
 use crate::program::{Line, Program};
 use crate::words::{ACCELERATION, SQUARE_CORNER_VELOCITY, VELOCITY, VELOCITY_LIMIT};
@@ -46,7 +46,7 @@ fn push_line(out: &mut String, line: &Line) {
 
 fn push_command(out: &mut String, command: &Command) {
     match *command {
-        Command::Move(Move { rapid, x, y, z, e, f }) => {
+        Command::Move(LinearMove { rapid, x, y, z, e, f }) => {
             out.push_str(if rapid { "G0" } else { "G1" });
             push_words(out, [('X', x), ('Y', y), ('Z', z), ('E', e), ('F', f)]);
         }
@@ -153,7 +153,7 @@ mod tests {
         let home = || Some(Command::Home { x: true, y: false, z: true });
         let lines = vec![
             Line::new(home(), Some(" twice".to_owned())).unwrap(),
-            Line::from(Command::Move(Move { rapid: true, ..Move::default() })),
+            Line::from(Command::Move(LinearMove { rapid: true, ..LinearMove::default() })),
             Line::new(None, Some(String::new())).unwrap(),
             Line::default(),
         ];

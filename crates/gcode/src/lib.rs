@@ -94,7 +94,7 @@ mod totals;
 mod trace;
 mod words;
 
-pub use command::{Arc, Command, Move, Verbatim, VerbatimError, Wait};
+pub use command::{Arc, Command, LinearMove, Verbatim, VerbatimError, Wait};
 pub use event::{Event, Heater, Motion, TraceError};
 pub use feature::Feature;
 pub use number::{Number, NumberError};

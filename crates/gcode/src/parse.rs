@@ -14,7 +14,7 @@ use std::str::FromStr;
 use beadwork_base::{Control, Interrupted};
 use thiserror::Error;
 
-use crate::command::{Arc, Command, Move, Verbatim, VerbatimError, Wait};
+use crate::command::{Arc, Command, LinearMove, Verbatim, VerbatimError, Wait};
 use crate::number::Number;
 use crate::program::{Line, Program};
 use crate::words::{Fault, ParenthesisComments, ParseFault, VelocityWords, Words, is_blank};
@@ -185,7 +185,7 @@ fn typed<'a>(
         (b'G', 0 | 1) => {
             let words = read("XYZEF", "")?;
             let [x, y, z, e, f] = ['X', 'Y', 'Z', 'E', 'F'].map(|letter| words.value(letter));
-            Some(Command::Move(Move { rapid: number == 0, x, y, z, e, f }))
+            Some(Command::Move(LinearMove { rapid: number == 0, x, y, z, e, f }))
         }
         (b'G', 2 | 3) => {
             let words = read("XYZIJREF", "")?;

@@ -16,7 +16,7 @@ use std::slice::Iter;
 use beadwork_base::Control;
 
 use crate::arc::Chords;
-use crate::command::{Command, Move, Wait};
+use crate::command::{Command, LinearMove, Wait};
 use crate::event::{Event, Heater, Motion, TraceError};
 use crate::feature::{Feature, Marker};
 use crate::number::Number;
@@ -142,7 +142,7 @@ impl Trace<'_> {
     /// Applies a command to the state; returns the event that it causes, if any.
     fn apply(&mut self, command: &Command, line: usize) -> Result<Option<Event>, TraceError> {
         match *command {
-            Command::Move(Move { x, y, z, e, f, .. }) => {
+            Command::Move(LinearMove { x, y, z, e, f, .. }) => {
                 let motion = self.motion([x, y, z], e, f, line)?;
                 let moves = motion.length_mm() > 0.0 || motion.extruded_mm.abs() > 0.0;
                 return Ok(moves.then_some(Event::Motion(motion)));

@@ -22,12 +22,12 @@ fn command(text: &str) -> Command {
 
 #[test]
 fn spellings_of_one_move() {
-    let expected = Command::Move(Move {
+    let expected = Command::Move(LinearMove {
         x: Some(number("1")),
         y: Some(number("-2.5")),
         e: Some(number("0.01")),
         f: Some(number("1800")),
-        ..Move::default()
+        ..LinearMove::default()
     });
     for text in [
         "G1 X1 Y-2.5 E.01 F1800",
@@ -223,7 +223,7 @@ fn other() -> impl Strategy<Value = Command> {
 fn commands() -> impl Strategy<Value = Command> {
     let w = word_or_none;
     let moves = (any::<bool>(), w(), w(), w(), w(), w())
-        .prop_map(|(rapid, x, y, z, e, f)| Command::Move(Move { rapid, x, y, z, e, f }));
+        .prop_map(|(rapid, x, y, z, e, f)| Command::Move(LinearMove { rapid, x, y, z, e, f }));
     let arcs = (any::<bool>(), [w(), w(), w()], [w(), w(), w()], w(), w()).prop_map(
         |(clockwise, [x, y, z], [i, j, r], e, f)| {
             Command::Arc(Box::new(Arc { clockwise, x, y, z, i, j, r, e, f }))

@@ -20,7 +20,7 @@
 //! ([`Process::retract_beyond_mm`]), and the nozzle is raised while it is retracted
 //! ([`Process::z_hop_mm`]); see [`Writer::travel`].
 
-use beadwork_gcode::{Command, Feature, Line, Move, Number, Wait};
+use beadwork_gcode::{Command, Feature, Line, LinearMove, Number, Wait};
 
 use super::layer::Layer;
 use super::prime_tower::PrimeTowerPlan;
@@ -403,7 +403,7 @@ impl<'a> Writer<'a> {
         }
         self.position = [0, 1, 2].map(|axis| to[axis].or(self.position[axis]));
         let f = self.changed_feed(speed_mm_s);
-        self.command(Command::Move(Move { rapid: false, x, y, z, e, f }));
+        self.command(Command::Move(LinearMove { rapid: false, x, y, z, e, f }));
     }
 
     /// Sets the feed rate; returns it in mm/min if it changed.

@@ -1,6 +1,6 @@
 //! Checks that all printers interpret the extrusion modes alike.
 
-use beadwork_gcode::{Command, Move, Program};
+use beadwork_gcode::{Command, LinearMove, Program};
 
 use super::error::CheckError;
 
@@ -19,7 +19,9 @@ pub(super) fn check(program: &Program) -> Result<(), CheckError> {
             Some(Command::RelativePositioning) => (positions, marlin) = (true, true),
             Some(Command::AbsoluteExtrusion) => (klipper, marlin) = (false, false),
             Some(Command::RelativeExtrusion) => (klipper, marlin) = (true, true),
-            Some(Command::Move(Move { e: Some(_), .. })) if (positions || klipper) != marlin => {
+            Some(Command::Move(LinearMove { e: Some(_), .. }))
+                if (positions || klipper) != marlin =>
+            {
                 return Err(CheckError::AmbiguousExtrusion { line });
             }
             Some(Command::Arc(arc)) if arc.e.is_some() && (positions || klipper) != marlin => {

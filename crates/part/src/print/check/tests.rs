@@ -2,7 +2,7 @@
 
 use beadwork_base::{CancelToken, Control, Interrupted};
 use beadwork_gcode::{
-    Command, Event, Feature, Heater, Line, Move, Number, Program, TraceError, Wait,
+    Command, Event, Feature, Heater, Line, LinearMove, Number, Program, TraceError, Wait,
 };
 use beadwork_grid::{Layout, LayoutSpec, Path, Region, RegionShape, Zones, cover};
 use proptest::prelude::*;
@@ -169,7 +169,7 @@ fn with_lines(program: &Program, at: usize, text: &str) -> Program {
 }
 
 /// The program with one move changed.
-fn changed(program: &Program, at: usize, change: impl FnOnce(&mut Move)) -> Program {
+fn changed(program: &Program, at: usize, change: impl FnOnce(&mut LinearMove)) -> Program {
     let mut program = program.clone();
     let Some(Command::Move(mut motion)) = program.lines[at].command().cloned() else {
         panic!("line {at} is not a move")
