@@ -86,7 +86,7 @@ pub fn device(name: &str) -> anyhow::Result<Device> {
     }
     ensure!(
         Cuda::is_available(),
-        "device cuda: no graphics card found, or libtorch lacks CUDA; run 'cargo xtask setup --cuda'"
+        "device cuda: no graphics card, or libtorch lacks CUDA; run 'cargo xtask setup --cuda'"
     );
     Ok(Device::Cuda(0))
 }

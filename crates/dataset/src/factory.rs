@@ -130,7 +130,7 @@ impl Factory {
     ///
     /// Costs what the search costs: 1 to 20 ms with the paper's annealers and sizes, seconds with
     /// the genetic algorithm.
-    /// Works on the calling thread and reports no progress: trajectories are to be made in
+    /// Works on the calling thread and reports no progress: callers make trajectories in
     /// parallel.
     pub fn trajectory(
         &self,

@@ -153,8 +153,8 @@ impl Report<'_> {
                 .map_or_else(String::new, |totals| format!(" and {}", totals.display()));
             writeln!(
                 text,
-                "wrote {} (checked from its text: {cells} cells, each printed once with the tool of \
-                 its material){beside}",
+                "wrote {} (checked from its text: {cells} cells, each printed once with the tool \
+                 of its material){beside}",
                 gcode.display()
             )?;
         }
