@@ -45,8 +45,8 @@ use crate::Cost;
 
 /// Anneals a path.
 ///
-/// Progress counts proposals; `control` is polled after every thousand of them, or with
-/// [`Pooled`] each time that the pool is filled.
+/// Progress counts proposals; `control` is polled after every thousand of them, or with [`Pooled`]
+/// each time that the pool is filled.
 /// Works on the calling thread.
 ///
 /// A proposal costs O(1), an accepted move the number of cells between its first and its last cut.

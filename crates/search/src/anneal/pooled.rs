@@ -10,8 +10,8 @@
 //!
 //! The temperature follows a sigmoid: it stays high at first, falls steeply halfway through, and
 //! stays low at the end.
-//! When no new best path was found for many iterations, the run is *reheated*: the upper end of
-//! the sigmoid is raised by a factor.
+//! When no new best path was found for many iterations, the run is *reheated*: the upper end of the
+//! sigmoid is raised by a factor.
 
 use beadwork_grid::{Path, PlacedVariant, VariantKind};
 

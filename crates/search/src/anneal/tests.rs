@@ -53,7 +53,11 @@ fn check(outcome: &Outcome, start: &Path, region: &Region, zones: &Zones) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 300,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn records_replay_to_the_best_path(
@@ -61,7 +65,11 @@ proptest! {
         height in 1_u32..24,
         seed: u64,
         preset in prop::sample::select(&Preset::ALL[..]),
-        layout in prop::sample::select(&[Layout::LeftRight, Layout::Checkerboard, Layout::TopBottom][..]),
+        layout in prop::sample::select(vec![
+            Layout::LeftRight,
+            Layout::Checkerboard,
+            Layout::TopBottom,
+        ]),
     ) {
         let (region, zones, crossings) = instance(width, height, layout, seed);
         let start = Start::RowZigzag.path(&region, &Control::default()).unwrap();
@@ -73,7 +81,10 @@ proptest! {
     }
 
     #[test]
-    fn paths_in_pieces_are_annealed_too(seed: u64, holes in prop::collection::vec(0_usize..300, 1..60)) {
+    fn paths_in_pieces_are_annealed_too(
+        seed: u64,
+        holes in prop::collection::vec(0_usize..300, 1..60),
+    ) {
         let mut inside = vec![true; 20 * 15];
         holes.iter().for_each(|&hole| inside[hole] = false);
         let region = Region::from_mask(20, 15, inside).unwrap();

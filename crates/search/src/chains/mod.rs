@@ -123,8 +123,8 @@ pub struct Outcome {
 /// Reports no progress, since the number of chains is not known in advance.
 /// Works on the calling thread.
 ///
-/// The beam search from one variant costs the cells that it reaches: some 100 us on a zigzag of
-/// 30 x 30 cells, milliseconds where short chains have no gain.
+/// The beam search from one variant costs the cells that it reaches: some 100 us on a zigzag of 30
+/// x 30 cells, milliseconds where short chains have no gain.
 /// The first step searches from every variant that applies, later steps only where cells changed.
 pub fn solve<C: Cost>(
     start: &Path,

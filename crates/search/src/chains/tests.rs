@@ -48,7 +48,11 @@ fn max_gains(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 300,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn records_replay_and_every_chain_gains(
@@ -56,7 +60,11 @@ proptest! {
         height in 1_u32..30,
         seed: u64,
         noisy: bool,
-        layout in prop::sample::select(&[Layout::LeftRight, Layout::Checkerboard, Layout::TopBottom][..]),
+        layout in prop::sample::select(vec![
+            Layout::LeftRight,
+            Layout::Checkerboard,
+            Layout::TopBottom,
+        ]),
     ) {
         let (start, crossings) = instance(width, height, layout, seed);
         let preset = if noisy { Preset::Noisy } else { Preset::Plain };
@@ -98,11 +106,15 @@ proptest! {
         let grower = Grower::new(&start, &crossings, settings.limits());
         for first in applicable(&links) {
             let before = links.clone();
-            let found = grower.grow(&mut links, first).0.map(|found| (found.moves.len() as i64, found.gain));
+            let found = grower.grow(&mut links, first).0;
+            let found = found.map(|chain| (chain.moves.len() as i64, chain.gain));
             prop_assert_eq!(&links, &before);
             let gains = max_gains(&start, &links, &crossings, first, depth);
             let rated = (1_i64..).zip(gains).filter(|&(_, gain)| gain > 0);
-            let best = rated.reduce(|best, other| if other.1 * best.0 > best.1 * other.0 { other } else { best });
+            let better = |best: (i64, i64), other: (i64, i64)| {
+                if other.1 * best.0 > best.1 * other.0 { other } else { best }
+            };
+            let best = rated.reduce(better);
             if depth <= 2 {
                 prop_assert_eq!(found, best);
             } else if let Some((length, gain)) = found {
@@ -125,7 +137,8 @@ proptest! {
             links.apply_variant(all[below(&mut rng, all.len())]);
         }
         let all = applicable(&links);
-        let known: Vec<_> = all.iter().map(|&first| (first, grower.grow(&mut links, first))).collect();
+        let mut grow = |&first| (first, grower.grow(&mut links, first));
+        let known: Vec<_> = all.iter().map(&mut grow).collect();
         let changed = all[below(&mut rng, all.len())];
         links.apply_variant(changed);
         let still: HashSet<PlacedVariant> = applicable(&links).into_iter().collect();

@@ -17,8 +17,8 @@ pub enum Crossover {
     },
     /// The genes of one parent, with a random range replaced by the genes of the other.
     TwoPoint,
-    /// The moves of one parent outside a random window of the grid and those of the other inside it,
-    /// each in their own order, as many as fit.
+    /// The moves of one parent outside a random window of the grid and those of the other inside
+    /// it, each in their own order, as many as fit.
     ///
     /// Whether a variant applies depends only on the links near it, and crossings are links.
     /// So the child has the crossings of one parent inside the window and those of the other
@@ -46,7 +46,8 @@ impl Crossover {
             }
             Self::Window => {
                 let window = Window::draw(width, height, rng);
-                // Which genes are kept is unpredictable, so a branch for each of them would be slow.
+                // Which genes are kept is unpredictable, so a branch for each of them would be
+                // slow.
                 // Every gene is written, and the length advances only past those that are kept; the
                 // list has room for all genes of both parents.
                 let mut genes = vec![None; one.len() + other.len() + 1];

@@ -173,7 +173,11 @@ fn breed<S: State>(layer: &Layer, state: &S, lists: &[Vec<Move>], seed: u64) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 150,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     /// 150 layers, 24 children on each, on links and on paths.
     #[test]
@@ -181,7 +185,11 @@ proptest! {
         width in 4_u32..16,
         height in 4_u32..16,
         seed: u64,
-        layout in prop::sample::select(&[Layout::LeftRight, Layout::Voronoi, Layout::Checkerboard][..]),
+        layout in prop::sample::select(vec![
+            Layout::LeftRight,
+            Layout::Voronoi,
+            Layout::Checkerboard,
+        ]),
     ) {
         let layer = rectangle(width, height, layout, seed);
         let lists = random_lists(&layer, 6, seed);
@@ -202,18 +210,21 @@ proptest! {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
         // All genes are different and identify their parent.
         let gene = |parent: u16, index: usize| {
-            let placed = PlacedVariant { variant: Variant::N, x: index as u16, y: 10 * parent + index as u16 % 10 };
+            let (x, y) = (index as u16, 10 * parent + index as u16 % 10);
+            let placed = PlacedVariant { variant: Variant::N, x, y };
             Some(Move::Variant(placed))
         };
         let filled = [below(&mut rng, length + 1), below(&mut rng, length + 1)];
         let parent = |number: usize| -> Vec<Gene> {
-            (0..length).map(|index| gene(number as u16, index).filter(|_| index < filled[number])).collect()
+            let gene = |index| gene(number as u16, index).filter(|_| index < filled[number]);
+            (0..length).map(gene).collect()
         };
         let parents = [parent(0), parent(1)];
         let child = crossover.cross([&parents[0], &parents[1]], (60, 20), &mut rng);
         prop_assert_eq!(child.len(), length);
         for parent in &parents {
-            let kept: Vec<&Gene> = child.iter().filter(|gene| gene.is_some() && parent.contains(gene)).collect();
+            let is_kept = |gene: &&Gene| gene.is_some() && parent.contains(gene);
+            let kept: Vec<&Gene> = child.iter().filter(is_kept).collect();
             let mut rest = parent.iter();
             prop_assert!(kept.iter().all(|gene| rest.any(|own| own == *gene)), "{:?}", child);
         }
@@ -223,7 +234,8 @@ proptest! {
             prop_assert_eq!(&child[cut..], &parents[1][cut..]);
         }
         if crossover == Crossover::TwoPoint {
-            let of_other: Vec<usize> = (0..length).filter(|&index| child[index] != parents[0][index]).collect();
+            let differs = |&index: &usize| child[index] != parents[0][index];
+            let of_other: Vec<usize> = (0..length).filter(differs).collect();
             prop_assert!(of_other.iter().all(|&index| child[index] == parents[1][index]));
         }
     }

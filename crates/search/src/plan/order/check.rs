@@ -25,7 +25,6 @@ impl Layers {
         layers: &[Vec<u8>],
         costs: &CostMatrix,
         constraints: &Constraints,
-        max_tools: usize,
     ) -> Result<Self, OrderError> {
         let tools = costs.size();
         let is_known = |&tool: &u8| {
@@ -47,9 +46,6 @@ impl Layers {
             set.sort_unstable();
             set.dedup();
             set.iter().try_for_each(is_known)?;
-            if set.len() > max_tools {
-                return Err(OrderError::TooManyTools { layer, got: set.len(), max: max_tools });
-            }
             if set.is_empty() {
                 continue;
             }

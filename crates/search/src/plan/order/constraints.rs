@@ -23,16 +23,6 @@ pub struct Constraints {
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum OrderError {
-    /// A layer uses too many tools.
-    #[error("layer {layer}: {got} tools, expected at most {max}")]
-    TooManyTools {
-        /// Number of the layer, from 0.
-        layer: usize,
-        /// Number of its tools.
-        got: usize,
-        /// Maximum number of tools.
-        max: usize,
-    },
     /// A layer or a constraint uses a tool that has no costs.
     #[error("tool {tool}: no costs given, which cover {tools} tools")]
     UnknownTool {
@@ -66,6 +56,13 @@ pub enum OrderError {
     /// No order of the tools of the layers up to this one avoids the forbidden changes.
     #[error("layer {layer}: no order of its tools avoids the forbidden changes")]
     Forbidden {
+        /// Number of the first such layer, from 0.
+        layer: usize,
+    },
+    /// No order of the many tools of a layer was found that avoids the forbidden changes; there may
+    /// be one.
+    #[error("layer {layer}: no order of its tools was found that avoids the forbidden changes")]
+    NotFound {
         /// Number of the first such layer, from 0.
         layer: usize,
     },

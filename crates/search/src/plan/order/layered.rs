@@ -13,18 +13,21 @@ use crate::CostMatrix;
 pub(super) struct Layered {
     /// For each layer that uses tools.
     pub(super) orders: Vec<Vec<u8>>,
+    /// The indices of the first and the last tool of each of these layers in its set.
+    pub(super) ends: Vec<[usize; 2]>,
     /// Scaled cost.
     pub(super) cost: u64,
 }
 
 /// The cheapest plan, given a table for each kind of layer.
 /// Of equally cheap plans, the one whose orders come lexicographically first, layer by layer.
+/// Where a table has no order for a cost, the order is empty.
 /// The error is the number of the first layer that has no order without forbidden changes.
 ///
 /// O(l k²) steps for l layers of k tools.
 pub(super) fn layered(
     layers: &Layers,
-    tables: &[Within],
+    tables: &[&Within],
     costs: &CostMatrix,
     constraints: &Constraints,
 ) -> Result<Layered, usize> {
@@ -53,10 +56,13 @@ pub(super) fn layered(
         ended[layer] = after;
     }
     let mut orders: Vec<Vec<u8>> = Vec::with_capacity(count);
+    let mut ends = Vec::with_capacity(count);
     let mut total = 0;
     for (layer, &kind) in layers.kind_of.iter().enumerate() {
         let set = &layers.kinds[kind];
-        let before = orders.last().map_or(constraints.loaded, |order| order.last().copied());
+        let before = ends.last().map_or(constraints.loaded, |&[_, last]: &[usize; 2]| {
+            Some(layers.kinds[layers.kind_of[layer - 1]][last])
+        });
         let from = |index: &usize| {
             let is_allowed =
                 layer > 0 || constraints.first.is_none_or(|first| first == set[*index]);
@@ -75,17 +81,19 @@ pub(super) fn layered(
         let lasts = (0..set.len()).filter(|&last| {
             tables[kind].cost(first, last).saturating_add(ended[layer][last]) == best
         });
-        let order = lasts.map(|last| tables[kind].order(first, last)).min();
-        orders.push(order.expect("the minimum is attained by a last tool").to_vec());
+        let last = lasts.min_by_key(|&last| tables[kind].order(first, last));
+        let last = last.expect("the minimum is attained by a last tool");
+        orders.push(tables[kind].order(first, last).to_vec());
+        ends.push([first, last]);
     }
-    Ok(Layered { orders, cost: total })
+    Ok(Layered { orders, ends, cost: total })
 }
 
 /// The first layer that cannot be reached without forbidden changes, where there is no plan for all
 /// layers.
 fn first_blocked(
     layers: &Layers,
-    tables: &[Within],
+    tables: &[&Within],
     costs: &CostMatrix,
     constraints: &Constraints,
 ) -> usize {

@@ -4,13 +4,25 @@
 //! It is found for each pair of a first and a last tool by the dynamic programme of Held and Karp,
 //! "A dynamic programming approach to sequencing problems" (J. SIAM 10, 1962), in `within.rs`.
 //! Over the layers it is a shortest path through those first and last tools, in `layered.rs`.
+//!
+//! The dynamic programme within a layer is too slow for many tools.
+//! For those, `large.rs` finds good orders by local search (`local_search.rs`), and lower bounds by
+//! Lagrangian relaxation (`ascent.rs`, `arborescence.rs`); `solve.rs` combines both to a plan and
+//! its bound.
+//!
 //! `shared.rs` finds one permutation that all layers follow.
 
+mod arborescence;
+mod ascent;
 mod check;
 mod constraints;
+mod large;
 mod layered;
+mod local_search;
 mod outcome;
+mod problem;
 mod shared;
+mod solve;
 #[cfg(test)]
 mod tests;
 pub(in crate::plan) mod within;
@@ -21,8 +33,8 @@ pub use constraints::{Constraints, OrderError};
 pub use outcome::{FixedOrder, ToolOrder};
 
 use self::check::Layers;
-use self::layered::{Layered, layered};
 use self::shared::shared;
+use self::solve::{Solved, Solver};
 use self::within::Within;
 use crate::{CostMatrix, Stop};
 
@@ -38,11 +50,19 @@ const MAX_EXACT: usize = 12;
 /// [`Constraints::loaded`].
 ///
 /// Of equally cheap plans, the result is the one whose orders come lexicographically first, layer
-/// by layer from the first; with [`Constraints::same_order`], it is at least the same every time.
+/// by layer from the first; with [`Constraints::same_order`] or in large layers, it is at least the
+/// same every time.
 ///
+/// An interrupted call returns the best plan so far, with the reason in [`ToolOrder::stop`].
 /// Progress counts different sets of tools.
-/// It takes O(d 2^k k³ + l k²) steps for l layers of at most k tools with d different sets among
-/// them, and twice as many for the bounds.
+/// It takes O(d 2^k k³ + l k²) steps for l layers of at most k <= 12 tools with d different sets
+/// among them, and as many again for the bounds.
+/// Works on `control.threads`; the result does not depend on them.
+///
+/// # Layers of more than 12 tools
+/// Their orders come from a local search, and [`ToolOrder::once_bound`] from a relaxation, so
+/// [`ToolOrder::is_optimal`] may be false even if the plan cannot be improved.
+/// 30 tools take some seconds, 255 tools about a minute.
 ///
 /// # One permutation
 /// With [`Constraints::same_order`], the number of states of the search can grow exponentially with
@@ -69,31 +89,44 @@ pub(super) fn order_and_tables(
     constraints: &Constraints,
     control: &Control<'_>,
 ) -> Result<(ToolOrder, Vec<(Vec<u8>, Within)>), OrderError> {
-    let layers = Layers::new(layers, costs, constraints, MAX_EXACT)?;
-    let solve = |costs: &CostMatrix| -> Result<(Vec<Within>, Layered), OrderError> {
-        let table = |set: &Vec<u8>| Within::new(set, costs, &constraints.before);
-        let tables = control.threads.map(&layers.kinds, table);
-        let plan = layered(&layers, &tables, costs, constraints)
-            .map_err(|layer| OrderError::Forbidden { layer })?;
-        Ok((tables, plan))
-    };
-    let (tables, plan) = solve(costs)?;
+    solve(layers, costs, constraints, MAX_EXACT, control)
+}
+
+/// [`order_and_tables`], with another limit of the size of the sets that are solved exactly.
+fn solve(
+    layers: &[Vec<u8>],
+    costs: &CostMatrix,
+    constraints: &Constraints,
+    max_exact: usize,
+    control: &Control<'_>,
+) -> Result<(ToolOrder, Vec<(Vec<u8>, Within)>), OrderError> {
+    let layers = Layers::new(layers, costs, constraints)?;
+    let solver = Solver { layers: &layers, costs, constraints, max_exact, control };
+    let Solved { plan, bound: layered_bound, tables } = solver.solve()?;
     let with_detours = costs.with_detours();
-    let bound = if with_detours == *costs { plan.cost } else { solve(&with_detours)?.1.cost };
-    let min_changes = solve(&CostMatrix::uniform(costs.size()))?.1.cost as u32;
+    let bound = if with_detours == *costs {
+        layered_bound
+    } else {
+        let control = control.without_progress();
+        Solver { costs: &with_detours, control: &control, ..solver }.bound()?
+    };
+    let min_changes = solver.min_changes();
+    // Both are lower bounds of these plans, and either relaxation may give the better one.
+    let layered_bound = layered_bound.max(bound);
 
     let (orders, permutation, is_proven) = if constraints.same_order {
+        let max_labels = shared::MAX_LABELS;
         let (permutation, is_proven) =
-            shared(&layers, costs, constraints, &plan, plan.cost, shared::MAX_LABELS, control)?;
+            shared(&layers, costs, constraints, &plan, layered_bound, max_labels, control)?;
         let follow =
             |set: &[u8]| permutation.iter().copied().filter(|tool| set.contains(tool)).collect();
         (layers.iter().map(follow).collect(), Some(permutation), is_proven)
     } else {
-        (plan.orders, None, true)
+        (plan.orders, None, plan.cost == layered_bound)
     };
     let orders: Vec<Vec<u8>> = layers.with_empty(orders);
-    let (cost, changes) = sum(&orders, costs, constraints.loaded);
-    let once_bound = if is_proven { cost } else { plan.cost };
+    let (cost, changes) = cost_and_changes(&orders, costs, constraints.loaded);
+    let once_bound = if is_proven { cost } else { layered_bound };
     let stop = match control.interrupted() {
         _ if cost == once_bound => Stop::Optimal,
         Some(interrupted) => interrupted.into(),
@@ -124,15 +157,15 @@ pub fn fixed_order_cost(
     loaded: Option<u8>,
 ) -> Result<FixedOrder, OrderError> {
     let constraints = Constraints { loaded, ..Constraints::default() };
-    let layers = Layers::new(layers, costs, &constraints, usize::MAX)?;
+    let layers = Layers::new(layers, costs, &constraints)?;
     let orders: Vec<Vec<u8>> = layers.iter().map(<[u8]>::to_vec).collect();
-    let (cost, changes) = sum(&orders, costs, loaded);
+    let (cost, changes) = cost_and_changes(&orders, costs, loaded);
     let cost = if cost == within::NEVER { f64::INFINITY } else { costs.unscaled(cost) };
     Ok(FixedOrder { cost, changes })
 }
 
 /// Scaled cost and number of changes of a plan.
-fn sum(orders: &[Vec<u8>], costs: &CostMatrix, loaded: Option<u8>) -> (u64, u32) {
+fn cost_and_changes(orders: &[Vec<u8>], costs: &CostMatrix, loaded: Option<u8>) -> (u64, u32) {
     let mut uses: Vec<u8> = loaded.into_iter().collect();
     uses.extend(orders.iter().flatten());
     let changes = uses.windows(2).filter(|pair| pair[0] != pair[1]);

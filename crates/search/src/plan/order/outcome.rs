@@ -22,8 +22,7 @@ pub struct ToolOrder {
     /// often as it likes** and with detours over any other tools.
     ///
     /// The plan must begin with [`Constraints::first`](super::Constraints::first), and the first
-    /// uses of the tools of a layer must obey
-    /// [`Constraints::before`](super::Constraints::before).
+    /// uses of the tools of a layer must obey [`Constraints::before`](super::Constraints::before).
     /// It need not follow one permutation.
     pub bound: f64,
     /// Proven lower bound of the cost of every plan that uses in each layer each of its tools

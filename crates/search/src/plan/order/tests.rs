@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 
 use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::layered::layered;
 use super::shared::{Abandoned, MAX_LABELS, Shared};
@@ -48,7 +50,7 @@ fn is_allowed(orders: &[Vec<u8>], costs: &CostMatrix, constraints: &Constraints)
 }
 
 fn cost_of(orders: &[Vec<u8>], costs: &CostMatrix, constraints: &Constraints) -> u64 {
-    sum(orders, costs, constraints.loaded).0
+    cost_and_changes(orders, costs, constraints.loaded).0
 }
 
 /// The cheapest plan, of equally cheap ones the lexicographically first, by trying all.
@@ -205,7 +207,7 @@ fn check_plan(case: &Case, plan: &ToolOrder) {
         assert_eq!(set(order), set(layer));
         assert_eq!(order.len(), set(layer).len());
     }
-    let (cost, changes) = sum(&plan.orders, &case.costs, case.constraints.loaded);
+    let (cost, changes) = cost_and_changes(&plan.orders, &case.costs, case.constraints.loaded);
     assert_eq!((plan.cost.to_bits(), plan.changes), ((cost as f64).to_bits(), changes));
     assert!(plan.bound <= plan.once_bound && plan.once_bound <= plan.cost);
     assert!(plan.min_changes <= plan.changes);
@@ -218,7 +220,11 @@ fn solve(case: &Case) -> Result<ToolOrder, OrderError> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 3_000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 3_000,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn orders_are_the_best_of_all(case in any_case(5, 4, 3)) {
@@ -290,7 +296,7 @@ proptest! {
 
         // The search alone, without a good start or a shortcut.
         let control = Control::default();
-        let layers = Layers::new(&case.layers, &case.costs, &case.constraints, 12).unwrap();
+        let layers = Layers::new(&case.layers, &case.costs, &case.constraints).unwrap();
         let part = Shared::new(&layers, &case.costs, &case.constraints);
         let found = part.search(u64::MAX, MAX_LABELS, &control).unwrap().unwrap();
         let found: Vec<u8> = found.into_iter().map(|tool| part.tools[tool]).collect();
@@ -301,8 +307,9 @@ proptest! {
         }
 
         // Without the search the result may not be the best, and is not said to be.
-        let table = |set: &Vec<u8>| Within::new(set, &case.costs, &case.constraints.before);
+        let table = |set: &Vec<u8>| Within::exact(set, &case.costs, &case.constraints.before);
         let tables: Vec<Within> = layers.kinds.iter().map(table).collect();
+        let tables: Vec<&Within> = tables.iter().collect();
         let best = layered(&layers, &tables, &case.costs, &case.constraints).ok().unwrap();
         let found =
             shared(&layers, &case.costs, &case.constraints, &best, best.cost, 0, &control);
@@ -322,7 +329,11 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 50, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 50,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn many_equal_layers(case in any_case(5, 5, 1), count in 2..40_usize) {
@@ -405,6 +416,156 @@ fn many_kinds_of_layers_end_early_with_a_bound() {
     assert_eq!(plan.once_bound.to_bits(), free.cost.to_bits());
     assert!(plan.cost < fixed_order_cost(&layers, &costs, None).unwrap().cost);
     assert_eq!(order_alone(&layers, &costs, &constraints), Ok(plan));
+}
+
+/// Solves sets of more than `max_exact` tools as large ones.
+fn solve_large(case: &Case, max_exact: usize) -> Result<ToolOrder, OrderError> {
+    let Case { layers, costs, constraints } = case;
+    Ok(super::solve(layers, costs, constraints, max_exact, &Control::default())?.0)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 3_000,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn large_sets_are_solved_as_well_as_small_ones(
+        mut case in any_case(7, 6, 4),
+        max_exact in 0..4_usize,
+        same_order: bool,
+    ) {
+        case.constraints.same_order = same_order;
+        let (exact, large) = (solve(&case), solve_large(&case, max_exact));
+        match (exact, large) {
+            (Ok(exact), Ok(large)) => {
+                check_plan(&case, &large);
+                prop_assert!(!large.is_optimal() || exact.is_optimal());
+                prop_assert!(large.bound <= exact.bound && large.once_bound <= exact.cost);
+                prop_assert_eq!(large.cost.to_bits(), exact.cost.to_bits());
+                prop_assert_eq!(large.min_changes, exact.min_changes);
+            }
+            (Err(OrderError::Forbidden { layer }), Err(error)) => {
+                let is_expected = match error {
+                    OrderError::Forbidden { layer: at } | OrderError::NotFound { layer: at } => {
+                        at >= layer
+                    }
+                    _ => false,
+                };
+                prop_assert!(is_expected, "{error}");
+            }
+            (Err(exact), Err(large)) => prop_assert_eq!(exact, large),
+            (exact, large) => prop_assert!(false, "{exact:?} {large:?}"),
+        }
+    }
+}
+
+/// Random costs of a kind.
+fn draw_costs(rng: &mut Xoshiro256PlusPlus, tools: usize, kind: usize) -> CostMatrix {
+    let mut draw = || (0..tools).map(|_| rng.random_range(0.0..100.0)).collect::<Vec<f64>>();
+    let (x, y) = (draw(), draw());
+    let noise: Vec<f64> = (0..tools * tools).map(|_| rng.random_range(1.0..100.0)).collect();
+    let cost = |from: usize, to: usize| match kind % 4 {
+        0 => noise[from * tools + to],
+        // Distances in the plane, without and with directions.
+        1 => (x[from] - x[to]).hypot(y[from] - y[to]),
+        2 => (x[from] - x[to]).hypot(y[from] - y[to]) + 0.5 * y[to],
+        // From dark to light colours takes more than from light to dark.
+        _ => 20.0 + 2.0 * (x[to] - x[from]).max(0.0) + 0.1 * noise[from * tools + to],
+    };
+    CostMatrix::from_fn(tools, |from, to| cost(from, to).round()).unwrap()
+}
+
+#[test]
+fn fourteen_tools_are_solved_as_well_as_by_the_exact_method() {
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
+    let mut optimal = 0;
+    for kind in 0..8 {
+        let costs = draw_costs(&mut rng, 14, kind);
+        let layers = vec![(0..14).collect::<Vec<u8>>(); 1 + kind % 3];
+        let before = if kind % 2 == 0 { vec![(3, 7), (7, 5)] } else { Vec::new() };
+        let constraints = Constraints { before, ..Constraints::default() };
+        let case = Case { layers, costs, constraints };
+        let (exact, large) = (solve_large(&case, 14).unwrap(), solve(&case).unwrap());
+        check_plan(&case, &large);
+        assert!(exact.is_optimal() && large.once_bound <= exact.cost);
+        assert_eq!(large.cost.to_bits(), exact.cost.to_bits());
+        optimal += u32::from(large.is_optimal());
+    }
+    assert!(optimal >= 4, "{optimal} of 8 are proven optimal");
+}
+
+#[test]
+fn up_to_thirty_tools_have_good_orders_and_bounds() {
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(2);
+    for (kind, tools) in [30, 19, 17, 15, 13_u8].into_iter().enumerate() {
+        let costs = draw_costs(&mut rng, tools.into(), kind);
+        let layers: Vec<Vec<u8>> = (0..4)
+            .map(|layer| (0..tools).filter(|tool| layer % 2 == 0 || tool % 7 > 0).collect())
+            .collect();
+        let loaded = Some(kind as u8);
+        let before = if kind % 2 == 0 { vec![(3, 7), (8, 1)] } else { Vec::new() };
+        let constraints = Constraints { before, loaded, ..Constraints::default() };
+        let case = Case { layers, costs, constraints };
+        let plan = solve(&case).unwrap();
+        check_plan(&case, &plan);
+        let gap = (plan.cost - plan.once_bound) / plan.cost;
+        assert!(gap < 0.06, "{tools} tools: the bound is {:.1} % below the plan", 100.0 * gap);
+        let fixed = fixed_order_cost(&case.layers, &case.costs, loaded).unwrap();
+        assert!(plan.cost < fixed.cost);
+        if tools < 16 {
+            assert_eq!(solve(&case), Ok(plan.clone()), "the same plan every time");
+            let constraints = Constraints { same_order: true, ..case.constraints.clone() };
+            let shared = solve(&Case { constraints, ..case.clone() }).unwrap();
+            check_plan(&case, &shared);
+            assert!(shared.cost >= plan.once_bound);
+        }
+    }
+}
+
+/// A cheap cycle is hidden among expensive changes: the plan follows it, and the bound proves it.
+#[test]
+fn a_hidden_order_of_many_tools_is_found_and_proven() {
+    for tools in [13, 20, 40_usize] {
+        let position = |tool: usize| tool * 7 % tools;
+        let cost = |from, to| if position(to) == (position(from) + 1) % tools { 1.0 } else { 9.0 };
+        let costs = CostMatrix::from_fn(tools, cost).unwrap();
+        let layers = vec![(0..tools as u8).collect::<Vec<u8>>(); 3];
+        let plan = order_alone(&layers, &costs, &Constraints::default()).unwrap();
+        let steps = 3 * (tools - 1);
+        assert_eq!((plan.cost as usize, plan.stop), (steps, Stop::Optimal));
+        assert_eq!((plan.changes as usize, plan.min_changes as usize), (steps, steps));
+    }
+}
+
+#[test]
+fn interrupted_calls_return_a_plan() {
+    let time_is_up = || true;
+    let control = Control { time_is_up: Some(&time_is_up), ..Control::default() };
+    for (layers, costs) in [many_kinds(), (vec![(0..30).collect(); 4], uneven(30))] {
+        for same_order in [false, true] {
+            let before = vec![(2, 1), (3, 2)];
+            let constraints = Constraints { same_order, before, ..Constraints::default() };
+            let plan = order(&layers, &costs, &constraints, &control).unwrap();
+            let case = Case { layers: layers.clone(), costs: costs.clone(), constraints };
+            check_plan(&case, &plan);
+            assert!(plan.stop == Stop::TimeUp || plan.is_optimal());
+        }
+    }
+}
+
+#[test]
+fn progress_counts_sets_of_tools() {
+    let seen = std::sync::Mutex::new(Vec::new());
+    let progress = |progress: beadwork_base::Progress| {
+        seen.lock().unwrap().push((progress.done, progress.total));
+    };
+    let control = Control { progress: Some(&progress), ..Control::default() };
+    let layers = vec![vec![0, 1], (0..13).collect(), vec![1, 0], vec![2], vec![]];
+    order(&layers, &uneven(13), &Constraints::default(), &control).unwrap();
+    assert_eq!(*seen.lock().unwrap(), [(1, 3), (2, 3), (3, 3)]);
 }
 
 #[test]

@@ -1,11 +1,12 @@
-//! The cheapest orders of one set of tools, for each pair of a first and a last tool.
+//! Orders of one set of tools, for each pair of a first and a last tool.
 
 use crate::CostMatrix;
 
 /// Cost of an order that does not exist: more than any sum of costs.
 pub(in crate::plan) const NEVER: u64 = u64::MAX;
 
-/// For each first and each last tool of a set, the cheapest order between them.
+/// For each first and each last tool of a set, the cost of the best known order between them, and
+/// the order.
 ///
 /// Tools are addressed by their index in the sorted set.
 pub(in crate::plan) struct Within {
@@ -13,16 +14,17 @@ pub(in crate::plan) struct Within {
     count: usize,
     /// Scaled costs, at `first * count + last`; [`NEVER`] if there is no order.
     costs: Vec<u64>,
-    /// The orders, of equally cheap ones the lexicographically first; empty if there is none.
+    /// The orders; empty if there is none, or only its cost is known.
     orders: Vec<Vec<u8>>,
 }
 
 impl Within {
-    /// Solves a sorted set of tools by the dynamic programme of Held and Karp, under the
-    /// constraints of `before` between tools of the set.
+    /// The cheapest orders of a sorted set of tools, of equally cheap ones the lexicographically
+    /// first, under the constraints of `before` between tools of the set.
+    /// They are found by the dynamic programme of Held and Karp.
     ///
     /// O(2^k k³) steps for k tools.
-    pub(in crate::plan) fn new(set: &[u8], costs: &CostMatrix, before: &[(u8, u8)]) -> Self {
+    pub(in crate::plan) fn exact(set: &[u8], costs: &CostMatrix, before: &[(u8, u8)]) -> Self {
         let count = set.len();
         let earlier = earlier_tools(set, before);
         let step = |from: usize, to: usize| costs.step(set[from], set[to]);
@@ -74,18 +76,30 @@ impl Within {
         within
     }
 
-    /// Minimum cost from the `first` tool to the `last`, given by their indices; [`NEVER`] if there
-    /// is no order.
+    /// Costs only, without orders, at `first * count + last`.
+    pub(in crate::plan) fn with_costs(count: usize, costs: Vec<u64>) -> Self {
+        Self { count, costs, orders: vec![Vec::new(); count * count] }
+    }
+
+    /// Sets the cost of a pair that has no order yet, or its order too.
+    pub(in crate::plan) fn set(&mut self, [first, last]: [usize; 2], cost: u64, order: Vec<u8>) {
+        let pair = first * self.count + last;
+        self.costs[pair] = cost;
+        self.orders[pair] = order;
+    }
+
+    /// Cost from the `first` tool to the `last`, given by their indices; [`NEVER`] if there is no
+    /// order.
     pub(in crate::plan) fn cost(&self, first: usize, last: usize) -> u64 {
         self.costs[first * self.count + last]
     }
 
-    /// The order of that cost.
+    /// The order of that cost; empty if it is not known.
     pub(in crate::plan) fn order(&self, first: usize, last: usize) -> &[u8] {
         &self.orders[first * self.count + last]
     }
 
-    /// The orders and their costs, by rising first and then last tool.
+    /// The known orders and their costs, by rising first and then last tool.
     pub(in crate::plan) fn iter(&self) -> impl Iterator<Item = (&[u8], u64)> {
         let orders = self.orders.iter().zip(&self.costs);
         orders.filter(|(order, _)| !order.is_empty()).map(|(order, &cost)| (order.as_slice(), cost))

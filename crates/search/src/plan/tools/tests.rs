@@ -206,6 +206,28 @@ fn rows(tools: &[&[u8]]) -> Sliced {
     tools.iter().map(row).collect()
 }
 
+/// More tools than an exact order can be found for.
+#[test]
+fn parts_of_many_tools_are_planned() {
+    let ids: Vec<u8> = (0..18 * 3).map(|cell| (cell * 7 % 18) as u8).collect();
+    let region = Region::rectangle(18, 3).unwrap();
+    let zones = Zones::new(&region, ids).unwrap();
+    let layers = vec![(region, zones); 3];
+    let costs = CostMatrix::from_fn(18, |from, to| (1 + (from * 31 + to * 17) % 23) as f64);
+    let costs = costs.unwrap();
+    for mode in Mode::ALL {
+        for loaded in [None, Some(4)] {
+            let constraints = Constraints { loaded, ..Constraints::default() };
+            let settings = Settings { mode, lift_cost: 2.0, constraints, ..Settings::default() };
+            let plan = plan_alone(&layers, &costs, &settings).unwrap();
+            check(&plan, &layers, &costs);
+            if mode == Mode::Free {
+                assert_eq!(plan.tool_cost.to_bits(), plan.order.cost.to_bits());
+            }
+        }
+    }
+}
+
 #[test]
 fn all_layers_follow_one_order_even_if_others_are_as_cheap() {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(3);
