@@ -199,9 +199,9 @@ fn bad_input_is_reported_and_leaves_nothing_behind() {
     assert!(plan(&["--tower", "100,80,30,30"]).ends_with("purge.tower overlaps the part"));
     assert!(
         plan(&["--first-tool", "12"])
-            .ends_with("tool 12 has no costs, which are given for 12 tools")
+            .ends_with("tool 12 does not exist: costs are given for 12 tools")
     );
-    assert!(plan(&["--mode", "continuous", "--same-order"]).contains("they can't obey an order"));
+    assert!(plan(&["--mode", "continuous", "--same-order"]).contains("no order can be imposed"));
     assert!(!out.exists());
     assert!(
         fail(&["plan", "example:cube", "--objective", "tools"]).contains("unknown example 'cube'")

@@ -24,7 +24,7 @@ pub struct Constraints {
 #[non_exhaustive]
 pub enum OrderError {
     /// A layer or a constraint uses a tool that has no costs.
-    #[error("tool {tool}: no costs given, which cover {tools} tools")]
+    #[error("tool {tool} does not exist: costs are given for {tools} tools")]
     UnknownTool {
         /// The tool.
         tool: u8,
