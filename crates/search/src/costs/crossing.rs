@@ -62,7 +62,7 @@ impl<'a> CrossingCosts<'a> {
 /// Symmetric costs derived from a matrix of crossing costs, whose entries are at most 10,000 and
 /// not forbidden: one for each pair of zones, at `a * size + b`.
 impl CostMatrix {
-    /// The cheaper direction of each pair: the least that a crossing between the two zones costs.
+    /// The cheaper direction of each pair: the minimum cost of a crossing between the two zones.
     pub(crate) fn cheaper_direction(&self) -> Vec<i32> {
         self.of_pairs(|a, b| self.at(a, b).min(self.at(b, a)) as i32)
     }
@@ -105,8 +105,8 @@ impl CostMatrix {
 
     /// For each pair a random cost between those of its two directions.
     ///
-    /// A path that crosses to and fro pays both directions by turns, another one mostly pays one of
-    /// them; which one is not known before the path is.
+    /// A path that crosses back and forth pays both directions alternately, another path mostly
+    /// pays one of them; which one is known only when the path is.
     pub(crate) fn between_directions(&self, rng: &mut impl Rng) -> Vec<i32> {
         let mut costs = self.of_pairs(|_, _| 0);
         for a in 0..self.size {

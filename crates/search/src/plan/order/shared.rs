@@ -118,7 +118,7 @@ pub(super) fn shared(
     if cost == bound {
         return Ok((numbers(permutation), true));
     }
-    // With forbidden changes a permutation is of no use, so only others are searched for.
+    // With forbidden changes a permutation is not a solution, so only others are searched for.
     let is_feasible = cost < part.penalty;
     let max_labels = max_labels.min(MAX_WORK / (part.kinds.len() + part.pairs.len()));
     match part.search(cost.min(part.penalty), max_labels, control) {
