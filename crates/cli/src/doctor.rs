@@ -1,5 +1,6 @@
 //! `doctor`: what is installed, what is missing, and how to get it.
 
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -45,26 +46,30 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
             "items": items,
         }));
     }
-    let mut text = format!("machine       {}\n", machine::line());
-    text += &format!("vector units  {}\n", vector_units().join(", "));
-    let networks = if cfg!(feature = "learn") {
-        "yes".to_owned()
-    } else {
-        "no: cargo xtask builds a binary with networks where a command needs one".to_owned()
-    };
-    text += &format!("networks      {networks}\n\n");
-    let width = items.iter().map(|item| item.name.len()).max().unwrap_or(0);
-    for item in &items {
-        let (mark, found) = match &item.found {
-            Some(found) => ("ok     ", found.as_str()),
-            None => ("missing", item.install),
-        };
-        text += &format!(
-            "{mark}  {:width$}  {found}\n         {:width$}  for {}\n",
-            item.name, "", item.needed_for
-        );
-    }
+    let mut text = String::new();
+    write(&mut text, &items).expect("writing to a string succeeds");
     output::text(&text)
+}
+
+fn write(text: &mut String, items: &[Item]) -> std::fmt::Result {
+    let networks = if cfg!(feature = "learn") {
+        "yes"
+    } else {
+        "no: cargo xtask builds a binary with networks where a command needs one"
+    };
+    writeln!(text, "machine       {}", machine::line())?;
+    writeln!(text, "vector units  {}", vector_units().join(", "))?;
+    writeln!(text, "networks      {networks}\n")?;
+    let width = items.iter().map(|item| item.name.len()).max().unwrap_or(0);
+    for Item { name, found, needed_for, install } in items {
+        let (mark, found) = match found {
+            Some(found) => ("ok     ", found.as_str()),
+            None => ("missing", *install),
+        };
+        writeln!(text, "{mark}  {name:width$}  {found}")?;
+        writeln!(text, "         {:width$}  for {needed_for}", "")?;
+    }
+    Ok(())
 }
 
 fn items() -> Vec<Item> {

@@ -119,9 +119,11 @@ impl Target {
         for (section, map) in sections {
             match self {
                 Self::File(path) if has_extension(path, "png") => {
-                    output::file(path, png(map, scale))?
+                    output::file(path, png(map, scale))?;
                 }
-                Self::File(path) => output::file(path, svg(std::slice::from_ref(map), 1, scale))?,
+                Self::File(path) => {
+                    output::file(path, svg(std::slice::from_ref(map), 1, scale))?;
+                }
                 Self::Folder(folder) => {
                     std::fs::create_dir_all(folder)?;
                     let name = format!("section-{}", section.to_string().replace('=', ""));

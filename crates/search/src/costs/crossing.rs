@@ -48,12 +48,11 @@ impl<'a> CrossingCosts<'a> {
     /// The lower bound, in the caller's unit, that follows from a lower bound for the reduced
     /// costs.
     pub(crate) fn bound(&self, reduced: u64) -> f64 {
-        let scaled = match self.reduced {
-            Cow::Borrowed(_) => reduced,
-            Cow::Owned(_) => {
-                let max = u128::from(self.original.max_scaled());
-                (u128::from(reduced) * max).div_ceil(u128::from(Self::MAX)) as u64
-            }
+        let scaled = if let Cow::Owned(_) = self.reduced {
+            let max = u128::from(self.original.max_scaled());
+            (u128::from(reduced) * max).div_ceil(u128::from(Self::MAX)) as u64
+        } else {
+            reduced
         };
         self.original.unscaled(scaled)
     }

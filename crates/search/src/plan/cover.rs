@@ -136,8 +136,8 @@ impl Effort<'_> {
         let settings = exact::Settings {
             seed,
             attempts,
-            columns_first,
             costs,
+            columns_first,
             below,
             ..exact::Settings::default()
         };

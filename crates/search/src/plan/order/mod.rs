@@ -81,14 +81,16 @@ pub fn order(
     Ok(order_and_tables(layers, costs, constraints, control)?.0)
 }
 
-/// The order of [`order`], and the tables from which it was made: one for each different set of
-/// tools.
+/// For each different set of tools, in rising order, the costs of its orders.
+pub(super) type Tables = Vec<(Vec<u8>, Within)>;
+
+/// The order of [`order`], and the tables from which it was made.
 pub(super) fn order_and_tables(
     layers: &[Vec<u8>],
     costs: &CostMatrix,
     constraints: &Constraints,
     control: &Control<'_>,
-) -> Result<(ToolOrder, Vec<(Vec<u8>, Within)>), OrderError> {
+) -> Result<(ToolOrder, Tables), OrderError> {
     solve(layers, costs, constraints, MAX_EXACT, control)
 }
 
@@ -99,7 +101,7 @@ fn solve(
     constraints: &Constraints,
     max_exact: usize,
     control: &Control<'_>,
-) -> Result<(ToolOrder, Vec<(Vec<u8>, Within)>), OrderError> {
+) -> Result<(ToolOrder, Tables), OrderError> {
     let layers = Layers::new(layers, costs, constraints)?;
     let solver = Solver { layers: &layers, costs, constraints, max_exact, control };
     let Solved { plan, bound: layered_bound, tables } = solver.solve()?;

@@ -293,7 +293,7 @@ impl<'a> Shared<'a> {
                 continue;
             }
             trials -= 1;
-            if trials % 256 == 0 && control.interrupted().is_some() {
+            if trials.is_multiple_of(256) && control.interrupted().is_some() {
                 break;
             }
             let tool = permutation.remove(from);

@@ -34,7 +34,7 @@ const MAX_SEARCH_STEPS: usize = 2_000_000_000;
 /// The costs and orders of one set of tools.
 enum Table {
     Exact(Within),
-    Large(Large),
+    Large(Box<Large>),
 }
 
 /// The best plan that was found, with the tables that it was made from.
@@ -104,7 +104,7 @@ impl Solver<'_> {
             let before = &self.constraints.before;
             let is_exact = set.len() <= self.max_exact && self.control.interrupted().is_none();
             if !is_exact {
-                return Table::Large(Large::new(set, self.costs, before));
+                return Table::Large(Box::new(Large::new(set, self.costs, before)));
             }
             let table = Table::Exact(Within::exact(set, self.costs, before));
             self.control.report(done.fetch_add(1, Ordering::Relaxed) + 1, kinds.len());

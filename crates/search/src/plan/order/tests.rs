@@ -547,7 +547,7 @@ fn interrupted_calls_return_a_plan() {
     for (layers, costs) in [many_kinds(), (vec![(0..30).collect(); 4], uneven(30))] {
         for same_order in [false, true] {
             let before = vec![(2, 1), (3, 2)];
-            let constraints = Constraints { same_order, before, ..Constraints::default() };
+            let constraints = Constraints { before, same_order, ..Constraints::default() };
             let plan = order(&layers, &costs, &constraints, &control).unwrap();
             let case = Case { layers: layers.clone(), costs: costs.clone(), constraints };
             check_plan(&case, &plan);
