@@ -112,11 +112,6 @@ impl CancelToken {
         self.0.swap(true, Ordering::Relaxed)
     }
 
-    /// The flag itself, for code that polls an atomic.
-    pub fn as_flag(&self) -> &AtomicBool {
-        &self.0
-    }
-
     /// Whether [`CancelToken::cancel`] was called.
     #[inline]
     pub fn is_cancelled(&self) -> bool {

@@ -13,7 +13,6 @@ mod sampling;
 mod section;
 mod source;
 
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use anyhow::bail;
@@ -87,7 +86,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let layers: Vec<LayerMeasures> =
         reports.iter().map(|report| LayerMeasures::new(report, &interlayer)).collect();
     bar.finish_and_clear();
-    if cancel::token()?.as_flag().load(Ordering::Relaxed) {
+    if cancel::token()?.is_cancelled() {
         bail!("stopped; nothing was written");
     }
     let report = Report {
