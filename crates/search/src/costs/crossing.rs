@@ -6,33 +6,40 @@ use rand::Rng;
 
 use super::matrix::CostMatrix;
 
-/// Costs of crossings for the exact search, which sums them over tens of thousands of crossings in
-/// 32 bits, in fractions of a unit.
+/// Costs of crossings for the exact search.
+///
+/// That search sums fractions of costs over tens of thousands of crossings in 32 bits, so scaled
+/// costs must be small.
+/// Larger ones are divided by a common factor.
+/// If they are not multiples of it they are rounded **down**: a path then costs at most its true
+/// cost divided by the factor, so lower bounds stay lower bounds, but optimality may be impossible
+/// to prove.
 pub(crate) struct CrossingCosts<'a> {
     original: &'a CostMatrix,
     reduced: Cow<'a, CostMatrix>,
+    /// The factor by which costs were divided, as a fraction.
+    factor: [u32; 2],
 }
 
 impl<'a> CrossingCosts<'a> {
     /// The largest scaled cost of one crossing.
     const MAX: u32 = 10_000;
 
-    /// Reduces costs that are larger than the limit by one factor, rounding **down**.
-    ///
-    /// Any path then costs at most its true cost times that factor, so lower bounds stay lower
-    /// bounds; optimality can be proven only as far as rounding does not matter.
     pub(crate) fn new(original: &'a CostMatrix) -> Self {
         let max = original.max_scaled();
         if max <= Self::MAX {
-            return Self { original, reduced: Cow::Borrowed(original) };
+            return Self { original, reduced: Cow::Borrowed(original), factor: [1, 1] };
         }
-        let reduce = |&cost: &u32| (u64::from(cost) * u64::from(Self::MAX) / u64::from(max)) as u32;
+        let divisor = original.scaled.iter().copied().fold(0, greatest_common_divisor);
+        let factor @ [over, under] =
+            if max / divisor <= Self::MAX { [divisor, 1] } else { [max, Self::MAX] };
+        let reduce = |&cost: &u32| (u64::from(cost) * u64::from(under) / u64::from(over)) as u32;
         let reduced = CostMatrix {
             size: original.size,
             scaled: original.scaled.iter().map(reduce).collect(),
-            scale: original.scale * f64::from(Self::MAX) / f64::from(max),
+            scale: original.scale * f64::from(under) / f64::from(over),
         };
-        Self { original, reduced: Cow::Owned(reduced) }
+        Self { original, reduced: Cow::Owned(reduced), factor }
     }
 
     /// The costs as the caller gave them.
@@ -48,26 +55,27 @@ impl<'a> CrossingCosts<'a> {
     /// The lower bound, in the caller's unit, that follows from a lower bound for the reduced
     /// costs.
     pub(crate) fn bound(&self, reduced: u64) -> f64 {
-        let scaled = if let Cow::Owned(_) = self.reduced {
-            let max = u128::from(self.original.max_scaled());
-            (u128::from(reduced) * max).div_ceil(u128::from(Self::MAX)) as u64
-        } else {
-            reduced
-        };
-        self.original.unscaled(scaled)
+        let [over, under] = self.factor.map(u128::from);
+        let scaled = (u128::from(reduced) * over).div_ceil(under);
+        self.original.unscaled(scaled as u64)
     }
+}
+
+/// The greatest common divisor; that of 0 and another number is the other number.
+fn greatest_common_divisor(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
 
 /// Symmetric costs derived from a matrix of crossing costs, whose entries are at most 10,000 and
 /// not forbidden: one for each pair of zones, at `a * size + b`.
 impl CostMatrix {
-    /// The cheaper direction of each pair: the minimum cost of a crossing between the two zones.
+    /// The cost of the cheaper direction of each pair.
     pub(crate) fn cheaper_direction(&self) -> Vec<i32> {
         self.of_pairs(|a, b| self.at(a, b).min(self.at(b, a)) as i32)
     }
 
-    /// The cheaper direction of each pair after the costs have been shifted by potentials, and the
-    /// most by which this may understate or overstate the cost of one piece of a path.
+    /// The cost of the cheaper direction of each pair after costs were shifted by potentials, and
+    /// the maximum change of the cost of one piece of a path by that shift.
     ///
     /// Give each zone a potential, and add to the cost of a step from a to b the potential of b
     /// minus that of a.
@@ -141,6 +149,18 @@ mod tests {
         let crossing = CrossingCosts::new(&costs);
         assert_eq!(crossing.reduced(), &costs);
         assert_eq!(crossing.bound(123).to_bits(), 123.0_f64.to_bits());
+    }
+
+    /// Costs of hundreds of thousands with a large common divisor are searched without rounding.
+    #[test]
+    fn common_divisors_are_divided_out() {
+        let costs = CostMatrix::from_fn(3, |from, to| 250.25 * (from + 2 * to) as f64).unwrap();
+        assert!(costs.max_scaled() > CrossingCosts::MAX);
+        let crossing = CrossingCosts::new(&costs);
+        let reduced = crossing.reduced();
+        assert_eq!([reduced.scaled(0, 1), reduced.scaled(2, 1)], [2, 4]);
+        assert_eq!(crossing.bound(3).to_bits(), 750.75_f64.to_bits());
+        assert!((reduced.cost(2, 1) - 1001.0).abs() < 1e-9);
     }
 
     /// A path costs at least what follows from its reduced cost, and hardly more.

@@ -22,6 +22,8 @@ use thiserror::Error;
 ///
 /// Results are reported in the caller's unit.
 /// They, their bounds and their optimality refer to the rounded costs.
+/// [`exact`](crate::exact) needs smaller integers than other methods, and rounds large ones down for
+/// its search; this may lower its bounds, but they remain true.
 ///
 /// Invariant: the size is at most [`MAX_SIZE`](Self::MAX_SIZE), and staying with a number costs 0.
 #[derive(Clone, Debug, PartialEq)]

@@ -27,6 +27,8 @@ mod solve;
 mod tests;
 pub(in crate::plan) mod within;
 
+use std::collections::HashMap;
+
 use beadwork_base::Control;
 
 pub use constraints::{Constraints, OrderError};
@@ -78,19 +80,23 @@ pub fn order(
     constraints: &Constraints,
     control: &Control<'_>,
 ) -> Result<ToolOrder, OrderError> {
-    Ok(order_and_tables(layers, costs, constraints, control)?.0)
+    Ok(order_and_tables(layers, costs, constraints, control)?.order)
 }
 
-/// For each different set of tools, in rising order, the costs of its orders.
-pub(super) type Tables = Vec<(Vec<u8>, Within)>;
+/// The result of [`order`], and what it was made from.
+pub(super) struct Solution {
+    pub(super) order: ToolOrder,
+    /// For each different set of tools, the orders that were found.
+    pub(super) tables: HashMap<Vec<u8>, Within>,
+}
 
-/// The order of [`order`], and the tables from which it was made.
+/// The order of [`order`], with its tables.
 pub(super) fn order_and_tables(
     layers: &[Vec<u8>],
     costs: &CostMatrix,
     constraints: &Constraints,
     control: &Control<'_>,
-) -> Result<(ToolOrder, Tables), OrderError> {
+) -> Result<Solution, OrderError> {
     solve(layers, costs, constraints, MAX_EXACT, control)
 }
 
@@ -101,7 +107,7 @@ fn solve(
     constraints: &Constraints,
     max_exact: usize,
     control: &Control<'_>,
-) -> Result<(ToolOrder, Tables), OrderError> {
+) -> Result<Solution, OrderError> {
     let layers = Layers::new(layers, costs, constraints)?;
     let solver = Solver { layers: &layers, costs, constraints, max_exact, control };
     let Solved { plan, bound: layered_bound, tables } = solver.solve()?;
@@ -144,7 +150,7 @@ fn solve(
         min_changes,
         stop,
     };
-    Ok((order, layers.kinds.into_iter().zip(tables).collect()))
+    Ok(Solution { order, tables: layers.kinds.into_iter().zip(tables).collect() })
 }
 
 /// Cost of printing the tools of each layer by rising number, the same in every layer: for

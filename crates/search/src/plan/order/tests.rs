@@ -421,7 +421,7 @@ fn many_kinds_of_layers_end_early_with_a_bound() {
 /// Solves sets of more than `max_exact` tools as large ones.
 fn solve_large(case: &Case, max_exact: usize) -> Result<ToolOrder, OrderError> {
     let Case { layers, costs, constraints } = case;
-    Ok(super::solve(layers, costs, constraints, max_exact, &Control::default())?.0)
+    Ok(super::solve(layers, costs, constraints, max_exact, &Control::default())?.order)
 }
 
 proptest! {

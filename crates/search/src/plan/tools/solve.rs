@@ -1,7 +1,5 @@
 //! Planning of whole parts.
 
-use std::collections::HashMap;
-
 use beadwork_base::Control;
 
 use super::error::PlanError;
@@ -12,8 +10,7 @@ use crate::plan::choice::{Begin, Chosen, Way, Weights, choose, frontier};
 use crate::plan::cover::{LayerRef, tools};
 use crate::plan::covers::{Wants, covers};
 use crate::plan::options::Options;
-use crate::plan::order::within::Within;
-use crate::plan::order::{Constraints, OrderError, fixed_order_cost, order_and_tables};
+use crate::plan::order::{Constraints, OrderError, Solution, fixed_order_cost, order_and_tables};
 
 /// Plans a part with the minimum sum of the costs of tool changes and lifts.
 ///
@@ -50,9 +47,9 @@ pub fn solve(
     if let Some(&tool) = sets.iter().flatten().find(|&&tool| usize::from(tool) >= costs.size()) {
         return Err(OrderError::UnknownTool { tool, tools: costs.size() }.into());
     }
-    let (order, tables) = order_and_tables(&sets, costs, constraints, &control.without_progress())?;
+    let solution = order_and_tables(&sets, costs, constraints, &control.without_progress())?;
+    let Solution { order, tables } = solution;
     control.check()?;
-    let tables: HashMap<Vec<u8>, Within> = tables.into_iter().collect();
     let wants = Wants {
         continuous: *mode != Mode::Free && !asks_for_order(constraints),
         by_zones: *mode != Mode::Continuous,
