@@ -85,7 +85,8 @@ impl CostMatrix {
     /// So a lower bound for the shifted costs, minus that difference for each piece, is a lower
     /// bound for the original costs.
     /// It is the better one where the potentials make the two directions of each pair more alike,
-    /// since the cheaper direction is then closer to what a path pays in both directions by turns.
+    /// since the cheaper direction is then closer to what a path pays that uses both directions
+    /// alternately.
     ///
     /// The potentials solve the least-squares problem over all pairs; they are halved until no
     /// shifted cost is negative.
@@ -112,8 +113,8 @@ impl CostMatrix {
 
     /// For each pair a random cost between those of its two directions.
     ///
-    /// A path that crosses back and forth pays both directions alternately, another path mostly
-    /// pays one of them; which one is known only when the path is.
+    /// A path that crosses a border back and forth pays both directions alternately, other paths
+    /// mostly pay one of them; which one is known only once there is a path.
     pub(crate) fn between_directions(&self, rng: &mut impl Rng) -> Vec<i32> {
         let mut costs = self.of_pairs(|_, _| 0);
         for a in 0..self.size {

@@ -2,13 +2,12 @@
 
 use thiserror::Error;
 
-/// The cost of a change for each ordered pair of numbers: of the zones on both sides of a crossing,
-/// or of the tools before and after a tool change.
+/// Costs of changes: of crossings from one zone to another, or of tool changes.
 ///
-/// Costs are nonnegative numbers in any one unit: the volume to purge in mm³, seconds, or simply 1
-/// each.
-/// The change from b to a need not cost the same as the one from a to b, and a detour over a third
-/// number may be cheaper than the direct change.
+/// There is one cost for each ordered pair of zones or tools, which are numbered from 0. Costs are
+/// nonnegative numbers in any one unit: the volume to purge in mm³, seconds, or simply 1 each.
+/// The change from b to a need not cost the same as the one from a to b, and a detour over c may be
+/// cheaper than the direct change.
 /// [`f64::INFINITY`] forbids a change.
 ///
 /// # Rounding
@@ -22,10 +21,10 @@ use thiserror::Error;
 ///
 /// Results are reported in the caller's unit.
 /// They, their bounds and their optimality refer to the rounded costs.
-/// [`exact`](crate::exact) needs smaller integers than other methods, and rounds large ones down for
-/// its search; this may lower its bounds, but they remain true.
+/// [`exact`](crate::exact) needs smaller integers than other methods, and rounds large ones down
+/// for its search; this may lower its bounds, but they remain true.
 ///
-/// Invariant: the size is at most [`MAX_SIZE`](Self::MAX_SIZE), and staying with a number costs 0.
+/// Invariant: the size is at most [`MAX_SIZE`](Self::MAX_SIZE), and the diagonal is 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CostMatrix {
     pub(super) size: usize,
@@ -162,7 +161,7 @@ impl CostMatrix {
         self.scale
     }
 
-    /// The step of the costs that the searches tell apart, in the caller's unit: the inverse of
+    /// The difference between two successive scaled costs, in the caller's unit: the inverse of
     /// [`CostMatrix::scale`].
     /// A cost is rounded by at most half of it, and by nothing if all costs are multiples of it.
     pub fn resolution(&self) -> f64 {
@@ -174,7 +173,7 @@ impl CostMatrix {
         self.all_pairs(|a, b| self.at(a, b) == self.at(b, a))
     }
 
-    /// Whether no detour over other numbers is cheaper than a direct change.
+    /// Whether no detour is cheaper than a direct change (the triangle inequality).
     /// Cubic in the size.
     pub fn is_metric(&self) -> bool {
         self.with_detours() == *self
@@ -192,7 +191,7 @@ impl CostMatrix {
     /// If one of the numbers is not below [`CostMatrix::size`].
     #[inline]
     pub(crate) fn scaled(&self, from: u8, to: u8) -> u32 {
-        assert!(usize::from(to) < self.size, "number {to} has no cost");
+        assert!(usize::from(to) < self.size, "no cost of a change to {to}");
         self.scaled[usize::from(from) * self.size + usize::from(to)]
     }
 
@@ -220,11 +219,10 @@ impl CostMatrix {
         self.scaled.iter().copied().filter(|&cost| cost != FORBIDDEN).max().unwrap_or(0)
     }
 
-    /// The cost of the cheapest way from each number to each other over any numbers between, by the
-    /// method of Floyd and Warshall.
+    /// The cost of the cheapest sequence of changes for each pair, by the Floyd-Warshall algorithm.
     ///
-    /// A way around a forbidden change costs at most `u32::MAX - 1`, so that the result stays a
-    /// lower bound of what any sequence of changes costs.
+    /// A sequence that avoids a forbidden change costs at most `u32::MAX - 1`, so that the result
+    /// stays a lower bound of what any sequence of changes costs.
     pub(crate) fn with_detours(&self) -> Self {
         let n = self.size;
         let mut scaled = self.scaled.clone();
@@ -360,7 +358,7 @@ mod tests {
         assert_eq!(rows(f64::INFINITY, f64::INFINITY).unwrap().with_detours(), shortest);
         assert!(!rows(9.0, 1.0).unwrap().is_metric());
         assert!(shortest.is_metric() && CostMatrix::uniform(7).is_metric());
-        // No way leads around a change that is forbidden over every other number too.
+        // Every sequence of changes from 0 is forbidden.
         let dead_end =
             CostMatrix::from_fn(3, |from, _| if from == 0 { f64::INFINITY } else { 1.0 });
         assert!(dead_end.unwrap().with_detours().is_forbidden(0, 1));

@@ -327,8 +327,8 @@ impl ComponentSearch<'_> {
 
     /// Raises the bound by counting in the graph of zone components, in units of the cheapest
     /// crossing.
-    /// Where costs depend on the direction, the flow also uses costs that are shifted so that the two
-    /// directions differ less ([`CostMatrix::shifted_by_potentials`]).
+    /// Where costs depend on the direction, the flow also uses costs that are shifted so that the
+    /// two directions differ less ([`CostMatrix::shifted_by_potentials`]).
     fn bound_by_zones(&mut self) {
         let min_segments = vec![1; self.graph.count() as usize];
         let crossings = segments::count(&min_segments, self.target)

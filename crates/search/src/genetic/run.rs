@@ -151,7 +151,7 @@ fn draw<S: State>(
 
 impl Birth {
     /// Whether the child will equal both parents, so that it need not be bred.
-    /// In a population that has converged most children are such.
+    /// Most children do, once the population has converged.
     fn is_copy(&self, [one, other]: [&Arc<[Gene]>; 2], evolution: &Evolution) -> bool {
         // Window crossover moves blanks to the end even if both parents are equal.
         let is_equal = Arc::ptr_eq(one, other) && evolution.crossover != Crossover::Window;

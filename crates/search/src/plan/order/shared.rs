@@ -53,7 +53,7 @@ pub(super) struct Abandoned;
 struct Pair {
     lower: usize,
     upper: usize,
-    /// How often it does.
+    /// Number of times that it does.
     times: u64,
 }
 
@@ -118,7 +118,7 @@ pub(super) fn shared(
     if cost == bound {
         return Ok((numbers(permutation), true));
     }
-    // With forbidden changes a permutation is not a solution, so only others are searched for.
+    // A permutation with forbidden changes is not a result: the search must find a cheaper one.
     let is_feasible = cost < part.penalty;
     let max_labels = max_labels.min(MAX_WORK / (part.kinds.len() + part.pairs.len()));
     match part.search(cost.min(part.penalty), max_labels, control) {

@@ -25,9 +25,10 @@ use crate::plan::order::{Constraints, OrderError, Solution, fixed_order_cost, or
 /// 3. A shortest path through the layers chooses among all these ways.
 ///
 /// Step 3 is exact for the ways that step 2 found.
-/// Step 2 is exact for layers of up to 10 blocks of continuous pieces, except for what keeping the
-/// pieces of a tool together may cost where a detour over another tool is cheaper than the direct
-/// change.
+/// Step 2 is exact for up to 10 blocks of continuous pieces in a layer, where all pieces of a
+/// single tool count as one block; and for up to 12 tools in a layer that is printed tool by tool.
+/// Keeping the pieces of a tool together is optimal unless a detour over another tool is cheaper
+/// than a direct change.
 /// [`ToolPlan::order`] bounds the tool costs of every plan.
 ///
 /// Progress counts layers.
