@@ -1,79 +1,106 @@
-//! `bench dataset`: the factory.
+//! `bench dataset`: speed of the generation of training data.
 
 use std::fmt::Write;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, bail};
-use beadwork_base::{Control, Threads};
-use beadwork_console::{cancel, control, machine, output};
-use beadwork_dataset::{Config, Factory, generate};
-use serde_json::{Value, json};
+use anyhow::Context;
+use beadwork_base::Threads;
+use beadwork_console::{control, machine, output};
+use beadwork_dataset::{Config, Factory, Manifest, generate};
+use serde_json::json;
 
-use super::middle;
+use crate::args::positive;
+use crate::statistics::median;
 
-/// The factory: preset `paper` of gen-data with one thread and with two, in turn.
+/// Measure the generation of training data, preset `paper` of gen-data, alternately on one thread
+/// and on two.
 #[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  beadwork bench dataset --count 200
+  beadwork bench dataset --repeats 3 --scratch /data/tmp --json > dataset.json")]
 pub(super) struct DatasetArgs {
-    /// Trajectories; the preset's own number if not given.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    /// Number of trajectories; the preset's by default.
+    #[arg(long, value_name = "N", value_parser = positive::<u64>())]
     count: Option<u64>,
-    /// Times each is measured; the median is shown.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    /// Runs of each measurement, of which the median is reported.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = positive::<u64>())]
     repeats: u64,
-    /// Folder for the datasets, which are removed afterwards; the system's for temporary files if
-    /// not given.
+    /// Folder for the datasets, which are removed afterwards; the system's folder for temporary
+    /// files by default.
     #[arg(long, value_name = "DIR")]
     scratch: Option<PathBuf>,
-    /// Print one JSON document.
+    /// Prints one JSON document instead of a list.
     #[arg(long)]
     json: bool,
 }
 
+/// Generates the dataset on one thread and on two, and prints the figures.
 pub(super) fn run(args: &DatasetArgs) -> anyhow::Result<()> {
-    let mut config = Config::preset("paper").expect("it is built in");
+    let mut config = Config::preset("paper").expect("the preset is built in");
     config.count = args.count.unwrap_or(config.count);
-    let factory = Factory::new(config, Vec::new(), &Control::default())?;
+    let factory = Factory::new(config, Vec::new(), &control::cancellable(Threads::One)?)?;
     let scratch = args.scratch.clone().unwrap_or_else(std::env::temp_dir);
     let mut seconds = [Vec::new(), Vec::new()];
-    let mut facts = Value::Null;
+    let mut manifest = None;
     for repeat in 0..args.repeats {
         for threads in [1, 2] {
-            let folder =
-                scratch.join(format!("beadwork-bench-{}-{repeat}-{threads}", std::process::id()));
-            let settings = generate::Settings::default();
-            let begin = Instant::now();
-            let pool = control::pool(threads)?;
-            let control =
-                Control { cancel: Some(cancel::token()?), ..Control::on(Threads::Pool(&pool)) };
-            let generated = generate(&factory, &folder, &settings, &control);
-            seconds[threads - 1].push(begin.elapsed().as_secs_f64());
-            let removed = fs::remove_dir_all(&folder);
-            let Some(manifest) = generated?.manifest else { bail!("stopped") };
-            removed.with_context(|| format!("cannot remove '{}'", folder.display()))?;
-            let bytes: u64 = manifest.shards.iter().map(|shard| shard.bytes).sum();
-            let raw_bytes: u64 = manifest.shards.iter().map(|shard| shard.raw_bytes).sum();
-            facts = json!({
-                "trajectories": manifest.records, "moves": manifest.moves, "bytes": bytes, "raw_bytes": raw_bytes,
-                "bytes_per_move": bytes as f64 / manifest.moves as f64,
-                "compression": raw_bytes as f64 / bytes as f64,
-            });
+            let name = format!("beadwork-bench-{}-{repeat}-{threads}", std::process::id());
+            let run = generate_and_remove(&factory, &scratch.join(name), threads)?;
+            seconds[threads - 1].push(run.1);
+            manifest = Some(run.0);
         }
     }
-    let [one, two] = seconds.map(middle);
-    facts["seconds_1_thread"] = json!(one);
-    facts["seconds_2_threads"] = json!(two);
-    facts["speed_up"] = json!(one / two);
-    facts["peak_memory_bytes"] = json!(machine::peak_memory_bytes());
+    let manifest = manifest.expect("there is at least one run");
+    let [one, two] = seconds.map(median);
+    let bytes: u64 = manifest.shards.iter().map(|shard| shard.bytes).sum();
+    let raw_bytes: u64 = manifest.shards.iter().map(|shard| shard.raw_bytes).sum();
+    let mut facts = json!({
+        "trajectories": manifest.records,
+        "moves": manifest.moves,
+        "bytes": bytes,
+        "raw_bytes": raw_bytes,
+        "bytes_per_move": bytes as f64 / manifest.moves as f64,
+        "compression": raw_bytes as f64 / bytes as f64,
+        "seconds_1_thread": one,
+        "seconds_2_threads": two,
+        "speed_up": one / two,
+        "peak_memory_bytes": machine::peak_memory_bytes(),
+    });
     if args.json {
         facts["machine"] = machine::facts();
         return output::json(&facts);
     }
     let mut text =
         format!("Machine: {}. Preset paper, median of {} runs.\n\n", machine::line(), args.repeats);
-    for (key, value) in facts.as_object().expect("it was made as one") {
+    for (key, value) in facts.as_object().expect("the facts are an object") {
         writeln!(text, "- {}: {value}", key.replace('_', " "))?;
     }
     output::text(&text)
+}
+
+/// Generates the dataset in a new folder, and removes the folder.
+/// Returns the manifest and the seconds of the generation.
+fn generate_and_remove(
+    factory: &Factory,
+    folder: &Path,
+    threads: usize,
+) -> anyhow::Result<(Manifest, f64)> {
+    let pool = control::pool(threads)?;
+    let settings = generate::Settings::default();
+    let begin = Instant::now();
+    let generated = control::with_bar("trajectories", Threads::Pool(&pool), |control| {
+        generate(factory, folder, &settings, control)
+    })?;
+    let seconds = begin.elapsed().as_secs_f64();
+    let removed = fs::remove_dir_all(folder);
+    let generated = generated?;
+    removed.with_context(|| format!("cannot remove '{}'", folder.display()))?;
+    if let Some(interrupted) = generated.interrupted {
+        return Err(interrupted.into());
+    }
+    let manifest = generated.manifest.expect("a run that is not interrupted finishes the dataset");
+    Ok((manifest, seconds))
 }

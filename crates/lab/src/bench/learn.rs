@@ -1,24 +1,27 @@
-//! `bench learn`: rates of training, of what feeds it and of asking a network; and a network beside
-//! PyTorch's.
+//! `bench learn`: speed of training, of loading examples and of forward passes; and the difference
+//! between a network here and in PyTorch.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, ensure};
-use beadwork_console::{machine, memory, output};
+use beadwork_base::{Control, Threads};
+use beadwork_console::{control, machine, memory, output};
 use beadwork_dataset::Dataset;
 use beadwork_learn::Device;
 use beadwork_learn::adamw::{self, AdamW};
-use beadwork_learn::fusion::parity;
+use beadwork_learn::fusion::parity::{self, Parity};
 use beadwork_learn::fusion::samples::{Batch, Batches, Split};
 use beadwork_learn::fusion::train::training_step;
 use beadwork_learn::fusion::{FusionNet, Precision, TrainingConfig, VarStore};
 use serde_json::json;
 
-use super::middle;
+use super::timing::median_seconds;
+use crate::args::positive;
+use crate::statistics::median;
 
-/// Measure how fast networks are trained and asked, or compare one with PyTorch's.
+/// Measure the speed of training, of loading examples and of forward passes, or compare a network
+/// with PyTorch's.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -26,122 +29,151 @@ Examples:
   beadwork bench learn --data datasets/chains-few
   beadwork bench learn --parity fusion_weights.safetensors fusion_io.safetensors")]
 pub(super) struct LearnArgs {
-    /// A dataset whose examples are loaded.
+    /// Dataset whose examples are loaded.
     #[arg(long, value_name = "DIR", default_value = "datasets/chains")]
     data: PathBuf,
-    /// Channels of the network, f.
+    /// Width of the network, f: channels of its first level.
     #[arg(long, value_name = "N", default_value_t = 32)]
     width: i64,
     /// Examples in a batch.
     #[arg(long, value_name = "N", default_value_t = 64)]
     batch: usize,
-    /// Steps measured, after two that are not.
-    #[arg(long, value_name = "N", default_value = "8", value_parser = clap::value_parser!(u64).range(1..))]
+    /// Training steps, of which the median is reported; two more come before and do not count.
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = positive::<u64>())]
     steps: u64,
-    /// Instead: the largest difference between a network and what PyTorch made of its weights and
-    /// inputs, both in safetensors.
+    /// Instead of measuring, prints the largest difference between the outputs of a network here
+    /// and in PyTorch; WEIGHTS holds its weights, IO inputs and PyTorch's outputs, both as
+    /// safetensors.
     #[arg(long, value_names = ["WEIGHTS", "IO"], num_args = 2)]
     parity: Option<Vec<PathBuf>>,
-    /// Print one JSON document.
+    /// Prints one JSON document instead of a list.
     #[arg(long)]
     json: bool,
 }
 
-/// What must not be exceeded, by the most that the order of sums in single precision explains.
+/// Maximum difference of outputs that the order of sums in single precision explains.
 const TOLERANCE: f64 = 1e-4;
 
+/// Cells of the canvas on which training is measured.
+const CANVAS_CELLS: usize = 32 * 32;
+
+/// Steps before the measured ones, in which libtorch allocates memory and chooses kernels.
+const WARMUP_STEPS: usize = 2;
+
+/// Runs all measurements, or the comparison, and prints the figures.
 pub(super) fn run(args: &LearnArgs) -> anyhow::Result<()> {
     if let Some([weights, io]) = args.parity.as_deref() {
         return compare(weights, io, args.json);
     }
     memory::keep_freed();
+    let control = &control::cancellable(Threads::One)?;
     let dataset = Dataset::open(&args.data)?;
-    let training =
+    let config =
         TrainingConfig { width: args.width, batch: args.batch, ..TrainingConfig::default() };
-    training.check()?;
-    let (loaded, loading) = load(&dataset, &training)?;
-    let loaded = &loaded.context("the dataset has no full batch on a canvas of 32 x 32 cells")?;
-    let mut rows = Vec::new();
+    config.check()?;
+    let (batch, loading) = load(&dataset, &config, control)?;
+    let batch = &batch.context("dataset: no full batch on a canvas of 32 x 32 cells")?;
+    let mut rates = Vec::new();
     for precision in [Precision::Single, Precision::Half] {
-        let training = TrainingConfig { precision, ..training.clone() };
-        let seconds =
-            middle(measure_steps(&training, loaded, args.steps as usize + 2).split_off(2));
-        rows.push((precision, loaded.inputs.len() as f64 / seconds));
+        let config = TrainingConfig { precision, ..config.clone() };
+        let seconds = step_seconds(&config, batch, args.steps as usize, control)?;
+        rates.push((precision, batch.inputs.len() as f64 / seconds));
     }
-    let asked = ask(&training, loaded);
-    let memory = peak_memory_gb();
+    let forward = forward_milliseconds(&config, batch)?;
+    let memory = machine::peak_memory_bytes().map(|bytes| bytes as f64 / 1e9);
     if args.json {
-        let rate = |precision| rows.iter().find(|row| row.0 == precision).map(|row| row.1);
+        let rate = |precision| rates.iter().find(|rate| rate.0 == precision).map(|rate| rate.1);
         return output::json(&json!({
             "width": args.width,
-            "batch": loaded.inputs.len(),
-            "train_examples_per_second": { "single": rate(Precision::Single), "half": rate(Precision::Half) },
+            "batch": batch.inputs.len(),
+            "train_examples_per_second": {
+                "single": rate(Precision::Single), "half": rate(Precision::Half),
+            },
             "load_examples_per_second": loading,
-            "forward_milliseconds": asked,
+            "forward_milliseconds": forward,
             "peak_memory_gb": memory,
             "machine": machine::facts(),
         }));
     }
     let mut lines = vec![machine::line()];
-    for (precision, rate) in rows {
+    for (precision, rate) in rates {
         lines.push(format!(
             "training, {precision:?}: {rate:.0} examples/s at f = {}, 32 x 32 cells",
             args.width
         ));
     }
     lines.push(format!("loading: {loading:.0} examples/s"));
-    lines.push(format!("forward: {asked:.2} ms for an example of a batch"));
+    lines.push(format!("forward pass: {forward:.2} ms per example of a batch"));
     lines.extend(memory.map(|memory| format!("peak memory: {memory:.2} GB")));
     output::text(&(lines.join("\n") + "\n"))
 }
 
-/// The first full batch on a canvas of 32 x 32 cells, and how many examples a second were made, of
-/// all canvases by their cells.
-fn load(dataset: &Dataset, training: &TrainingConfig) -> anyhow::Result<(Option<Batch>, f64)> {
-    let settings = training.samples();
+/// Loads examples for ten seconds, or until there are no more.
+///
+/// Returns the first full batch on a canvas of [`CANVAS_CELLS`], if there is one, and the examples
+/// loaded per second, where examples on other canvases count in proportion to their cells.
+fn load(
+    dataset: &Dataset,
+    config: &TrainingConfig,
+    control: &Control<'_>,
+) -> anyhow::Result<(Option<Batch>, f64)> {
+    let settings = config.samples();
     let begin = Instant::now();
     let (mut full, mut cells) = (None, 0);
     for batch in Batches::new(dataset, Split::Train, &settings, 0) {
+        control.check()?;
         let batch = batch?;
         let canvas = batch.inputs.canvas();
         cells += canvas.cells() * batch.inputs.len();
-        if canvas.cells() == 32 * 32 && batch.inputs.len() == settings.batch {
+        if canvas.cells() == CANVAS_CELLS && batch.inputs.len() == settings.batch {
             full.get_or_insert(batch);
         }
         if begin.elapsed().as_secs_f64() > 10.0 {
             break;
         }
     }
-    Ok((full, cells as f64 / (32.0 * 32.0) / begin.elapsed().as_secs_f64()))
+    Ok((full, cells as f64 / CANVAS_CELLS as f64 / begin.elapsed().as_secs_f64()))
 }
 
-/// Seconds of training steps on one batch, by a network of its own, on the processor.
-fn measure_steps(training: &TrainingConfig, batch: &Batch, steps: usize) -> Vec<f64> {
+/// Median time of a training step of a new network on one batch, on the processor, in seconds.
+fn step_seconds(
+    config: &TrainingConfig,
+    batch: &Batch,
+    steps: usize,
+    control: &Control<'_>,
+) -> anyhow::Result<f64> {
     let variables = VarStore::new(Device::Cpu);
-    let network = FusionNet::new(&variables.root(), training.network());
+    let network = FusionNet::new(&variables.root(), config.network());
     let mut optimiser = AdamW::new(variables.trainable_variables(), adamw::Settings::default());
-    let seconds = (0..steps).map(|_| {
+    let mut seconds = Vec::new();
+    for _ in 0..WARMUP_STEPS + steps {
+        control.check()?;
         let begin = Instant::now();
-        let rate = training.learning_rate;
-        training_step(&network, &mut optimiser, batch, training, rate, Device::Cpu);
-        begin.elapsed().as_secs_f64()
-    });
-    seconds.collect()
+        let rate = config.learning_rate;
+        training_step(&network, &mut optimiser, batch, config, rate, Device::Cpu);
+        seconds.push(begin.elapsed().as_secs_f64());
+    }
+    Ok(median(seconds.split_off(WARMUP_STEPS)))
 }
 
-/// Milliseconds of a forward pass, an example.
-fn ask(training: &TrainingConfig, batch: &Batch) -> f64 {
+/// Median time of a forward pass divided by the examples of the batch, in milliseconds.
+fn forward_milliseconds(config: &TrainingConfig, batch: &Batch) -> anyhow::Result<f64> {
     let variables = VarStore::new(Device::Cpu);
-    let network = FusionNet::new(&variables.root(), training.network());
-    let (state, history) = batch.inputs.tensors(Device::Cpu);
-    let seconds = super::median(5, |_| {
-        network.infer(&state, &history, Precision::Single);
-    });
-    1e3 * seconds / batch.inputs.len() as f64
+    let network = FusionNet::new(&variables.root(), config.network());
+    let (image, history) = batch.inputs.tensors(Device::Cpu);
+    let seconds = median_seconds(5, |_| {
+        network.infer(&image, &history, Precision::Single);
+        Ok(())
+    })?;
+    Ok(1e3 * seconds / batch.inputs.len() as f64)
 }
 
+/// Prints the differences between the outputs here and PyTorch's.
+///
+/// # Errors
+/// If one is above [`TOLERANCE`].
 fn compare(weights: &Path, io: &Path, as_json: bool) -> anyhow::Result<()> {
-    let parity::Parity { config, position, action } = parity::compare(weights, io)?;
+    let Parity { config, position, action } = parity::compare(weights, io)?;
     if as_json {
         output::json(&json!({
             "width": config.width,
@@ -153,19 +185,15 @@ fn compare(weights: &Path, io: &Path, as_json: bool) -> anyhow::Result<()> {
         }))?;
     } else {
         output::text(&format!(
-            "f = {}, {} hidden units, {} moves remembered: largest difference {position:.2e} in positions, {action:.2e} in \
-             actions\n",
+            "f = {}, {} hidden units, history of {} moves: largest difference {position:.2e} in \
+             positions, {action:.2e} in actions\n",
             config.width, config.hidden, config.history
         ))?;
     }
-    ensure!(position.max(action) <= TOLERANCE, "the differences are above {TOLERANCE:e}");
+    let difference = position.max(action);
+    ensure!(
+        difference <= TOLERANCE,
+        "largest difference is {difference:.2e}: expected at most {TOLERANCE:e}"
+    );
     Ok(())
-}
-
-/// The most memory that the process ever had, where the system tells.
-fn peak_memory_gb() -> Option<f64> {
-    let status = fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
-    let kilobytes: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
-    Some(kilobytes * 1024.0 / 1e9)
 }

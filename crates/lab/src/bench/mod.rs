@@ -11,8 +11,6 @@ mod zones;
 
 use clap::Subcommand;
 
-use crate::statistics::median as middle;
-
 /// Measure run times, rates and memory on this machine.
 #[derive(clap::Args)]
 pub struct Args {
@@ -42,14 +40,4 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         #[cfg(feature = "learn")]
         Command::Learn(args) => learn::run(args),
     }
-}
-
-/// As [`timing::median_seconds`], for runs that cannot fail.
-#[cfg(feature = "learn")]
-fn median(repeats: u64, mut run: impl FnMut(u64)) -> f64 {
-    let run = |number| {
-        run(number);
-        Ok(())
-    };
-    timing::median_seconds(repeats, run).expect("runs return no error")
 }

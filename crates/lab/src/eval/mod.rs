@@ -9,9 +9,6 @@ mod zones;
 
 use clap::Subcommand;
 
-#[cfg(feature = "learn")]
-use crate::statistics;
-
 /// Print tables next to the figures of the papers, and of whole parts.
 #[derive(clap::Args)]
 pub struct Args {
