@@ -25,7 +25,7 @@
 //! `README.md` gives the titles of both.
 //!
 //! # Output folders and interrupted evaluations
-//! Most subcommands take seconds to minutes, and write nothing but their tables.
+//! Most subcommands write nothing but their tables.
 //! `eval zones` without `--method` and with `--method genetic` take up to hours, and write to the
 //! folder `--out` (by default `datasets/eval-zones` or `datasets/eval-crossovers`):
 //! - `run.json`: settings, build and machine, on which all results depend;
@@ -38,8 +38,9 @@
 //! It refuses a folder with other settings, by another build or from another machine.
 //!
 //! # Adding to the tables
-//! - A **row of `eval zones`** is a [`Layout`](beadwork_grid::Layout) or size: add it to `cells` and
-//!   `SIZES` in `paper.rs`; for the exact search to `cases` in `eval/zones/exact_tables/cases.rs`.
+//! - A **cell of `eval zones`** is a [`Layout`](beadwork_grid::Layout) in one size: add it, with
+//!   the paper's figures, to `cells` in `paper.rs`.
+//! - A **row of `eval zones --method exact`** is a case in `eval/zones/exact_tables/cases.rs`.
 //! - A **method of `eval zones`** is a [`Choice`](beadwork_console::search::Choice) of
 //!   `beadwork-console`: run it in `every_method` (`eval/zones/paper_tables/solve.rs`), give it a
 //!   `Column` in `runs.rs` and list the column in `columns` of `tables.rs`.
@@ -59,7 +60,7 @@
 //! one command measured.
 //! The JSON keys of documents are stable, the wording and layout of tables is not.
 
-#![allow(clippy::print_stderr, reason = "a command line talks to its terminal")]
+#![allow(clippy::print_stderr, reason = "a command line writes to its terminal")]
 #![allow(
     clippy::doc_markdown,
     reason = "the comments on flags are their help, where backticks are noise"

@@ -149,8 +149,8 @@ impl Setup {
         })
     }
 
-    /// Chooses for each layer, from the bottom up, the pattern after which the standard deviation of
-    /// all temperatures is smallest.
+    /// Chooses for each layer, from the bottom up, the pattern after which the standard deviation
+    /// of all temperatures is smallest.
     ///
     /// `orders` holds the orders of all patterns for each layer.
     fn greedy_patterns(
