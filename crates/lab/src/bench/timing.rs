@@ -6,8 +6,7 @@ use crate::statistics::median;
 
 /// Median time of `repeats` successful runs in seconds, after one run that is not measured.
 ///
-/// `run` is called with the number of the run, from 0; the run that is not measured has number 0,
-/// too.
+/// `run` is called with the number of the run, from 0; the run that is not measured also gets 0.
 pub(super) fn median_seconds(
     repeats: u64,
     mut run: impl FnMut(u64) -> anyhow::Result<()>,

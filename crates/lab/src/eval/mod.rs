@@ -1,4 +1,4 @@
-//! `eval`: tables next to the figures of the papers, and of whole parts.
+//! `eval`: tables that reproduce and extend those of the papers, and tables of whole parts.
 
 #[cfg(feature = "learn")]
 mod fusion;
@@ -9,7 +9,7 @@ mod zones;
 
 use clap::Subcommand;
 
-/// Print tables next to the figures of the papers, and of whole parts.
+/// Print tables that reproduce and extend those of the papers, and tables of whole parts.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]

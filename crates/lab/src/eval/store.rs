@@ -79,7 +79,7 @@ impl Store {
                 result
             })
         };
-        // Jobs take seconds to minutes, so that each is worth stealing for a thread.
+        // A job takes seconds to minutes, so threads take jobs one by one.
         let results = pool.install(|| jobs.par_iter().with_max_len(1).map(result).collect());
         bar.finish_and_clear();
         results

@@ -4,8 +4,8 @@ use beadwork_grid::Cell;
 use beadwork_thermal::{Simulation, TemperatureStatistics};
 use serde::Serialize;
 
-/// Number of voxels, deposited last before the end of a layer, that [`Errors::settled_max_k`]
-/// leaves out: errors are largest near the nozzle.
+/// Number of voxels at the end of each layer that [`Errors::settled_max_k`] leaves out, since
+/// errors are largest near the nozzle.
 const RECENT: usize = 120;
 
 /// Temperatures of all deposited voxels at the end of each layer, °C, in the order of their

@@ -29,7 +29,7 @@ const TRIAD: usize = 50_000;
 /// Single-precision numbers in a cache line.
 const LINE: usize = 16;
 
-/// Steps of one timed run, and passes of the triad in one.
+/// Steps of the simulation, and passes of the triad, in one timed run.
 const STEPS: usize = 4_000;
 
 /// Rates, in 10⁹ per second.

@@ -20,7 +20,7 @@ use self::growth::BASE;
 use crate::args::positive;
 use crate::heat_parts::HeatPart;
 
-/// Measures run time, errors and scaling of the thermal solver.
+/// Measure run time, errors and scaling of the thermal solver.
 ///
 /// Parts are printed in ABS without travel, so that depositions follow each other without a pause.
 /// Errors are relative to a second-order method with four steps per deposited voxel.

@@ -79,8 +79,8 @@ pub(super) fn measure(part: HeatPart, pattern: Pattern, repeats: u64) -> anyhow:
 
 pub(super) fn table(rows: &[Row]) -> anyhow::Result<String> {
     let mut text = String::from(
-        "| part | voxels | method | s | naive / own | RMS error, K | max error, K \
-         | max error without the last 120 voxels, K | max error of a layer's std, K |\n\
+        "| part | voxels | method | s | speed relative to naive | RMS error, K | max error, K \
+         | max error without the last 120 voxels, K | max error of a layer's standard deviation, K |\n\
          |---|---|---|---|---|---|---|---|---|\n",
     );
     for row in rows {

@@ -28,8 +28,8 @@ use crate::paper;
 /// The target of an instance is the best of some annealing runs with the preset `paper`; the moves
 /// and the time of the annealer are those of the run that reached it with the fewest moves.
 /// The other methods are annealing with the preset `fast`, a greedy walk (the same walk without a
-/// network: it makes the move that saves most crossings, or else a random one), the search for
-/// chains of moves from which the network learned, and the exact search.
+/// network: it makes the move that saves the most crossings, or a random one if none saves any),
+/// the search for chains of moves from which the network learned, and the exact search.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -40,10 +40,10 @@ pub(super) struct FusionArgs {
     /// Folder of the model.
     #[arg(long, value_name = "DIR", default_value = "models/fusion-small")]
     model: PathBuf,
-    /// Seeds for each layout and size below 80x80 cells.
+    /// Seeds for each layout and size of fewer than 80x80 cells.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = positive::<u64>())]
     seeds: u64,
-    /// Seeds for each layout and size from 80x80 cells on.
+    /// Seeds for each layout and size of 80x80 cells or more.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = positive::<u64>())]
     large_seeds: u64,
     /// Sizes, separated by commas; the paper's six by default.
@@ -59,7 +59,7 @@ pub(super) struct FusionArgs {
     #[arg(long, value_name = "N", default_value_t = walk::Settings::default().budget)]
     budget: usize,
     /// Number of positions whose moves the network proposes.
-    #[arg(long = "positions", alias = "places", value_name = "N", default_value_t = 32)]
+    #[arg(long, alias = "places", value_name = "N", default_value_t = 32)]
     positions: usize,
     /// Moves without a new best after which random moves follow.
     #[arg(long, value_name = "N", default_value_t = walk::Settings::default().patience)]
@@ -87,7 +87,7 @@ pub(super) struct FusionArgs {
 /// Layouts of the paper's Table 2.
 const LAYOUTS: [Layout; 2] = [Layout::Voronoi, Layout::Islands];
 
-/// Number of cells from which on `--large-seeds` holds.
+/// Grids of this number of cells or more get `--large-seeds` seeds.
 const LARGE_CELLS: u32 = 80 * 80;
 
 /// Runs all methods on all instances, and prints the tables.
@@ -134,8 +134,8 @@ pub(super) fn run(args: &FusionArgs) -> anyhow::Result<()> {
     output::text(&text)
 }
 
-/// Warns if the network was not trained on this dataset: then its test split may hold instances of
-/// the training.
+/// Warns if the network was not trained on this dataset, whose test split may then hold instances
+/// that it was trained on.
 fn warn_if_other_dataset(data: &Dataset, model: &Model) {
     let origin = Origin::of(data);
     if origin != model.origin {

@@ -1,7 +1,6 @@
 //! Distances between the sides of the cells of a layer and the outlines of the part.
 //!
-//! All coordinates are in cells from the left and the back corner of the grid, so that distances
-//! are in beads.
+//! Coordinates are in cells from the left back corner of the grid, so distances are in beads.
 
 use std::collections::HashMap;
 use std::f64::consts::SQRT_2;
@@ -36,8 +35,8 @@ pub(super) struct Distances {
 /// Point, or corner of an outline.
 type Point = [f64; 2];
 
-/// A side of a cell: its left or back end, and whether it is vertical, so that it separates two
-/// cells of a row.
+/// A side of a cell: x and y of its left or back end, and whether it is vertical.
+/// A vertical side separates two cells of a row.
 type Side = (i64, i64, bool);
 
 impl Distances {
@@ -84,8 +83,9 @@ fn edges(corners: &[Point]) -> impl Iterator<Item = (Point, Point)> {
     corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
 }
 
-/// The sides between filled and empty cells: for each left or back end, whether a side that starts
-/// there is vertical.
+/// The sides between filled and empty cells.
+/// The keys are the left or back ends of sides; the values state whether the sides that start there
+/// are vertical.
 fn sides(region: &Region) -> HashMap<(i64, i64), Vec<bool>> {
     let (width, height) = (i64::from(region.width()), i64::from(region.height()));
     let is_filled = |x: i64, y: i64| {

@@ -45,7 +45,7 @@ pub(super) struct Row {
     plan_seconds: f64,
     /// Wall-clock time to write the G-code and to check its text.
     write_seconds: f64,
-    /// Lifts and the tool cost that they save, in mm³, at the corners of the frontier.
+    /// Number of lifts, and mm³ purged by tool changes, at the corners of their frontier.
     frontier: Vec<(u64, u64)>,
 }
 
@@ -142,7 +142,10 @@ pub(super) fn tables(text: &mut String, rows: &[Row]) -> std::fmt::Result {
             row.write_seconds,
         )?;
     }
-    writeln!(text, "\nLifts: purged mm³, for any cost of a lift (corners of the frontier):\n")?;
+    writeln!(
+        text,
+        "\nNumber of lifts: purged mm³, for all costs of a lift (corners of the frontier):\n"
+    )?;
     for row in rows.iter().filter(|row| row.mode == "cheapest" && row.frontier.len() > 1) {
         let points: Vec<String> =
             row.frontier.iter().map(|(lifts, cost)| format!("{lifts}: {cost}")).collect();
