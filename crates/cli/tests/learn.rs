@@ -116,7 +116,7 @@ fn network_is_trained_and_walks() {
     let words = [&table[..], &["--budget", "5", "--data", text(&other)]].concat();
     let output = beadwork().args(words).output().unwrap();
     let output = String::from_utf8(output.stderr).unwrap();
-    assert!(output.contains("not those that the network learned from"), "{output}");
+    assert!(output.contains("not the one the network was trained on"), "{output}");
 }
 
 /// Losses of all steps.
