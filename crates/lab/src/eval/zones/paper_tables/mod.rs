@@ -57,8 +57,8 @@ pub(in crate::eval::zones) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
     let mut text = format!("Machine: {}. Seeds 0..{seeds}.\n", machine::one_line(store.machine()));
     writeln!(
         text,
-        "{search_seconds:.0} s of searches on {threads} threads, {seconds_now:.0} s of them in \
-         this run; results of {} of {} instances were loaded from earlier runs.",
+        "{search_seconds:.0} s of searches on {threads} threads. This run took {seconds_now:.0} s \
+         and loaded the results of {} of {} instances from earlier runs.",
         store.loaded(),
         jobs.len()
     )?;
