@@ -130,8 +130,8 @@ impl Factory {
     ///
     /// Costs what the search costs: 1 to 20 ms with the paper's annealers and sizes, seconds with
     /// the genetic algorithm.
-    /// Works on the calling thread and reports no progress: callers make trajectories in
-    /// parallel.
+    /// Works on the calling thread and reports no progress; call it from several threads to make
+    /// trajectories in parallel.
     pub fn trajectory(
         &self,
         index: u64,

@@ -83,8 +83,9 @@
 //! The crate reads and writes weights, checkpoints and configurations, and prints nothing.
 //!
 //! Everything runs on libtorch through the crate `tch`; `cargo xtask setup` provides it.
-//! No other crate of the workspace links it. libtorch computes on threads of its own, not on those
-//! of a [`Control`](beadwork_base::Control);
+//! No other crate of the workspace depends on it directly.
+//! Computations run on libtorch's own threads, not on those of a
+//! [`Control`](beadwork_base::Control);
 //! [`TrainingConfig::threads`](fusion::TrainingConfig::threads) sets their number.
 //! The same number of threads on the same processor gives the same bytes; another processor may
 //! round differently.

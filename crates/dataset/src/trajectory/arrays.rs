@@ -34,8 +34,8 @@ impl Trajectory {
     /// The trajectory as arrays.
     ///
     /// The moves are not replayed; [`Trajectory::replay`] checks them.
-    /// Linear in the cells of the grid and the moves, but for the start path, which `control` can
-    /// interrupt.
+    /// Linear in the cells of the grid and the moves, except for a start path that is a path cover,
+    /// which `control` can interrupt.
     ///
     /// ```
     /// use beadwork_base::Control;

@@ -27,7 +27,7 @@ pub struct Trajectory {
     pub width: u16,
     /// Height of the grid in cells.
     pub height: u16,
-    /// Number of zones, as [`Zones::count`] gives it.
+    /// Number of zones, see [`Zones::count`].
     pub zones: u8,
     /// The search and its preset.
     #[serde(with = "by_name")]

@@ -5,7 +5,7 @@
 //! A run can be resumed: the batch and the dropout of a step depend on the configuration and the
 //! step's number alone, so a run that continues from its last checkpoint has the same losses as one
 //! that was never stopped.
-//! [`train`] is the whole loop; [`training_step`] is one step of it, for loops of your own.
+//! [`train`] is the whole loop; [`training_step`] is one step of it, for custom loops.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -140,12 +140,13 @@ pub fn last_checkpoint(out: &Path) -> PathBuf {
 /// Dropout draws from libtorch's global random number generator: other code that draws from it at
 /// the same time changes the run.
 ///
-/// A step on 64 examples of 32 x 32 cells takes about 0.35 s on two cores with f = 32. The features
-/// of such a batch take 1 GB of memory; the dataset is streamed.
+/// With f = 32, a step on 64 examples of 32 x 32 cells takes about 0.35 s on two cores, and its
+/// features take 1 GB of memory.
+/// The dataset is streamed.
 ///
 /// Progress counts steps.
-/// When `control` interrupts the run, it completes the current step, writes a checkpoint and
-/// returns [`End::Cancelled`] or [`End::TimeUp`].
+/// When `control` interrupts the run, it completes the current step and its evaluation, writes a
+/// checkpoint and returns [`End::Cancelled`] or [`End::TimeUp`].
 /// The threads of `control` are not used: libtorch has its own, [`TrainingConfig::threads`] of
 /// them, and one more thread reads the dataset.
 pub fn train(

@@ -7,10 +7,10 @@ use ndarray::{Array1, Array3};
 use serde::{Deserialize, Serialize};
 use tch::{Device, Tensor};
 
-use super::super::baseline::Baseline;
-use super::super::episode::Episode;
-use super::super::inputs::{Canvas, Inputs};
-use super::super::layer::State;
+use crate::fusion::baseline::Baseline;
+use crate::fusion::episode::Episode;
+use crate::fusion::inputs::{Canvas, Inputs};
+use crate::fusion::layer::State;
 
 /// The positions that the recorded position is to score above.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

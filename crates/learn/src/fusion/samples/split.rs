@@ -20,10 +20,9 @@ pub enum Split {
 impl Split {
     /// The part that a trajectory belongs to, in a dataset of `strata` combinations.
     ///
-    /// It is decided by the trajectory's number among those of its own combination of layout, size
-    /// and preset, whose instances all differ.
-    /// Layouts that do not depend on a seed give the same instance each time; they are used for
-    /// training only.
+    /// Of each combination, trajectory number 10 k + 8 is for validation and 10 k + 9 for tests;
+    /// the instances of a random layout all differ.
+    /// A layout that is not random has only one instance, which is used for training.
     pub fn of(trajectory: &Trajectory, strata: u64) -> Self {
         let is_random = match &trajectory.instance {
             Instance::Layout { layout, .. } => layout.is_random(),

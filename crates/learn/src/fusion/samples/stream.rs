@@ -9,11 +9,11 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use thiserror::Error;
 
-use super::super::config::MAX_SIDE;
-use super::super::episode::{Episode, depth_quarter};
-use super::super::inputs::Canvas;
 use super::batch::{Batch, Example, Negatives};
 use super::split::Split;
+use crate::fusion::config::MAX_SIDE;
+use crate::fusion::episode::{Episode, depth_quarter};
+use crate::fusion::inputs::Canvas;
 
 /// How examples are drawn.
 ///
