@@ -2,7 +2,7 @@
 //!
 //! The crate holds two commands of the binary `beadwork`, each with subcommands:
 //! - [`eval`] compares methods and prints their results next to the figures of the papers.
-//! - [`bench`] measures run times, rates and memory on the machine at hand.
+//! - [`mod@bench`] measures run times, rates and memory on the machine at hand.
 //!
 //! Each subcommand prints Markdown tables to stdout, or one JSON document with `--json`.
 //! Committed results, with the commands that produced them, are in `docs/results`.
