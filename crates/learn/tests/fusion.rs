@@ -134,7 +134,7 @@ fn all_parameters_are_trained() {
     let inputs = inputs();
     // Perturb the initial parameters, with which the history has no effect.
     tch::no_grad(|| {
-        variables.trainable_variables().iter_mut().for_each(|p| *p += 0.05 * p.randn_like())
+        variables.trainable_variables().iter_mut().for_each(|p| *p += 0.05 * p.randn_like());
     });
     let Proposals { position, action } =
         network.forward(&inputs["state"], &history(&inputs), Precision::Single, true);

@@ -67,7 +67,7 @@ fn images_equal_those_of_the_mapped_path() {
         for turn in 0..seed {
             let mut all = Vec::new();
             path.for_each_variant(&[VariantKind::Transpose, VariantKind::Flip], |placed| {
-                all.push(placed)
+                all.push(placed);
             });
             let placed = all[(turn * 7919) as usize % all.len()];
             let before = layer.crossings().count(&path);

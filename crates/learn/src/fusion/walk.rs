@@ -360,7 +360,7 @@ mod tests {
         let task = Task { layer: &layer, start: &start, target: 0, seed: 3 };
         let mut walk = Walk::new(&task);
         (0..10).for_each(|_| {
-            walk.draw_move(5.0).into_iter().for_each(|(placed, change)| walk.apply(placed, change))
+            walk.draw_move(5.0).into_iter().for_each(|(placed, change)| walk.apply(placed, change));
         });
         let mut all = Vec::new();
         walk.links.for_each_variant(|placed| all.push((placed, layer.change(placed))));
