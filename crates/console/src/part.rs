@@ -14,6 +14,7 @@ use clap::ValueEnum;
 use rayon::ThreadPool;
 
 use crate::control;
+use crate::text::count;
 
 /// Prefix of a part that is built in rather than a file.
 const EXAMPLE: &str = "example:";
@@ -252,8 +253,33 @@ fn name_of(path: &Path) -> String {
     path.file_stem().map_or_else(|| text.to_string(), |stem| stem.to_string_lossy().into_owned())
 }
 
+/// Reports the repairs of all bodies that were not sound, each on a line of stderr.
+pub fn report_repairs(repaired: &[(String, RepairReport)]) {
+    for (body, repaired) in repaired {
+        eprintln!("beadwork: repaired {body}: {}", describe(repaired));
+    }
+}
+
+/// Refuses layers of which one in between has no cells.
+pub fn check_layers(layers: &Layers) -> anyhow::Result<()> {
+    if let Some(layer) = layers.gap() {
+        bail!("layer {} has no cells: the layers above it would be printed in the air", layer + 1);
+    }
+    Ok(())
+}
+
+/// Reports on stderr that empty layers at the bottom are left out, if there are any.
+pub fn report_lowering(layers: &Layers) {
+    if layers.empty_below() > 0 {
+        eprintln!(
+            "beadwork: part lowered by {} without cells: its bottom is thinner than a bead",
+            count(layers.empty_below() as u64, "layer")
+        );
+    }
+}
+
 /// Describes repairs in words.
-pub fn describe(repaired: &RepairReport) -> String {
+fn describe(repaired: &RepairReport) -> String {
     let RepairReport { dropped_triangles, flipped_triangles, closed_holes, .. } = *repaired;
     let count = |count: usize, one: &str, many: &str| match count {
         0 => None,

@@ -8,10 +8,9 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 use beadwork_base::Threads;
-use beadwork_console::part::{CutPart, describe};
+use beadwork_console::part::{CutPart, check_layers, report_lowering, report_repairs};
 use beadwork_console::plan::{print, refs};
 use beadwork_console::printer::tool_costs;
-use beadwork_console::text::count;
 use beadwork_console::{cancel, control, output};
 use beadwork_part::slice::{self, Layers};
 use beadwork_search::CostMatrix;
@@ -33,20 +32,13 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let pool = control::pool(args.threads)?;
     let begin = Instant::now();
     let cut = args.part.cut(profile.bed_mm(), &pool)?;
-    for (body, repaired) in &cut.repaired {
-        eprintln!("beadwork: repaired {body}: {}", describe(repaired));
-    }
+    report_repairs(&cut.repaired);
     let settings = profile.complete(&cut.model.materials)?;
     let costs = tool_costs(settings.purge.as_ref().expect("complete settings have volumes"))?;
     let grids = args.grid.best(&cut, PLANNED_GRIDS, Threads::Pool(&pool))?;
     let sliced = begin.elapsed().as_secs_f64();
     let (grid, layers, plan) = cheapest(args, &cut, &grids, &costs, &pool)?;
-    if layers.empty_below() > 0 {
-        eprintln!(
-            "beadwork: part lowered by {} without cells: its bottom is thinner than a bead",
-            count(layers.empty_below() as u64, "layer")
-        );
-    }
+    report_lowering(&layers);
     let part = cut.with_layers(layers);
     let planned = begin.elapsed().as_secs_f64();
     let printed = print(&part, &plan, &profile, settings)?;
@@ -89,12 +81,7 @@ fn cheapest(
     let mut best: Option<(slice::Settings, Layers, ToolPlan)> = None;
     for grid in grids {
         let layers = cut.layers(grid, Threads::Pool(pool))?;
-        if let Some(layer) = layers.gap() {
-            bail!(
-                "layer {} has no cells: the layers above it would be printed in the air",
-                layer + 1
-            );
-        }
+        check_layers(&layers)?;
         let plan = control::with_bar("plan", Threads::Pool(pool), |control| {
             tools::solve(&refs(&layers), costs, &settings, control)
         })??;

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use anyhow::{Context, anyhow, bail};
 use beadwork_base::{Control, Threads};
 use beadwork_console::control;
+use beadwork_console::part::{check_layers, report_lowering, report_repairs};
 use beadwork_console::progress::ProgressBar;
 use beadwork_console::text::count;
 use beadwork_gcode::{Event, Heater, Program};
@@ -136,19 +137,10 @@ fn stem(path: &Path) -> String {
 fn load_part(args: &Args, settings: &print::Settings) -> anyhow::Result<(String, Voxels)> {
     let pool = control::pool(0)?;
     let part = args.part.load(settings.printer.bed_mm, &pool)?;
-    for (body, repaired) in &part.repaired {
-        eprintln!("beadwork: repaired {body}: {}", beadwork_console::part::describe(repaired));
-    }
-    if let Some(layer) = part.layers.gap() {
-        bail!("layer {} has no cells: the layers above it would be printed in the air", layer + 1);
-    }
+    report_repairs(&part.repaired);
+    check_layers(&part.layers)?;
+    report_lowering(&part.layers);
     let below = part.layers.empty_below();
-    if below > 0 {
-        let layers = count(below as u64, "layer");
-        eprintln!(
-            "beadwork: part lowered by {layers} without cells: its bottom is thinner than a bead"
-        );
-    }
     let last = part.layers.layers.iter().rposition(Option::is_some).unwrap_or(0);
     let layers = part.layers.layers[below..=last].to_vec();
     Ok((part.name, Layers { frame: part.layers.frame, layers }.voxels()))
