@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context, ensure};
 use beadwork_base::{Control, Threads};
-use beadwork_console::{control, machine, memory, output};
+use beadwork_console::{control, machine, memory, output, progress};
 use beadwork_dataset::Dataset;
 use beadwork_learn::Device;
 use beadwork_learn::adamw::{self, AdamW};
@@ -146,13 +146,16 @@ fn step_seconds(
     let network = FusionNet::new(&variables.root(), config.network());
     let mut optimiser = AdamW::new(variables.trainable_variables(), adamw::Settings::default());
     let mut seconds = Vec::new();
+    let bar = progress::bar((WARMUP_STEPS + steps) as u64, "training steps");
     for _ in 0..WARMUP_STEPS + steps {
         control.check()?;
         let begin = Instant::now();
         let rate = config.learning_rate;
         training_step(&network, &mut optimiser, batch, config, rate, Device::Cpu);
         seconds.push(begin.elapsed().as_secs_f64());
+        bar.inc(1);
     }
+    bar.finish_and_clear();
     Ok(median(seconds.split_off(WARMUP_STEPS)))
 }
 

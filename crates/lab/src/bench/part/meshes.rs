@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Instant;
 
 use beadwork_base::{Control, Threads};
-use beadwork_console::{control, machine};
+use beadwork_console::{control, machine, progress};
 use beadwork_mesh::{Body, Format, MaterialRule, Mesh, Model, Placement, ReadLimits};
 use beadwork_part::slice::{Settings, cut, slice};
 use rayon::ThreadPool;
@@ -58,12 +58,16 @@ pub(super) struct Memory {
 
 /// Measures the run time of all steps, after one run that is not measured.
 pub(super) fn measure(file: &MeshFile, repeats: u64, pool: &ThreadPool) -> anyhow::Result<MeshRow> {
+    let bar = progress::bar(1 + repeats, "runs of a mesh");
     let first = Run::measure(file, pool)?;
+    bar.inc(1);
     let mut steps: [Vec<f64>; 5] = Default::default();
     for _ in 0..repeats {
         let run = Run::measure(file, pool)?;
         steps.iter_mut().zip(run.seconds).for_each(|(step, seconds)| step.push(seconds));
+        bar.inc(1);
     }
+    bar.finish_and_clear();
     let [read, repair, outlines, all, all_one_thread] = steps.map(median);
     Ok(MeshRow {
         name: file.name.clone(),

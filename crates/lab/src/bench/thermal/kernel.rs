@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use beadwork_base::{Control, Threads};
-use beadwork_console::control;
+use beadwork_console::{control, progress};
 use beadwork_part::Pattern;
 use beadwork_thermal::simulation::Method;
 use beadwork_thermal::{Simulation, ThermalMaterial};
@@ -53,7 +53,9 @@ pub(super) fn measure(repeats: u64) -> anyhow::Result<Kernel> {
     let [mut a, mut b, mut c] = [0.0, 1.0, 2.0].map(|number| vec![number; TRIAD + LINE]);
     let [a, b, c] = [&mut a, &mut b, &mut c].map(|numbers| aligned(numbers));
     let (mut triads, mut updates, mut shares) = (Vec::new(), Vec::new(), Vec::new());
-    for _ in 0..repeats.max(5) {
+    let repeats = repeats.max(5);
+    let bar = progress::bar(repeats, "sweeps of a static block");
+    for _ in 0..repeats {
         let begin = Instant::now();
         for _ in 0..STEPS {
             pulp::Arch::new().dispatch(Triad { a, b, c });
@@ -66,7 +68,9 @@ pub(super) fn measure(repeats: u64) -> anyhow::Result<Kernel> {
         triads.push(triad);
         updates.push(update);
         shares.push(update / triad);
+        bar.inc(1);
     }
+    bar.finish_and_clear();
     Ok(Kernel {
         triad_g_per_s: median(triads),
         updates_g_per_s: median(updates),
