@@ -55,7 +55,7 @@ beadwork_base::named_enum! {
 }
 
 fn body(name: &str, mesh: Mesh, material: usize) -> Body {
-    Body { name: name.to_owned(), mesh, material: Some(material), paint: Vec::new() }
+    Body { name: name.to_owned(), mesh, material: Some(material), ..Body::default() }
 }
 
 fn material(name: &str, colour: [u8; 3]) -> Material {
@@ -66,6 +66,7 @@ fn single(solid: &Solid) -> Model {
     Model {
         bodies: vec![body("part", solid.mesh(), 0)],
         materials: vec![material("grey", [170, 174, 178])],
+        ..Model::default()
     }
 }
 
@@ -89,6 +90,7 @@ fn logo_plate() -> Model {
             body("bar", prism(bar), 1),
         ],
         materials: vec![material("white", [244, 244, 240]), material("blue", [40, 96, 176])],
+        ..Model::default()
     }
 }
 
@@ -116,5 +118,6 @@ fn palette() -> Model {
     Model {
         bodies: colours.iter().enumerate().map(square).collect(),
         materials: colours.iter().map(|&(name, colour)| material(name, colour)).collect(),
+        ..Model::default()
     }
 }

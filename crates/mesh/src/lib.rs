@@ -10,6 +10,9 @@
 //! - A **body** is a mesh and what is inside: one **material**, or **paint**, a material for each
 //!   triangle of its surface.
 //! - A **model** is the content of one or more files: bodies and materials.
+//! - An **object** is a group of bodies that belong together.
+//!   Most bodies are **solid**; a **negative** body is subtracted from its object, and a
+//!   **modifier** changes the material of its object where they overlap.
 //!
 //! # Units and axes
 //! Lengths are in mm; z points up.
@@ -102,6 +105,7 @@ mod repair;
 mod solid;
 mod transform;
 mod vector;
+mod warning;
 mod weld;
 mod work;
 
@@ -109,9 +113,10 @@ pub use bounds::Bounds;
 pub use example::Example;
 pub use materials::MaterialRule;
 pub use mesh::{Mesh, MeshError};
-pub use model::{Body, Material, Model, TooManyMaterials};
+pub use model::{Body, Material, Model, Role, TooManyMaterials};
 pub use placement::{Placement, PlacementError};
 pub use read::{Format, ReadError, ReadLimits};
 pub use repair::{RepairError, RepairReport};
 pub use solid::Solid;
 pub use transform::Transform;
+pub use warning::ReadWarning;

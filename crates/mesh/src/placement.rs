@@ -83,7 +83,7 @@ impl Placement {
         }
         let mut bounds = Bounds::EMPTY;
         let mut is_finite = true;
-        for mesh in model.bodies.iter().map(|body| &body.mesh) {
+        for mesh in model.solid_bodies().map(|body| &body.mesh) {
             for &vertex in mesh.triangles().iter().flatten() {
                 let point = turned.apply_to_point(mesh.vertices()[vertex as usize]);
                 is_finite &= point.iter().all(|value| value.is_finite());
@@ -132,10 +132,7 @@ mod tests {
 
     fn model(size_mm: [f64; 3]) -> Model {
         let mesh = Solid::Cuboid { size_mm }.mesh();
-        Model {
-            bodies: vec![Body { name: String::new(), mesh, material: None, paint: vec![] }],
-            materials: vec![],
-        }
+        Model { bodies: vec![Body { mesh, ..Body::default() }], ..Model::default() }
     }
 
     #[test]

@@ -28,8 +28,8 @@
 //! use beadwork_part::slice::{self, slice};
 //!
 //! let mesh = Solid::Frustum { sides_mm: [8.0, 4.0], height_mm: 2.0 }.mesh();
-//! let body = Body { name: "frustum".into(), mesh, material: Some(0), paint: Vec::new() };
-//! let model = Model { bodies: vec![body], materials: Vec::new() };
+//! let body = Body { name: "frustum".into(), mesh, material: Some(0), ..Body::default() };
+//! let model = Model { bodies: vec![body], ..Model::default() };
 //!
 //! let settings = slice::Settings { cell_mm: 0.5, layer_mm: 0.25, ..slice::Settings::default() };
 //! let layers = slice(&model, &settings, &Control::default())?;

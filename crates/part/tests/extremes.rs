@@ -49,7 +49,7 @@ const TETRA: &str = "<mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=
     </mesh>";
 
 fn body(mesh: Mesh) -> Body {
-    Body { name: String::new(), mesh, material: Some(0), paint: Vec::new() }
+    Body { name: String::new(), mesh, material: Some(0), ..Body::default() }
 }
 
 /// A tetrahedron at each position, turned inside out.
@@ -208,7 +208,7 @@ fn parts_of_extreme_height() {
     let settings = slice::Settings { cell_mm: 1.0, layer_mm: 1e-3, ..slice::Settings::default() };
     let needle = |height| Model {
         bodies: vec![body(Solid::Cuboid { size_mm: [2.0, 2.0, height] }.mesh())],
-        materials: Vec::new(),
+        ..Model::default()
     };
     assert_eq!(
         slice::slice(&needle(100.0), &settings, &Control::default()).unwrap().layers.len(),
@@ -227,16 +227,12 @@ fn many_bodies_in_many_layers() {
         let mut mesh = cube.clone();
         Transform::translation([f64::from(at % 100), f64::from(at / 100), f64::from(at % 200)])
             .apply(&mut mesh);
-        Body {
-            name: String::new(),
-            mesh,
-            material: None,
-            paint: (0..12).map(|at| at % 2).collect(),
-        }
+        Body { mesh, paint: (0..12).map(|at| at % 2).collect(), ..Body::default() }
     });
     let materials =
         ["a", "b"].map(|name| beadwork_mesh::Material { name: name.into(), colour: None });
-    let mut model = Model { bodies: bodies.collect(), materials: materials.into() };
+    let mut model =
+        Model { bodies: bodies.collect(), materials: materials.into(), ..Model::default() };
     model.bodies.iter_mut().for_each(|body| _ = body.repair(&Control::default()).unwrap());
     model.assign_materials(MaterialRule::Stated);
     let settings = slice::Settings { cell_mm: 0.5, layer_mm: 0.1, ..slice::Settings::default() };

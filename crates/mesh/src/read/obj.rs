@@ -165,7 +165,7 @@ impl Reader {
 
     fn finish(mut self) -> Model {
         self.complete.push(self.current);
-        let mut model = Model { bodies: Vec::new(), materials: self.materials };
+        let mut model = Model { bodies: Vec::new(), materials: self.materials, ..Model::default() };
         for faces in self.complete.into_iter().filter(|faces| !faces.triangles.is_empty()) {
             let first = faces.materials[0];
             let is_one = faces.materials.iter().all(|&material| material == first);
@@ -178,6 +178,7 @@ impl Reader {
                 name: faces.name,
                 material: if is_one { first.map(usize::from) } else { None },
                 paint: if is_one { Vec::new() } else { paint },
+                ..Body::default()
             });
         }
         model

@@ -87,7 +87,7 @@ fn add_body(model: &mut Model, name: String, welder: Welder) -> Result<(), ReadE
         let body = if name.is_empty() { number.to_string() } else { name.clone() };
         ReadError::Mesh { body, source }
     })?;
-    model.bodies.push(Body { name, mesh, material: None, paint: Vec::new() });
+    model.bodies.push(Body { name, mesh, material: None, ..Body::default() });
     Ok(())
 }
 

@@ -158,7 +158,7 @@ impl Builder<'_> {
                     .map(|&property| Ok(self.material(entry, property)?.or(material)))
                     .collect::<Result<Vec<_>, ReadError>>()?;
                 let name = object.name.clone();
-                let mut body = Body { name, mesh, material, paint: Vec::new() };
+                let mut body = Body { name, mesh, material, ..Body::default() };
                 paint_body(&mut body, paint, &of_property);
                 self.model.bodies.push(body);
                 Ok(())

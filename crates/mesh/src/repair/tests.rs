@@ -12,7 +12,7 @@ use crate::Solid;
 use crate::mesh::Mesh;
 
 fn body(mesh: Mesh) -> Body {
-    Body { name: String::new(), mesh, material: None, paint: Vec::new() }
+    Body { name: String::new(), mesh, material: None, ..Body::default() }
 }
 
 /// Whether every edge is used as often in one direction as in the other.

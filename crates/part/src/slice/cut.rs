@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use beadwork_base::{Control, Interrupted};
 use beadwork_grid::{Region, Zones};
-use beadwork_mesh::{Body, Bounds, Model};
+use beadwork_mesh::{Body, Bounds, Model, Role};
 
 use super::grid_fit::fit;
 use super::layers::{Layer, Layers};
@@ -20,7 +20,9 @@ use crate::frame::Frame;
 ///
 /// The bodies of the model must stand on z = 0 ([`beadwork_mesh::Placement`]), be closed
 /// ([`Body::repair`]) and have materials ([`Model::assign_materials`]).
-/// Where bodies overlap, the later one takes the cells.
+/// Where solid bodies overlap, the later one takes the cells.
+/// Modifiers then change the material of the cells of their object, and negative bodies remove
+/// cells of their object.
 ///
 /// A layer exists if its centre height lies within the part; a cell belongs to it if the cell's
 /// centre lies inside a body.
@@ -57,8 +59,8 @@ pub fn slice(
 /// let outline_mm = (0..60).map(|i| f64::from(i).to_radians() * 6.0);
 /// let outline_mm = outline_mm.map(|a| [5.1 * a.cos(), 5.1 * a.sin()]).collect();
 /// let mesh = Solid::Prism { outline_mm, z_mm: [0.0, 1.0] }.mesh();
-/// let body = Body { name: "disc".into(), mesh, material: Some(0), paint: Vec::new() };
-/// let model = Model { bodies: vec![body], materials: Vec::new() };
+/// let body = Body { name: "disc".into(), mesh, material: Some(0), ..Body::default() };
+/// let model = Model { bodies: vec![body], ..Model::default() };
 ///
 /// let (settings, control) = (Settings::default(), Control::default());
 /// let cut = Cut::new(&model, &settings, &control)?;
@@ -79,6 +81,9 @@ pub struct Cut {
 /// Of many small bodies, outlines in all layers would take more memory than all cells.
 #[derive(Clone, Debug, PartialEq)]
 struct BodyCut {
+    role: Role,
+    /// The object it is a part of.
+    object: usize,
     /// What its cells are made of.
     material: BodyMaterial,
     /// The layer of the first outline.
@@ -92,6 +97,8 @@ struct BodyCut {
 enum BodyMaterial {
     /// One material.
     One(u8),
+    /// None: the body is negative.
+    None,
     /// The colours of the outlines' lines.
     FromSurface,
 }
@@ -100,6 +107,21 @@ impl BodyCut {
     /// The outline in a layer; `None` if there is nothing.
     fn layer(&self, number: usize) -> Option<&Outline> {
         self.outlines.get(number.checked_sub(self.first)?).filter(|outline| !outline.is_empty())
+    }
+
+    /// Writes its material into the cells that it covers in a layer.
+    fn fill(&self, number: usize, rule: FillRule, frame: &Frame, materials: &mut [u8]) {
+        let Some(outline) = self.layer(number) else { return };
+        match self.material {
+            BodyMaterial::One(material) => {
+                for_each_run(outline, rule, frame, |row, first, end| {
+                    let row = row as usize * frame.width as usize;
+                    materials[row + first as usize..row + end as usize].fill(material);
+                });
+            }
+            BodyMaterial::FromSurface => propagate(outline, rule, frame, materials),
+            BodyMaterial::None => {}
+        }
     }
 }
 
@@ -148,26 +170,54 @@ impl Cut {
         Ok(Layers { frame, layers })
     }
 
-    /// The cells of one layer: bodies are filled in order, each over those before it.
+    /// The cells of one layer: objects are filled in order, each over those before it.
     fn fill_layer(&self, number: usize, rule: FillRule, frame: &Frame) -> Option<Layer> {
         let (width, height) = (frame.width as usize, frame.height as usize);
         let mut materials = vec![Zones::OUTSIDE; width * height];
-        for body in &self.bodies {
-            let Some(outline) = body.layer(number) else { continue };
-            match body.material {
-                BodyMaterial::One(material) => {
-                    for_each_run(outline, rule, frame, |row, first, end| {
-                        let row = row as usize * width;
-                        materials[row + first as usize..row + end as usize].fill(material);
-                    });
-                }
-                BodyMaterial::FromSurface => propagate(outline, rule, frame, &mut materials),
+        for bodies in self.bodies.chunk_by(|a, b| a.object == b.object) {
+            if bodies.iter().all(|body| body.role == Role::Solid) {
+                bodies.iter().for_each(|body| body.fill(number, rule, frame, &mut materials));
+            } else {
+                // The others affect only this object, which therefore is filled separately.
+                let mut object = vec![Zones::OUTSIDE; width * height];
+                fill_object(bodies, number, rule, frame, &mut object);
+                let cells = materials.iter_mut().zip(object);
+                cells.filter(|(_, of)| *of != Zones::OUTSIDE).for_each(|(cell, of)| *cell = of);
             }
         }
         let inside = materials.iter().map(|&material| material != Zones::OUTSIDE).collect();
         let region = Region::from_mask(frame.width, frame.height, inside).ok()?;
         let zones = Zones::new(&region, materials).expect("every cell has a material");
         Some(Layer { region, zones })
+    }
+}
+
+/// Fills a layer of an object that has modifiers or negative bodies, into an empty layer.
+/// They apply after all solid bodies, wherever they are in the list.
+fn fill_object(
+    bodies: &[BodyCut],
+    number: usize,
+    rule: FillRule,
+    frame: &Frame,
+    object: &mut [u8],
+) {
+    let with_role = |role| bodies.iter().filter(move |body| body.role == role);
+    with_role(Role::Solid).for_each(|body| body.fill(number, rule, frame, object));
+    let outside = vec![Zones::OUTSIDE; object.len()];
+    for body in with_role(Role::Modifier) {
+        let mut changed = outside.clone();
+        body.fill(number, rule, frame, &mut changed);
+        for (cell, to) in object.iter_mut().zip(changed) {
+            if *cell != Zones::OUTSIDE && to != Zones::OUTSIDE {
+                *cell = to;
+            }
+        }
+    }
+    for outline in with_role(Role::Negative).filter_map(|body| body.layer(number)) {
+        for_each_run(outline, rule, frame, |row, first, end| {
+            let row = row as usize * frame.width as usize;
+            object[row + first as usize..row + end as usize].fill(Zones::OUTSIDE);
+        });
     }
 }
 
@@ -212,7 +262,8 @@ impl<'a> CutPlan<'a> {
             let BodyPlan { body, material, layers } = plan;
             let (first, layer_mm) = (layers.start, self.layer_mm);
             let outlines = cut_between(&body.mesh, &body.paint, layer_mm, layers.clone(), work)?;
-            Ok(BodyCut { material: *material, first, outlines })
+            let (role, object) = (body.role, body.object);
+            Ok(BodyCut { role, object, material: *material, first, outlines })
         };
         let bodies = self.bodies.iter().map(cut_body).collect::<Result<Vec<_>, Interrupted>>()?;
         Ok(Cut { bounds: self.bounds, layer_mm: self.layer_mm, bodies })
@@ -223,6 +274,9 @@ impl<'a> CutPlan<'a> {
 fn material(body: &Body) -> Option<BodyMaterial> {
     let is_valid = |material: usize| material < Zones::MAX as usize;
     let material = body.material.filter(|&material| is_valid(material));
+    if body.role == Role::Negative {
+        return Some(BodyMaterial::None);
+    }
     if body.paint.is_empty() {
         return Some(BodyMaterial::One(material? as u8));
     }

@@ -76,12 +76,11 @@ fn rate<T>(
 fn sphere(control: &Control<'_>) -> anyhow::Result<Layers> {
     let mut model = Model {
         bodies: vec![Body {
-            name: String::new(),
             mesh: Solid::Sphere { radius_mm: 30.0, steps: 60 }.mesh(),
             material: Some(0),
-            paint: Vec::new(),
+            ..Body::default()
         }],
-        materials: Vec::new(),
+        ..Model::default()
     };
     Placement::default().apply(&mut model)?;
     Ok(slice(&model, &Settings::default(), control)?)

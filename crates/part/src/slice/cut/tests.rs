@@ -10,7 +10,7 @@ use crate::slice::{Voxels, cut};
 use beadwork_mesh::{Material, MaterialRule, Mesh, Solid, Transform};
 
 fn body(mesh: Mesh, material: usize) -> Body {
-    Body { name: String::new(), mesh, material: Some(material), paint: Vec::new() }
+    Body { name: String::new(), mesh, material: Some(material), ..Body::default() }
 }
 
 fn moved(shape: &Solid, by: [f64; 3]) -> Mesh {
@@ -20,7 +20,7 @@ fn moved(shape: &Solid, by: [f64; 3]) -> Mesh {
 }
 
 fn model(bodies: Vec<Body>) -> Model {
-    Model { bodies, materials: Vec::new() }
+    Model { bodies, ..Model::default() }
 }
 
 /// Winding number of the surface around a point: the triangles straight above it, those that face
@@ -297,13 +297,39 @@ fn materials_of_a_layer_are_indexed_by_row_and_column() {
     assert_eq!(outlines.unwrap()[1].area_mm2(), 2.0);
 }
 
+/// A box of an object, from `x` to `x + width`, with a square cross-section of 2 mm.
+fn bar(role: Role, object: usize, material: Option<usize>, x: f64, width: f64) -> Body {
+    let mesh = moved(&Solid::Cuboid { size_mm: [width, 2.0, 2.0] }, [x, 0.0, 0.0]);
+    Body { mesh, role, object, material, ..Body::default() }
+}
+
+// prusa3d/PrusaSlicer#15694
+#[test]
+fn negative_bodies_and_modifiers_affect_their_object_only() {
+    // Along x: object 0 is 4 mm long; 1 mm of it is removed, and 1 mm has another material.
+    // Object 1 covers a part of what is removed and what is modified.
+    let bodies = vec![
+        bar(Role::Negative, 0, None, 1.0, 1.0),
+        bar(Role::Modifier, 0, Some(1), 2.0, 9.0),
+        bar(Role::Solid, 0, Some(0), 0.0, 4.0),
+        bar(Role::Solid, 1, Some(2), 1.5, 1.0),
+    ];
+    let layers = slice(&model(bodies), &Settings::default(), &Control::default()).unwrap();
+    for layer in layers.layers {
+        let layer = layer.unwrap();
+        for row in layer.materials().rows() {
+            assert_eq!(row.to_vec(), [0, 0, Voxels::EMPTY, 2, 2, 1, 1, 1]);
+        }
+    }
+}
+
 #[test]
 fn materials_are_given_by_rule() {
     let two = || {
         let mut bodies = vec![body(Solid::Cuboid { size_mm: [1.0; 3] }.mesh(), 0); 2];
         bodies[1].material = None;
         let materials = vec![Material { name: "PLA".into(), colour: None }];
-        Model { bodies, materials }
+        Model { bodies, materials, ..Model::default() }
     };
     let numbers = |rule| {
         let mut model = two();
