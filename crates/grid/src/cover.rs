@@ -30,8 +30,8 @@ use strands::Strands;
 /// maximum set of links with at most two at each cell: p pieces have n - p links and at most two at
 /// each cell.
 /// Every component needs at least one piece.
-/// The bound includes what the colours of a chessboard show: since a path alternates between black
-/// and white cells, a component with d more black than white cells needs d pieces.
+/// The bound is at least as high as the one from chessboard colours: since a path alternates
+/// between black and white cells, a component with d more black than white cells needs d pieces.
 ///
 /// Cost: that of a maximum flow, nearly linear in the grid's cells on usual parts.
 /// Progress counts cells of the region.

@@ -2,9 +2,9 @@
 //!
 //! # One switch
 //! Write the path as a line in the order of its positions.
-//! A switch takes out two links, so it cuts the line at two places into three runs; `~~~` is the
-//! run between the cuts.
-//! It matters in which directions the path passes the two links.
+//! A switch takes out two links, so it cuts the line into three runs; `~~~` is the run between the
+//! two cuts.
+//! The result depends on the directions in which the path passes the two links.
 //!
 //! If it passes them in opposite directions, the run between the cuts becomes a cycle: the switch
 //! **closes**.
@@ -31,7 +31,8 @@
 //!
 //! - The first closes, so there is now a path and a cycle.
 //!   Interleaved: the second has one link on the cycle and one on the path.
-//!   It cuts both there and joins them, in whichever directions its links are passed: one path.
+//!   It cuts both there and joins the cycle into the path, whatever the directions of its links:
+//!   one path.
 //!   Not interleaved: both links lie on the cycle, or both on the path; the second cannot join the
 //!   two.
 //! - The second closes and the first opens: the same with the roles exchanged, since the result
@@ -47,7 +48,7 @@
 use crate::bits::square;
 use crate::{Cell, Path, Sides, Switch};
 
-/// The two places where a switch cuts a path.
+/// The positions at which a switch cuts a path, and the effect of the switch alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cuts {
     /// Position before the first cut link: the path is cut between `first` and `first + 1`.
@@ -74,13 +75,13 @@ impl Cuts {
 }
 
 impl Path {
-    /// The places where a switch that takes the links `from` out of the unit cell at `corner` cuts
-    /// the path.
+    /// Returns where a switch that takes the links `from` out of the unit cell at `corner` cuts the
+    /// path.
     ///
-    /// Both links must be present ([`Path::sides`]); otherwise the result has no meaning.
+    /// Both links must be present ([`Path::sides`]); otherwise the result is meaningless.
     ///
     /// # Panics
-    /// Possibly, if no unit cell begins at `corner`.
+    /// May panic if no unit cell begins at `corner`.
     #[inline]
     pub fn cuts(&self, corner: Cell, from: Sides) -> Cuts {
         // The links are a-b and c-d, such that a-c and b-d are the other two sides.
@@ -102,7 +103,7 @@ impl Path {
         let step = second.corner().wrapping_sub(first.corner()) as i32;
         let width = self.width as i32;
         // If the unit cells lie side by side, they share a side, which the first switch changes
-        // before the second looks at it.
+        // before the second is applied.
         // `shared` is that side as seen from the second, `along` its direction.
         let (shared, along) = match step {
             1 => (square::LEFT, Sides::Vertical),
@@ -124,7 +125,7 @@ impl Path {
     }
 }
 
-/// The bits of a unit cell from which a switch can take the links `from`.
+/// The bits of a unit cell whose only links are `from`, as a switch requires.
 pub(crate) fn linked_sides(from: Sides) -> u8 {
     match from {
         Sides::Horizontal => square::HORIZONTAL,

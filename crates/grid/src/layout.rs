@@ -127,8 +127,8 @@ impl LayoutSpec {
 
     /// Generates the zones of a region.
     ///
-    /// The layout is laid out on the whole grid, and the region keeps the zones of its cells; on a
-    /// region that is not a rectangle, some zones may thus have no cells.
+    /// The layout covers the whole grid, and the region keeps the zones of its cells.
+    /// So on a region that is not a rectangle, some zones may have no cells.
     /// The same seed gives the same zones on every machine; layouts without randomness ignore it.
     ///
     /// Linear in the grid's cells.
@@ -170,7 +170,7 @@ fn islands(
     side: u16,
     rng: &mut ChaCha8Rng,
 ) -> Result<Vec<u8>, LayoutError> {
-    // The first islands may happen to lie such that there is no room for the last one.
+    // The first islands may lie so that no room is left for the last one.
     // So after this many draws for one island, all islands are drawn again.
     const DRAWS_PER_ISLAND: u32 = 200;
     const SETS: u32 = 100;

@@ -7,7 +7,7 @@ use crate::{Path, PlacedVariant, Variant};
 /// The links of a path: which neighbouring cells it joins, without the order of the cells.
 ///
 /// This is all that the variants of Aali et al. need, since a variant whose window matches keeps
-/// the path whole, whatever lies outside.
+/// the number of pieces, whatever the path does outside the window.
 /// Applying a variant to `Links` takes a few nanoseconds, where a [`Path`] rewrites all positions
 /// between the first and the last cut.
 /// So `Links` are the right choice to replay a list of variants, or to search among them.
@@ -34,7 +34,7 @@ type Row = u32;
 struct Pattern {
     /// All links of the window.
     window: [Row; 3],
-    /// The links that must be present, and no others of the window.
+    /// The links that must be present, while all others of the window must be absent.
     required: [Row; 3],
     /// The links that are removed or added.
     changed: [Row; 3],
@@ -163,7 +163,8 @@ impl Links {
     }
 
     /// Calls `visit` for each variant that applies with this top-left cell of its window, in the
-    /// order of the classes; for none outside the grid.
+    /// order of the classes.
+    /// Visits nothing if (x, y) lies outside the grid.
     /// O(1).
     #[inline]
     pub fn for_each_variant_at(&self, x: u16, y: u16, mut visit: impl FnMut(PlacedVariant)) {

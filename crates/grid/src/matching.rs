@@ -79,7 +79,7 @@ impl<'a> TwoMatching<'a> {
         Ok(matching)
     }
 
-    /// Number of links that the cell lacks to have two.
+    /// Number of links missing at a cell: two minus its links.
     pub(crate) fn deficit(&self, cell: Cell) -> u32 {
         2 - self.links[cell as usize].count_ones()
     }
@@ -128,17 +128,17 @@ impl<'a> TwoMatching<'a> {
 
 /// Breadth-first search for augmenting paths; its buffers serve all searches.
 struct Search {
-    /// The cell from which each cell was reached, in the search that reached it last.
+    /// The predecessor of each cell in the search that reached it last.
     before: Vec<Cell>,
     /// The round in which a cell was reached last, or [`Search::DEAD`].
     reached_in: Vec<u32>,
     round: u32,
-    /// Black cells whose neighbours are still to be looked at.
+    /// Black cells whose neighbours have not been examined yet.
     queue: VecDeque<Cell>,
 }
 
 impl Search {
-    /// Marks cells from which no augmenting path leads on.
+    /// Marks cells that no later augmenting path can pass.
     const DEAD: u32 = u32::MAX;
 
     fn new(cells: usize) -> Self {
@@ -188,7 +188,7 @@ impl Search {
         false
     }
 
-    /// Whether this search has not reached a cell that could lead on.
+    /// Whether a cell is worth visiting: this search has not reached it yet, and it is not dead.
     fn is_new(&self, cell: Cell) -> bool {
         self.reached_in[cell as usize] != self.round && self.reached_in[cell as usize] != Self::DEAD
     }

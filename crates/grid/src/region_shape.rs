@@ -43,7 +43,7 @@ impl RegionShape {
     /// Linear in the grid's cells, at up to about 0.2 microseconds each.
     pub fn region(self, width: u32, height: u32, seed: u64) -> Result<Region, RegionError> {
         let outline = self.outline(&mut ChaCha8Rng::seed_from_u64(seed));
-        // Coordinates from the grid's centre, in halves of the shorter side.
+        // Coordinates relative to the grid's centre, in units of half the shorter side.
         let unit = 2.0 / f64::from(width.min(height).max(1));
         let (centre_x, centre_y) = (f64::from(width) / 2.0, f64::from(height) / 2.0);
         let cells = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));

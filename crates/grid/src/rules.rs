@@ -13,7 +13,7 @@
 //!   cell --10- cell --11- cell
 //! ```
 //!
-//! The links of a window are thus a number of 12 bits, and [`MATCHES`] lists for each of the 4096
+//! So the links of a window are a number of 12 bits, and [`MATCHES`] lists for each of the 4096
 //! possible windows the moves whose conditions it meets.
 //! Smaller windows (2 x 3 and 3 x 2 cells) use the bits of their cells in the top-left corner and
 //! ignore the others.
@@ -28,8 +28,8 @@ pub(crate) struct Rule {
     pub(crate) rows: u32,
     /// All links that lie inside the window.
     pub(crate) window: u16,
-    /// The links that must be present, and no others of `window`: those that the move keeps and
-    /// those that it removes.
+    /// The links that must be present, while all others of `window` must be absent: those that the
+    /// move keeps and those that it removes.
     pub(crate) required: u16,
     pub(crate) removed: u16,
     pub(crate) added: u16,
@@ -137,15 +137,15 @@ pub(crate) const FLIPS_OF_TWO_ROWS: u16 = 0xC00;
 
 /// The links of three neighbouring cells in the first or second row of a window, as the five bits
 /// of that row.
-/// The arguments are the bits of [`link`] of the cells; the third cell's link to the right leaves
-/// the window.
+/// The arguments are the bits of [`link`] of the cells.
+/// The third cell's link to the right is dropped, because it leads out of the window.
 #[inline]
 pub(crate) fn pack(a: u8, b: u8, c: u8) -> u8 {
     let both = link::RIGHT | link::BELOW;
     (a & both) | (b & both) << 2 | (c & link::BELOW) << 3
 }
 
-/// The links of the third row of a window, whose links downwards leave the window.
+/// The links of the third row of a window, as two bits: the links downwards lead out of the window.
 #[inline]
 pub(crate) fn pack_lowest(a: u8, b: u8) -> u8 {
     (a & link::RIGHT) | (b & link::RIGHT) << 1

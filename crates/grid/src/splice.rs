@@ -63,7 +63,7 @@ impl Path {
     /// Undoes the switches of the latest [`Path::apply`]: every cell has its former position again.
     ///
     /// # Panics
-    /// If the path has changed since such that the switches can't be undone.
+    /// If the path has changed since then, so that the switches can't be undone.
     pub fn undo(&mut self, switches: &[Switch]) {
         let inverse: Vec<Switch> = switches.iter().rev().map(|switch| switch.inverse()).collect();
         assert!(self.apply(&inverse), "undo needs the switches that were applied last");
@@ -73,7 +73,7 @@ impl Path {
 const FREE: u32 = u32::MAX;
 
 impl SplicePlan {
-    /// Makes the plan; returns false if the switches cannot be applied or do not keep one path.
+    /// Makes the plan; returns false if the switches cannot be applied or would split off a cycle.
     fn make(&mut self, path: &Path, switches: &[Switch]) -> bool {
         self.changed.clear();
         for (index, &switch) in switches.iter().enumerate() {
@@ -135,7 +135,7 @@ impl SplicePlan {
                 return false;
             }
             match earlier {
-                // Changed twice, so not at all.
+                // A second change restores the link.
                 Some(index) => drop(self.changed.swap_remove(index)),
                 None => self.changed.push(Link { cell, along, present }),
             }
@@ -166,16 +166,17 @@ impl SplicePlan {
         }
     }
 
-    /// Follows the joined ends from the first run to the last; false if that misses a run.
+    /// Follows the joined ends from the first run to the last; false if that skips a run.
     fn follow(&mut self) -> bool {
         self.runs.clear();
         let last = self.cuts.len() as u32;
-        // The last end of run 0.
+        // End 1 is the last cell of run 0.
         let mut leaving = 1;
         for _ in 1..last {
             let entering = self.joined[leaving as usize];
             let (run, backwards) = (entering / 2, entering % 2 == 1);
             if run == last {
+                // Runs that were not visited before the last one form cycles.
                 return false;
             }
             let first = self.cuts[run as usize - 1] + 1;
@@ -235,7 +236,8 @@ fn sides(path: &Path, corner: Cell) -> [(Cell, Sides); 4] {
     ]
 }
 
-/// Whether two unit cells may share a side: always true if they do.
+/// A quick test whether two unit cells may share a side.
+/// Always true if they do; also true for some that lie at opposite ends of successive rows.
 fn may_share_a_side(path: &Path, one: Switch, other: Switch) -> bool {
     let step = one.corner().abs_diff(other.corner());
     step <= 1 || step == path.width

@@ -1,4 +1,4 @@
-//! The plan of a change of a path, and the buffers in which it is made.
+//! The plan of a change of a path, with buffers that are reused.
 
 use crate::{Cell, Sides};
 
@@ -12,10 +12,9 @@ pub(crate) struct Link {
     pub(crate) present: bool,
 }
 
-/// The effect of several switches on a path: see [`splice`](crate::splice) for how it is worked
-/// out.
+/// The effect of several switches on a path, computed as [`splice`](crate::splice) explains.
 ///
-/// A path keeps one, so that its buffers are allocated once.
+/// Each path owns a plan, so that the buffers are allocated only once.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SplicePlan {
     /// The links that change: those that are present are removed, the others added.
@@ -26,9 +25,9 @@ pub(crate) struct SplicePlan {
     /// For each end of a run, the end to which an added link joins it.
     /// End `2 * r` is the first cell of run `r`, end `2 * r + 1` its last cell.
     pub(crate) joined: Vec<u32>,
-    /// The runs between the first and the last cut, in their new order.
+    /// The runs between the first and the last cut, in the order in which the new path visits them.
     pub(crate) runs: Vec<Run>,
-    /// The cells of the rewritten positions, as they were.
+    /// A copy of the part of the order that is rewritten, from before the change.
     pub(crate) old: Vec<Cell>,
 }
 

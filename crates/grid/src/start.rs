@@ -23,7 +23,8 @@ pub enum Start {
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum StartError {
-    /// The region has no such path of one piece: consecutive cells are not neighbours.
+    /// The start is not a path of one piece on this region: two consecutive cells are not
+    /// neighbours.
     #[error(
         "{start} start jumps from ({}, {}) to ({}, {}) on this region; \
          the cover start exists on every region",

@@ -19,7 +19,7 @@ pub struct Symmetry {
     flipped_y: bool,
 }
 
-/// Class that a variant's class becomes, indexed by the number of the symmetry and the class.
+/// Class of a variant's image, indexed by the number of the symmetry and the variant's class.
 const CLASSES: [[u8; 12]; 8] = {
     let mut table = [[0; 12]; 8];
     let mut symmetry = 0;

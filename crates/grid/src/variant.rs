@@ -1,6 +1,6 @@
 //! The twelve moves of Aali et al. ("variants"), found and applied in a path.
 //!
-//! A move looks at a small **window** of cells.
+//! A move acts on a small **window** of cells.
 //! It applies where the links of the path inside the window are exactly those that its rule
 //! requires, and replaces some of them.
 //! Each move is two switches of unit cells: a **flip** of two that lie side by side, a

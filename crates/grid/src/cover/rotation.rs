@@ -1,7 +1,7 @@
 //! Rotation and extension of paths, after Pósa, "Hamiltonian circuits in random graphs" (1976).
 //!
 //! Several disjoint paths cover all cells.
-//! Draw an end of one of them and a neighbour of that end, and link the two.
+//! Draw at random an end of one of them and a neighbour of that end, and link the two.
 //! What follows depends on where the neighbour lies:
 //!
 //! ```text
@@ -17,8 +17,8 @@
 //! ```
 //!
 //! None of these steps increases the number of paths.
-//! The ends thus wander over the region like random walks, and whenever two of them become
-//! neighbours, they may be joined.
+//! So the ends move over the region like random walks, and when two of them become neighbours, a
+//! step may join them.
 
 use std::ops::Range;
 
@@ -109,7 +109,7 @@ impl Pieces {
             return self.update_homes(piece, changed);
         }
         // The other piece can be cut before or after the neighbour.
-        // Take over the longer part: few long pieces get into each other's way less than many short
+        // Take over the longer part: a few long pieces obstruct each other less than many short
         // ones.
         let length = self.pieces[other].len();
         let mut taken = if index + 1 > length - index {

@@ -6,7 +6,7 @@ use crate::bits::{link, square};
 use crate::matching::TwoMatching;
 use crate::{Cell, Region};
 
-/// Cells looked at between two polls of the control.
+/// Cells examined between two polls of the control.
 const POLL_INTERVAL: usize = 1 << 16;
 
 /// The paths and cycles ("strands") of a 2-matching.
@@ -15,8 +15,7 @@ const POLL_INTERVAL: usize = 1 << 16;
 pub(super) struct Strands<'a> {
     region: &'a Region,
     matching: TwoMatching<'a>,
-    /// For each cell, another cell of its strand nearer to the strand's root, or the cell itself at
-    /// the root.
+    /// For each cell its parent in the union-find tree of its strand; the root is its own parent.
     parent: Vec<Cell>,
     /// For each root, whether its strand is a cycle.
     is_cycle: Vec<bool>,
@@ -42,7 +41,8 @@ impl<'a> Strands<'a> {
         strands
     }
 
-    /// The root of a cell's strand; halves the way to it for later calls.
+    /// The root of a cell's strand.
+    /// Halves the path to it, which makes later calls faster.
     fn root(&mut self, mut cell: Cell) -> Cell {
         while self.parent[cell as usize] != cell {
             let next = self.parent[self.parent[cell as usize] as usize];
@@ -111,8 +111,7 @@ impl<'a> Strands<'a> {
         true
     }
 
-    /// Lets the end of a path take in a neighbouring cycle: the cycle is opened at the neighbour,
-    /// and the path continues along it.
+    /// Extends a path from its end along a neighbouring cycle, which is opened at the neighbour.
     fn take_in(&mut self, end: Cell) -> bool {
         if self.matching.deficit(end) == 0 {
             return false;
