@@ -2,8 +2,8 @@
 
 /// The numbers 0..count in disjoint sets, each represented by one of its members.
 ///
-/// The sets are trees: each number points to another one of its set, and the representative, the
-/// root, to itself.
+/// Each set is a tree: each number points to its parent, and the representative, the root, to
+/// itself.
 /// [`DisjointSets::find`] halves the paths it follows, so both operations take O(log count)
 /// amortised time.
 #[derive(Clone, Debug, Default)]

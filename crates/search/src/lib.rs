@@ -9,7 +9,7 @@
 //! - [`anneal`]: simulated annealing, by the method of Aali et al. or a faster one.
 //! - [`genetic`]: the genetic algorithm of Aali et al. on the moves of many annealing runs.
 //! - [`chains`]: local search that lowers the cost in few moves, as examples for learning.
-//! - [`bound`](mod@bound): lower bounds of the number of pieces and of crossings.
+//! - [`bound`](mod@bound): lower bounds on the number of pieces and on crossings.
 //! - [`plan`]: plans of whole parts: the order of the tools over the layers, and the beads of all
 //!   layers for the minimum cost of tool changes and lifts.
 //!
@@ -18,7 +18,7 @@
 //!   **lift** separates two of them.
 //! - A **crossing** is a step of a piece from one zone to another.
 //! - A **switch** exchanges two parallel links of a unit cell (2 x 2 cells) for the other two; a
-//!   [`Move`] is a pair of switches that together keep the path whole.
+//!   [`Move`] is a pair of switches that together keep the number of pieces.
 //! - A [`Cost`] is what a search minimises: usually the number of crossings.
 //! - A [`CostMatrix`] holds the costs of changes between zones or tools.
 //! - A **bound** is a proven lower bound.

@@ -2,7 +2,7 @@
 
 use beadwork_grid::{Path, PlacedVariant, Switch};
 
-/// A move of a search: two switches of unit cells that together keep the path whole.
+/// A move of a search: two switches of unit cells that together keep the number of pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Move {
     /// A variant of Aali et al.; it applies where the links in its window are those that the

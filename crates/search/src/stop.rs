@@ -44,7 +44,7 @@ pub(crate) struct Goal {
 }
 
 impl Goal {
-    /// Why a search whose best cost is this one need not go on, if so.
+    /// The reason to stop a search with this best cost; `None` if it has to go on.
     #[inline]
     pub(crate) fn reached(self, best: i64) -> Option<Stop> {
         if self.proven_bound.is_some_and(|bound| best <= bound) {

@@ -1,4 +1,4 @@
-//! The exact search against an integer program, on layers too large for brute force.
+//! Compares the exact search with an integer program, on layers too large for brute force.
 //!
 //! Run it by hand, as it needs cmake and a C++ compiler to build HiGHS, and takes minutes:
 //! ```text
@@ -23,7 +23,7 @@ struct Program<'a> {
     region: &'a Region,
     zones: &'a Zones,
     links: Vec<[Cell; 2]>,
-    /// Sets of cells that solutions found so far close by cycles: each may hold fewer links than
+    /// Sets of cells that solutions so far closed by cycles: each must contain fewer links than
     /// cells.
     closed: Vec<Vec<Cell>>,
 }

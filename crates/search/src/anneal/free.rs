@@ -1,4 +1,4 @@
-//! Annealing with any two switches that together keep the path whole.
+//! Annealing with any two switches that together keep the number of pieces.
 //!
 //! A *switch* exchanges two parallel links of a unit cell (2 x 2 cells) for the other two.
 //! Where the path passes the two links in opposite directions, as in neighbouring rows of a zigzag,
@@ -7,10 +7,10 @@
 //!
 //! The first switch is drawn among the unit cells near zone borders, where costs can change.
 //! If it would close a cycle, the second switch must join that cycle to the rest again.
-//! It is drawn next to a random link of the cycle, or next to the first switch, which reverses only
-//! a short part of the path and is therefore cheap.
-//! So nearly every proposal that reaches a second switch is a valid move, and moves reach across
-//! the layer, whereas the paper's variants end at their window.
+//! It is drawn next to a random link of the cycle, or next to the first switch, where the move
+//! usually rewrites only a short part of the path and is therefore cheap.
+//! So most proposals with a second switch are valid moves, and the two switches may lie far apart,
+//! whereas the paper's variants stay inside one window.
 
 use beadwork_grid::{Cell, Path, Sides, Switch};
 use rand::Rng;
@@ -89,9 +89,11 @@ impl Touching {
     fn draw(&self, path: &Path, first: Switch, rng: &mut Xoshiro256PlusPlus) -> Option<Switch> {
         let drawn = below(rng, 8);
         let corner = first.corner().wrapping_add(self.offsets[drawn]);
-        // Unit cells that share a side share a link, which the first switch adds or removes, so
-        // that the second one must remove the other pair of sides.
         // The second switch must fit the links as the first one leaves them.
+        // The first adds the `other` sides of its unit cell and removes the `from` sides.
+        // If the shared side is one that it adds, the second switch can only remove the pair with
+        // that side; if it is one that it removes, the second can only remove the pair without it.
+        // Both are the `other` pair.
         let from = if drawn < 4 { first.from().other() } else { path.sides(corner)? };
         let second = Switch::new(corner, from);
         path.allows_pair(first, second).then_some(second)

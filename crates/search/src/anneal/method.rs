@@ -58,15 +58,16 @@ pub struct Free {
     /// Final temperature, in units of the cost; positive.
     /// The temperature falls geometrically from `hot` to it.
     pub cold: f64,
-    /// Maximum distance, in cells along x and y, of the first switch from a unit cell that can
-    /// change the cost.
+    /// Maximum distance, in cells along x and y, of the first switch from a unit cell whose switch
+    /// can change the cost.
     pub reach: u32,
     /// Share of the proposals, 0..=1, whose second switch touches the first; the second switch of
     /// the others lies anywhere along the cycle.
     pub nearby: f64,
-    /// Number of positions that a move of no cost change may change freely; larger ones are
-    /// proposed less often, in inverse proportion.
-    /// Without this limit they would take most of the time, and they help no more than small ones.
+    /// Number of path positions that a move without a change of the cost may span; moves that span
+    /// more are proposed less often, in inverse proportion.
+    /// Without this limit such moves would take most of the time, and they help no more than short
+    /// ones.
     pub span: u32,
 }
 

@@ -4,7 +4,8 @@
 //! It accepts every move that does not raise the cost, and a move that raises it by d with the
 //! probability exp(-d / T), where the temperature T falls during the run (Metropolis et al.,
 //! "Equation of State Calculations by Fast Computing Machines", 1953).
-//! While it is hot the path wanders; as it cools the path settles in a state of low cost.
+//! At high temperatures the path changes almost freely; as the temperature falls, it settles in a
+//! state of low cost.
 //!
 //! The two methods differ in the moves that they propose: [`Pooled`] draws from a pool of the
 //! paper's variants, [`Free`] combines any two switches.

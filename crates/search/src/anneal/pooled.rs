@@ -1,10 +1,9 @@
 //! The annealer of Aali et al., section "Simulated annealing": variants drawn from a pool of
 //! feasible ones.
 //!
-//! A variant is a local rewiring of a 3 x 3 window that keeps the path whole; in a long path only
-//! few of all positions and shapes apply.
-//! Testing random ones would mostly fail, so the annealer collects those that apply, the *pool*,
-//! and draws from it.
+//! A variant rewires a window of at most 3 x 3 cells and keeps the number of pieces.
+//! Of all variants at all positions only few apply, so testing random ones would mostly fail.
+//! The annealer therefore collects those that apply, the *pool*, and draws from it.
 //! Accepted moves make pool entries obsolete and new ones possible, so each draw is tested again,
 //! and the pool is filled again after a fixed number of iterations.
 //!
@@ -26,7 +25,7 @@ impl Pooled {
     /// to `cold`.
     fn temperature(&self, iteration: u32, hot: f64) -> f64 {
         let n = f64::from(self.iterations);
-        // From 5 at the first iteration, over 0 halfway through, to -5 at the last.
+        // Falls from 5 at the first iteration through 0 halfway to -5 at the last.
         let x = 10.0 / n * (n / 2.0 - f64::from(iteration));
         self.cold + (hot - self.cold) / (1.0 + libm::exp(-x))
     }

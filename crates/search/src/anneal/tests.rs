@@ -1,4 +1,4 @@
-//! Recorded moves are replayed; runs are stopped; another cost is annealed.
+//! Replays recorded moves, stops runs early, and anneals with another cost.
 
 use std::sync::Mutex;
 

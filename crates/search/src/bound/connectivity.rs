@@ -10,7 +10,7 @@ use crate::matching::{Board, ComponentGraph, Dir, Node, ShortestPaths, TightClas
 /// Maximum number of shortest-path searches for links that leave a component.
 const MAX_SEARCHES: u32 = 200;
 
-/// The minimum by which one cost exceeds another: costs are whole numbers.
+/// The minimum difference between two different costs: they are whole numbers.
 pub(crate) const MIN_EXTRA_COST: u32 = 1;
 
 /// The components that all cheapest 2-matchings of one size leave unconnected.
@@ -41,7 +41,7 @@ impl Separation {
         Some(Self { components, graph })
     }
 
-    /// By how much a cover with `pieces` pieces costs more than the cheapest 2-matching, at least.
+    /// Lower bound on the extra cost of a cover with `pieces` pieces over the cheapest 2-matching.
     ///
     /// With one piece, the path connects all cells, so it leaves each component by a link that
     /// occurs in no cheapest 2-matching.
@@ -85,7 +85,7 @@ impl OptimalLinks<'_, '_> {
 ///
 /// With one piece these are the components without room for an end in the present 2-matching, with
 /// several pieces those without room in any cheapest one.
-/// None if there is only one component.
+/// Empty if there is only one component.
 pub(super) fn closed_components(
     components: &ComponentGraph,
     optimal: &OptimalLinks<'_, '_>,
@@ -115,7 +115,7 @@ pub(super) fn closed_components(
 
 /// The cost of the cheapest link out of a component, maximized over the components.
 ///
-/// Searches end at [`MAX_SEARCHES`]; then the result is [`MIN_EXTRA_COST`].
+/// If more than [`MAX_SEARCHES`] searches would be needed, the result is [`MIN_EXTRA_COST`].
 fn max_exit_cost(
     components: &ComponentGraph,
     matching: &TwoMatching<'_>,
@@ -144,7 +144,7 @@ fn max_exit_cost(
         }
     }
     // A component without an exit at any cost shows that there is no cover with so few pieces.
-    // That is left to the bounds on pieces.
+    // Proving that is the task of the bounds on pieces, so such a component is ignored here.
     let known = cheapest.into_iter().filter(|&cost| cost < UNKNOWN);
     known.max().map_or(MIN_EXTRA_COST, |cost| cost as u32).max(MIN_EXTRA_COST)
 }

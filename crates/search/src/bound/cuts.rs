@@ -1,4 +1,4 @@
-//! The bound by cuts: Lagrange multipliers on sets of cells that must not be closed.
+//! The bound by cuts: Lagrange multipliers on sets of cells that a cover cannot close.
 //!
 //! # Proof
 //! The links of a cover form a forest, so inside a set S of cells it has at most |S| - 1 links.
@@ -10,8 +10,9 @@
 //! Add m to the cost of every link inside S, as a surcharge, and subtract m (|S| - 1) from the
 //! total.
 //! The cost of a cover does not rise, as it has at most |S| - 1 such links.
-//! So the cheapest 2-matching under the changed costs is still a lower bound; and if it left S
-//! closed before, it is now higher by m, or leaves S in another way.
+//! So the cheapest 2-matching under the changed costs is still a lower bound; and a 2-matching that
+//! still closes S now costs m more than before, so the bound rises unless another one avoids the
+//! charge.
 //!
 //! ```text
 //!   S:  o--o       4 cells, 4 links: a cycle pays 4 m and gets 3 m back.
@@ -43,10 +44,10 @@ pub(crate) enum Cuts {
     /// Sets that are closed in all cheapest 2-matchings, with multiplier 1. Each round raises the
     /// bound, as long as no exchange becomes free.
     ClosedInAll,
-    /// As [`Cuts::ClosedInAll`]; where there are no such sets, because different 2-matchings close
-    /// different ones, the groups of zones that the present one closes, with a multiplier of
-    /// 1/[`COST_SCALE`].
-    /// That is a subgradient step: a bound may fall before it rises.
+    /// The sets of [`Cuts::ClosedInAll`] as long as there are any.
+    /// After that, different cheapest 2-matchings close different sets, so the groups of zones that
+    /// the present one closes are charged, with a multiplier of 1/[`COST_SCALE`].
+    /// This is a subgradient step: the bound may fall before it rises.
     Subgradient,
 }
 

@@ -5,15 +5,15 @@
 //! And if the maximum 2-matching has fewer than n - p links, there is no cover with p pieces.
 //!
 //! The flow accounts for the chessboard colours: a path alternates between black and white cells,
-//! so a zone with many more black cells than white ones has to be entered and left at black cells,
-//! again and again.
+//! so a zone with many more black cells than white ones has to be entered and left at black cells
+//! many times.
 
 use crate::matching::{Board, ComponentGraph, LadderLayout, TwoMatching};
 
 /// The cheapest 2-matching for the minimum number of pieces, and that number.
 ///
-/// A 2-matching whose cells lack d links has n - d / 2 links, and d / 2 paths; a cover has at least
-/// one.
+/// A 2-matching whose n cells together have room for d more links has n - d / 2 links and d / 2
+/// paths; a cover has at least one.
 pub(crate) fn cheapest(board: &Board) -> (TwoMatching<'_>, u32) {
     let matching = cheapest_with_pieces(board, 1);
     let pieces = matching.total_room / 2;

@@ -50,11 +50,12 @@ pub struct Bounds {
     /// Minimum number of segments, the stretches of a path inside one zone component, minus the
     /// pieces.
     pub segments: u32,
-    /// As [`Bounds::segments`], where removing some components (hubs) separates others, between
-    /// which the path has to cross to a hub and back.
+    /// A bound like [`Bounds::segments`] that also counts the crossings to and from hubs:
+    /// components whose removal separates others from each other.
     pub scattering: u32,
     /// Minimum number of steps of walks that visit all zone components; `None` if a component of
-    /// the region has too many of them (more than 13).
+    /// the region has more than 13 of them, or if a high number of pieces gives the search too many
+    /// states.
     pub walk: Option<u32>,
     /// [`Bounds::flow`], plus the cost of a link that no cheapest 2-matching has, where a path
     /// needs one to be connected.
@@ -68,8 +69,9 @@ impl Bounds {
     /// Computes all bounds of a layer, on the calling thread.
     /// Progress counts cells, those of each component of the region once its bounds are known.
     ///
-    /// The flow takes nearly linear time in the cells, the walk exponential time in the zone
-    /// components up to its limit, the scattering quadratic time in them.
+    /// The flow takes nearly linear time in the cells.
+    /// The walk takes exponential time in the number of zone components, up to its limit, and the
+    /// scattering quadratic time in it.
     /// Connectivity and cuts make a shortest-path search for each link along a border.
     ///
     /// # Errors

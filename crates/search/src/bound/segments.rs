@@ -30,13 +30,14 @@ pub(crate) fn count(min_segments: &[u32], pieces: u32) -> u32 {
 /// Each stretch has two ends.
 /// At an end the path either crosses to a hub, or the piece ends; at most two ends for each piece
 /// are of the latter kind.
-/// So there are at least S - v + 2 v = S + v >= S + 1 crossings for each group, less 2 for each
-/// piece in all.
+/// So each group accounts for at least S - v + 2 v = S + v >= S + 1 crossings.
+/// From the sum over all groups, 2 have to be subtracted for each piece.
 /// In graph theory, the same argument bounds path covers by the scattering number or the toughness
 /// of a graph (Chvatal 1973).
 ///
 /// Any choice of hubs gives a bound.
-/// Tried are each component alone, and all components with at least k neighbours, for each k.
+/// This function tries each component alone and, for each k, all components with at least k
+/// neighbours.
 /// O(components * pairs of neighbours).
 pub(crate) fn scattering(zones: &ComponentGraph, min_segments: &[u32], pieces: u32) -> u32 {
     let components = zones.count() as usize;

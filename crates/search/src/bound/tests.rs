@@ -1,4 +1,5 @@
-//! Bounds on layers where they are known, and under changes of the layer that keep them.
+//! Checks bounds on layers where they are known, and under changes of the layer that should keep
+//! them.
 
 use beadwork_grid::{Cell, Layout, LayoutSpec, Region, RegionShape, Zones};
 

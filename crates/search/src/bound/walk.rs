@@ -2,7 +2,8 @@
 //!
 //! The zone components that a piece passes through, in order, form a walk in the graph of zone
 //! components, with a step for each crossing.
-//! So p pieces cross at least as often as p walks that together visit all components have steps.
+//! So the crossings of p pieces are at least the minimum total number of steps of p walks that
+//! together visit all components.
 
 use std::collections::VecDeque;
 
@@ -14,8 +15,8 @@ const MAX_COMPONENTS: u32 = 13;
 /// Maximum number of states of the search.
 const MAX_STATES: u64 = 1 << 18;
 
-/// The minimum number of steps of `pieces` walks that together visit all components.
-/// `None` if the search would have more than [`MAX_COMPONENTS`] or [`MAX_STATES`].
+/// The minimum total number of steps of `pieces` walks that together visit all components.
+/// `None` if there are more than [`MAX_COMPONENTS`] components or [`MAX_STATES`] states.
 ///
 /// A breadth-first search over states of three parts: the number of walks begun, the set of
 /// components visited, and the component where the present walk stands.

@@ -2,7 +2,7 @@
 //!
 //! All chains of one length are extended together.
 //! Of their extensions, the most promising ones are kept, the *beam*; a chain is promising if its
-//! cost is low and its last move lies near a place where the cost can change.
+//! cost is low and its last move lies near a unit cell where the cost can change.
 //! Different chains often lead to the same links, for example when two independent moves are
 //! exchanged; only the first chain to reach them is extended.
 //!
@@ -15,7 +15,7 @@ use beadwork_grid::{Links, Path, PlacedVariant, Switch};
 
 use crate::Cost;
 
-/// Weight of a unit of cost against one cell of distance to where the cost can change.
+/// Weight of a unit of cost, relative to one cell of distance from where the cost can change.
 const COST_WEIGHT: i64 = 6;
 
 /// Two windows can overlap if their first cells are at most this far apart along x and along y.

@@ -1,8 +1,8 @@
 //! Local search by chains of variants, which lowers the cost in few moves.
 //!
-//! On a zigzag hardly any single variant lowers the cost: variants apply where the path turns, at
-//! the sides of the layer, and a turn has to be carried to a zone border window by window before
-//! the cost changes.
+//! On a zigzag, almost no single variant lowers the cost.
+//! Variants apply where the path turns, at the sides of the layer, and a turn has to be moved to a
+//! zone border, window by window, before the cost changes.
 //! An annealer finds such sequences by chance, within many hundreds of moves.
 //!
 //! This search finds them on purpose.
@@ -56,11 +56,12 @@ use crate::{Cost, Move, Stop};
 /// Construct it with `..Settings::default()`: fields may be added.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Number of chains from one variant that are extended at a time, at least 1.
+    /// Width of the beam, at least 1: the number of chains from one variant that are extended
+    /// together.
     pub beam: usize,
     /// Maximum number of moves of a chain.
     pub depth: usize,
-    /// Number of moves by which a chain that has a gain is extended in search of a better one.
+    /// Number of moves beyond the best chain so far after which its beam search ends.
     pub patience: usize,
     /// Probability, 0..=1, that a random move is made instead of the next move of a chain, whose
     /// rest is then dropped.
@@ -123,8 +124,8 @@ pub struct Outcome {
 /// Reports no progress, since the number of chains is not known in advance.
 /// Works on the calling thread.
 ///
-/// The beam search from one variant costs the cells that it reaches: some 100 us on a zigzag of 30
-/// x 30 cells, milliseconds where short chains have no gain.
+/// The time of the beam search from one variant is proportional to the cells that it reaches: about
+/// 100 µs on a zigzag of 30 x 30 cells, milliseconds where short chains have no gain.
 /// The first step searches from every variant that applies, later steps only where cells changed.
 pub fn solve<C: Cost>(
     start: &Path,

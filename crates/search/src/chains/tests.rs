@@ -1,4 +1,4 @@
-//! Recorded moves are replayed; chains are compared with all chains.
+//! Replays recorded moves, and compares chains with all possible chains.
 
 use std::collections::HashSet;
 

@@ -11,9 +11,9 @@ use super::matrix::CostMatrix;
 /// That search sums fractions of costs over tens of thousands of crossings in 32 bits, so scaled
 /// costs must be small.
 /// Larger ones are divided by a common factor.
-/// If they are not multiples of it they are rounded **down**: a path then costs at most its true
-/// cost divided by the factor, so lower bounds stay lower bounds, but optimality may be impossible
-/// to prove.
+/// Costs that are not multiples of it are rounded **down**.
+/// A path then costs at most its true cost divided by the factor, so lower bounds stay valid, but
+/// optimality may be impossible to prove.
 pub(crate) struct CrossingCosts<'a> {
     original: &'a CostMatrix,
     reduced: Cow<'a, CostMatrix>,
@@ -84,9 +84,9 @@ impl CostMatrix {
     /// potential.
     /// So a lower bound for the shifted costs, minus that difference for each piece, is a lower
     /// bound for the original costs.
-    /// It is the better one where the potentials make the two directions of each pair more alike,
-    /// since the cheaper direction is then closer to what a path pays that uses both directions
-    /// alternately.
+    /// It is better than the bound without potentials where these make the two directions of each
+    /// pair more alike: the cheaper direction is then closer to the mean of both, which a path pays
+    /// that crosses back and forth.
     ///
     /// The potentials solve the least-squares problem over all pairs; they are halved until no
     /// shifted cost is negative.
@@ -113,8 +113,8 @@ impl CostMatrix {
 
     /// For each pair a random cost between those of its two directions.
     ///
-    /// A path that crosses a border back and forth pays both directions alternately, other paths
-    /// mostly pay one of them; which one is known only once there is a path.
+    /// A path that crosses a border back and forth pays both directions alternately; other paths
+    /// mostly pay one of them, but which one is known only once there is a path.
     pub(crate) fn between_directions(&self, rng: &mut impl Rng) -> Vec<i32> {
         let mut costs = self.of_pairs(|_, _| 0);
         for a in 0..self.size {
@@ -164,7 +164,7 @@ mod tests {
         assert!((reduced.cost(2, 1) - 1001.0).abs() < 1e-9);
     }
 
-    /// A path costs at least what follows from its reduced cost, and hardly more.
+    /// The reduced cost of a path gives a lower bound on its cost, which is nearly tight.
     #[test]
     fn bounds_of_reduced_costs_hold() {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);

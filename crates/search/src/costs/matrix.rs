@@ -22,7 +22,7 @@ use thiserror::Error;
 /// Results are reported in the caller's unit.
 /// They, their bounds and their optimality refer to the rounded costs.
 /// [`exact`](crate::exact) needs smaller integers than other methods, and rounds large ones down
-/// for its search; this may lower its bounds, but they remain true.
+/// for its search; this may lower its bounds, but they remain valid.
 ///
 /// Invariant: the size is at most [`MAX_SIZE`](Self::MAX_SIZE), and the diagonal is 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -163,7 +163,8 @@ impl CostMatrix {
 
     /// The difference between two successive scaled costs, in the caller's unit: the inverse of
     /// [`CostMatrix::scale`].
-    /// A cost is rounded by at most half of it, and by nothing if all costs are multiples of it.
+    /// Rounding changes a cost by at most half of it, and not at all if all costs are multiples of
+    /// it.
     pub fn resolution(&self) -> f64 {
         1.0 / self.scale
     }
@@ -221,8 +222,8 @@ impl CostMatrix {
 
     /// The cost of the cheapest sequence of changes for each pair, by the Floyd-Warshall algorithm.
     ///
-    /// A sequence that avoids a forbidden change costs at most `u32::MAX - 1`, so that the result
-    /// stays a lower bound of what any sequence of changes costs.
+    /// The cost of a sequence is limited to `u32::MAX - 1`, the highest value that does not mean
+    /// forbidden, so that the result stays a lower bound on the cost of any sequence of changes.
     pub(crate) fn with_detours(&self) -> Self {
         let n = self.size;
         let mut scaled = self.scaled.clone();

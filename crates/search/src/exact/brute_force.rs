@@ -50,8 +50,8 @@ impl Search<'_> {
     /// Tries all choices of the links of one cell to the right and below, each followed by all
     /// choices for the cells after it.
     ///
-    /// `links` have been chosen before; `lacking` is the number of links that the cells before lack
-    /// to two each.
+    /// `links` is the number of links chosen so far; `lacking` is how many links the earlier cells
+    /// have fewer than two each.
     fn decide(&mut self, index: usize, links: usize, lacking: usize) {
         // Two links at each cell would be one link for each cell.
         // Each link fewer than that leaves two link ends missing.
@@ -111,7 +111,7 @@ impl Search<'_> {
         seen.contains(&to)
     }
 
-    /// Notes the cost of a complete cover, if its ends are as required.
+    /// Updates the best cost by that of a complete cover, if its ends are as required.
     fn finish(&mut self) {
         let Problem { zones, costs, start, end, .. } = *self.problem;
         let mut total = 0;

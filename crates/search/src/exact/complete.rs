@@ -6,7 +6,7 @@
 //! 1. [`connect`]: insert links between groups of zones that no link connects.
 //! 2. [`merge`]: join cycles by switches of unit cells, at no cost.
 //! 3. [`join_by_exchanges`]: join the remaining cycles by longer exchanges of links, at no cost.
-//! 4. [`insert_cheapest`]: pay for one more link from a cycle that is left to another strand, and
+//! 4. [`insert_cheapest`]: insert a link from a remaining cycle to another strand, at a cost, and
 //!    repeat 2 and 3; up to [`MAX_LINKS_PAID`] times.
 //! 5. [`merge_at_any_cost`]: join what is left by switches that may cost something.
 //!

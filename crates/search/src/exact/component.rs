@@ -9,8 +9,9 @@
 //!
 //! # Number of pieces
 //! `target` starts at the minimum, 1 or 2, and only rises.
-//! It rises when no 2-matching has as many links, or none has room at the given ends: both prove
-//! that more pieces are needed.
+//! It rises when no 2-matching has as many links, or none has room at the given ends.
+//! Both prove that more pieces are needed, unless room was missing only because of the cells chosen
+//! among several possible ends.
 //! It also rises when attempts fail to find a cover with as few pieces: after the second one if a
 //! lower bound proves that there is none, otherwise after [`ATTEMPTS_PER_TARGET`] attempts, without
 //! a proof.
@@ -63,8 +64,8 @@ const ATTEMPTS_BEFORE_SUBGRADIENT: u32 = 3;
 /// Later ones start from ladders, in case that path leads nowhere.
 const ATTEMPTS_FROM_BELOW: u32 = 4;
 
-/// Covers one component: makes attempts until one is proven optimal, their number is used up, or
-/// the search is interrupted.
+/// Covers one component: makes attempts until a cover is proven optimal, the attempts are used up,
+/// or the search is interrupted.
 ///
 /// `report` is called after each attempt with the number of attempts so far.
 pub(super) fn solve(
@@ -135,7 +136,8 @@ pub(super) fn solve(
     search.finish(attempts, stop)
 }
 
-/// The bounds that are known for the present number of pieces; each level includes those before.
+/// The bounds that have been computed for the present number of pieces; each level includes those
+/// before.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum BoundLevel {
     /// No bound yet.
@@ -188,8 +190,8 @@ impl ComponentSearch<'_> {
         let turns = number + u32::from(self.columns_first);
         let layout = LadderLayout { along: (turns % 2) as Dir, odd: (number / 2) % 2 == 1 };
         // The board charges the cheaper direction of each pair of zones, which gives a bound.
-        // Where directions differ much it guides attempts badly, so later ones draw costs at random
-        // between those of the two directions.
+        // Where the costs of the two directions differ much, it is a poor guide, so later attempts
+        // draw random costs between them.
         let guide =
             (number > 1 && self.bound_level != BoundLevel::None && !self.costs.is_symmetric())
                 .then(|| self.board.with_costs(self.costs.between_directions(&mut self.rng)));
@@ -212,8 +214,9 @@ impl ComponentSearch<'_> {
         if self.bound_level == BoundLevel::Flow && !self.is_bound_met() {
             self.bound_by_zones();
         }
-        // Where the zone counts exceed the flow, raising the flow above them takes longer than
-        // another attempt.
+        // The remaining bounds raise the flow bound step by step.
+        // Where the zone counts exceed it, another attempt takes less time than raising it above
+        // them.
         let is_flow_best = self.bound <= relaxed.cost() as u64;
         let is_due = self.bound_level == BoundLevel::Zones && (number > 0 || is_flow_best);
         if is_due && guide.is_none() && !self.is_bound_met() {
@@ -257,7 +260,8 @@ impl ComponentSearch<'_> {
         // It goes first, so that the choice for the other one takes it into account.
         sides.sort_by_key(|(_, cells)| cells.len());
         let single = sides.iter().take_while(|(_, cells)| cells.len() == 1).count();
-        // Pieces added only because of a choice of cells, which proves nothing.
+        // Pieces added because of the cells chosen for the ends: they do not raise the proven
+        // minimum.
         let mut unproven_pieces = 0;
         'pieces: loop {
             let mut matching = self.grow_matching(board, layout);
@@ -354,7 +358,7 @@ impl ComponentSearch<'_> {
         let enough = self.raise_bound(Cuts::ClosedInAll, relaxed);
         if self.bound < enough {
             // The exact cost of leaving a group takes a search for each link along its border.
-            // It is seldom more than 2, so it is only computed where 2 would be enough.
+            // It rarely exceeds 2, so it is only computed where 2 would be enough.
             let flow = relaxed.cost() as u64;
             let extra = if enough <= flow + 2 {
                 separation.extra_cost(relaxed, self.target, &mut self.paths)
@@ -366,8 +370,8 @@ impl ComponentSearch<'_> {
         self.graph = separation.graph;
     }
 
-    /// Raises the bound by cuts, at most to the cost of the best cover with `target` pieces, which
-    /// it returns; `u64::MAX` if there is none.
+    /// Raises the bound by cuts, which stop at the cost of the best cover with `target` pieces.
+    /// Returns that cost; `u64::MAX` if there is no such cover.
     fn raise_bound(&mut self, cuts: Cuts, relaxed: &TwoMatching<'_>) -> u64 {
         let best = self.best.as_ref().filter(|best| best.pieces == self.target);
         let enough = best.map_or(u64::MAX, |best| best.cost);
@@ -400,7 +404,7 @@ impl ComponentSearch<'_> {
         Some(Cover::new(matching, &strands, self.board, self.costs, ends))
     }
 
-    /// Raises `target` if covers with as few pieces are proven not to exist, or enough attempts
+    /// Raises `target` if it is proven that no cover has `target` pieces, or if enough attempts
     /// have failed to find one.
     /// Returns whether it did.
     fn reconsider_target(&mut self, attempts_at_target: u32) -> bool {
@@ -428,8 +432,9 @@ impl ComponentSearch<'_> {
 
     /// Whether it is proven that no cover has `target` pieces.
     ///
-    /// If all links are free, every cover costs 0. But cuts charge 2-matchings for the sets of
-    /// cells that they close, and a bound above 0 shows that no cover with so few pieces exists.
+    /// On a board where crossings are free, every cover costs 0. Cuts charge 2-matchings for the
+    /// sets of cells that they close, and their bound holds for covers.
+    /// So a bound above 0 proves that no cover with `target` pieces exists.
     fn is_target_refuted(&mut self) -> bool {
         let free = self.board.without_zones();
         let mut matching = TwoMatching::inside_zones(&free, LadderLayout::default());

@@ -1,4 +1,4 @@
-//! Connecting groups of zones that the cheapest 2-matching leaves closed.
+//! Connecting groups of zone components that no link of the cheapest 2-matching leaves.
 //!
 //! The zone components that links join form *groups*; no link leads from one group to another.
 //! A group is *closed* if no cell in it has room for another link: then its strands are cycles, or
@@ -23,8 +23,8 @@ use crate::random::below;
 
 /// Inserts links until no group of components is closed.
 ///
-/// First inserts links that cost nothing, drawn at random, and takes each back that increases the
-/// number of closed groups.
+/// First inserts links that cost nothing, drawn at random, and undoes each insertion that increases
+/// the number of closed groups.
 /// When no such link is left or too many have failed, inserts the cheapest of a few links drawn at
 /// random; these are locked, so that later steps keep them.
 ///
@@ -87,8 +87,8 @@ pub(super) fn insert_cheapest(
     if candidates.is_empty() {
         return false;
     }
-    // Links that cost nothing have been tried before, so a link at the minimum cost of a crossing
-    // can hardly be beaten, and ends the search.
+    // Links that cost nothing have been tried before, so a cheaper link than one crossing at the
+    // minimum cost is unlikely.
     let good_enough = matching.board.min_crossing_cost() as i32;
     let mut best: Option<(i32, (Node, Dir))> = None;
     let mut is_last = false;
@@ -105,7 +105,7 @@ pub(super) fn insert_cheapest(
         }
     }
     let Some((_, (node, dir))) = best else { return false };
-    // The path search remembers only the last path it found.
+    // The path search remembers only its last path, so search again for that of the best link.
     if !is_last {
         paths.insertion_cost(matching, node, dir, ShortestPaths::UNLIMITED);
     }

@@ -28,7 +28,7 @@ pub(super) struct CoverEnds {
 }
 
 impl Cover {
-    /// The paths of a 2-matching as a cover; where a cycle is left, it is cut open.
+    /// Makes a cover of the paths of a 2-matching; cycles that are left are cut open.
     ///
     /// Each piece takes the direction in which its crossings cost less, unless one of its ends is
     /// given.

@@ -12,16 +12,21 @@
 //!    d---e   f          d   e---f
 //! ```
 //!
-//! Longer ones reach where cycles do not lie side by side, mostly in steps along slanted borders.
+//! Longer exchanges are needed where cycles do not lie side by side, mostly in steps along slanted
+//! borders.
 //! Exchanges of up to 12 links are tried.
-//! As the potentials prove that no exchange along a cycle has a negative cost, those that cost
-//! nothing consist of links of reduced cost 0, which cuts the search short.
-//! (Where locked links are exchanged, a sum may also be 0 or less.)
+//! The potentials prove that no arc has a negative reduced cost.
+//! So an exchange along a cycle costs nothing only if each of its links has reduced cost 0, and the
+//! search drops a partial exchange as soon as its sum is positive.
+//! (Locked links are exempt from that proof: with them, single links and sums may also be
+//! negative.)
 //!
-//! Whether an exchange joins strands is judged without walking along them, see `strands.rs`.
-//! If none around a cycle reduces the number of strands, one that keeps it is made at random.
-//! It changes the shape and position of the cycle: a random walk, which goes on until an exchange
-//! joins the cycle to another strand.
+//! Whether an exchange joins strands is computed without walking along them, see `strands.rs`.
+//! If no exchange around a cycle reduces the number of strands, a random one of those that keep the
+//! number is applied.
+//! It changes the shape and position of the cycle.
+//! Repeating this is a random walk of the cycle, which ends when an exchange joins it to another
+//! strand.
 
 use beadwork_base::Control;
 use rand::Rng;
@@ -33,7 +38,7 @@ use crate::matching::{Dir, Node, TwoMatching, dirs, opposite};
 /// Maximum number of links in an exchange, inserted and removed ones together.
 const MAX_LENGTH: usize = 12;
 
-/// Maximum number of exchanges judged in one search around a cycle.
+/// Maximum number of exchanges evaluated in one search around a cycle.
 const MAX_JUDGED: u32 = 4000;
 
 /// Joins cycles to other strands by exchanges that do not raise the cost.
@@ -55,7 +60,8 @@ pub(super) fn join_by_exchanges(
             .or(strands.joined_ends())
             .expect("there is a cycle or a path with both ends");
         let cells = strands.cells(matching, number);
-        // Short exchanges are few and mostly enough; the number of long ones grows exponentially.
+        // Short exchanges come first: they are few and usually suffice, whereas the number of
+        // exchanges grows exponentially with their length.
         let max_length = match failures {
             0 => 6,
             1..6 => 8,
@@ -105,15 +111,15 @@ fn pick_cycle(strands: &Strands, rng: &mut Xoshiro256PlusPlus) -> Option<u32> {
 struct Search<'s, 'a> {
     matching: &'s TwoMatching<'a>,
     strands: &'s mut Strands,
-    /// The exchange so far: links inserted and removed in turn, each named by the cell where the
-    /// exchange comes from.
+    /// The exchange so far: links inserted and removed in turn, each named by the first of its two
+    /// cells along the exchange.
     steps: Vec<(Node, Dir)>,
     /// The cell at which the exchange begins.
     first: Node,
     first_has_room: bool,
     /// Maximum number of steps.
     max_length: usize,
-    /// Number of exchanges that may still be judged.
+    /// Number of exchanges that may still be evaluated.
     judgements_left: u32,
     /// Sum of the reduced costs of the steps.
     reduced_cost: i32,
@@ -181,8 +187,8 @@ impl Search<'_, '_> {
         self.reduced_cost -= reduced;
     }
 
-    /// Removes a link, judges the exchange if it is complete, and goes on by inserting one at its
-    /// other cell.
+    /// Removes a link, evaluates the exchange if it is complete, and otherwise goes on by inserting
+    /// a link at its other cell.
     fn remove(&mut self, node: Node, dir: Dir) {
         let reduced = -self.matching.reduced_cost(node, dir);
         if self.reduced_cost + reduced > 0 || self.is_used(node, dir) {
@@ -222,7 +228,8 @@ impl Search<'_, '_> {
         self.steps.iter().any(|&step| step == (node, dir) || step == (other, opposite(dir)))
     }
 
-    /// Whether enough steps are left to return to the first cell, if that is necessary.
+    /// Whether enough steps are left to return to the first cell.
+    /// Always true if the first cell has room, because the exchange may then be a path.
     fn can_return(&self, node: Node) -> bool {
         let board = self.matching.board;
         let ((ax, ay), (bx, by)) = (board.xy(node), board.xy(self.first));
@@ -230,7 +237,7 @@ impl Search<'_, '_> {
             || (ax.abs_diff(bx) + ay.abs_diff(by)) as usize <= self.max_length - self.steps.len()
     }
 
-    /// By how much the exchange changes the cost.
+    /// Change of the cost by the exchange.
     fn cost(&self) -> i32 {
         let signed = |(index, &(node, dir)): (usize, &(Node, Dir))| {
             let cost = self.matching.board.link_cost(node, dir);
@@ -239,8 +246,8 @@ impl Search<'_, '_> {
         self.steps.iter().enumerate().map(signed).sum()
     }
 
-    /// Judges a complete exchange: keeps it if it joins strands, or with a probability such that
-    /// all neutral ones are drawn with equal probability (reservoir sampling).
+    /// Evaluates a complete exchange: keeps it if it joins strands.
+    /// Of the neutral ones it keeps one, drawn with equal probabilities by reservoir sampling.
     fn judge(&mut self) {
         self.judgements_left -= 1;
         let change = self.strands.change(self.matching, &self.steps);

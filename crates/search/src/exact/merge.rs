@@ -12,8 +12,8 @@
 //!
 //! If a-b and c-d belong to different strands, and at least one of these is a cycle, the switch
 //! makes them one strand: the cycle is cut open and inserted where the other strand is cut.
-//! (Two paths would only exchange their tails, and a single strand would fall apart or be reversed
-//! in part.)
+//! (Two paths would only exchange their tails; a switch within a single strand would split it or
+//! reverse a part of it.)
 //! The number of links at each cell stays the same.
 //!
 //! Strands only grow in this process, so disjoint sets keep track of them.
@@ -78,7 +78,7 @@ fn opposite_corner(matching: &TwoMatching<'_>, corner: Node) -> Node {
     corner + matching.board.stride() as Node + 1
 }
 
-/// By how much switching a unit cell, named by its top-left cell, changes the cost.
+/// Change of the cost by switching a unit cell, named by its top-left cell.
 /// `None` if the unit cell can't be switched: two of its sides have to be links, and parallel, and
 /// all four cells have to exist.
 #[inline]
@@ -149,7 +149,7 @@ impl StrandSets {
         a != b && (self.is_cycle[a as usize] || self.is_cycle[b as usize])
     }
 
-    /// Notes that the strands of two cells are one from now on.
+    /// Records that the strands of two cells have been joined.
     fn join(&mut self, a: Node, b: Node) {
         let (a, b) = (self.sets.find(a), self.sets.find(b));
         self.sets.union(b, a);

@@ -1,4 +1,5 @@
-//! Exact search: the fewest pieces, then the cheapest crossings, with a proof.
+//! Exact search for a path with the fewest pieces and, among those, the cheapest crossings, with a
+//! proof of optimality.
 //!
 //! # Terms
 //! A **link** joins two neighbouring cells that follow each other on a path.

@@ -99,7 +99,8 @@ pub enum SolveError {
     /// The path has to begin and end at the same cell, but the region has others.
     #[error("start and end are both cell {0}, but the path has more than one cell")]
     SameCell(Cell),
-    /// Start and end allow only the same one cell, but the region has others.
-    #[error("start and end allow only the same one cell, but the path has more than one")]
+    /// The constraints on start and end allow only one cell, the same for both, but the region has
+    /// others.
+    #[error("start and end: both allow only the same cell, but the path has more than one cell")]
     NoTwoCells,
 }

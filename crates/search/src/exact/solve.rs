@@ -111,16 +111,17 @@ fn check(region: &Region, zones: &Zones, settings: &Settings<'_>) -> Result<(), 
     }
 }
 
-/// The inputs that the search of a component depends on: the component's number, and whether the
-/// path begins and ends in it.
+/// What identifies the search of a component: its number, and whether the path begins and whether
+/// it ends in it.
 type Key = (usize, bool, bool);
 
 /// The components of a region, each solved at most once for each [`Key`].
 struct Solver<'a> {
     boards: &'a [Board],
-    /// For each component the cells at which the path may begin; all empty if any cell will do.
+    /// For each component the cells at which the path may begin; all empty if it may begin
+    /// anywhere.
     starts: Vec<Vec<Node>>,
-    /// For each component the cells at which the path may end; all empty if any cell will do.
+    /// For each component the cells at which the path may end; all empty if it may end anywhere.
     ends: Vec<Vec<Node>>,
     costs: &'a CrossingCosts<'a>,
     settings: &'a Settings<'a>,
@@ -193,8 +194,8 @@ impl Solver<'_> {
 
     /// Whether a path can begin and end in these components.
     ///
-    /// Both ends can't share a component if they have to share a cell, unless that cell is the
-    /// whole region.
+    /// Start and end cannot lie in the same component if both need the same cell of it, unless that
+    /// cell is the whole region.
     fn is_possible(&self, start: Option<usize>, end: Option<usize>) -> bool {
         let Some(number) = start.filter(|_| start == end) else { return true };
         match self.boards[number].cells.len() {

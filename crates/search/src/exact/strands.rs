@@ -1,12 +1,12 @@
-//! The paths and cycles of a 2-matching, numbered so that an exchange of links can be judged
+//! The paths and cycles of a 2-matching, numbered so that an exchange of links can be evaluated
 //! without walking along them.
 //!
 //! Each cell knows its strand and its position on it.
-//! To judge an exchange, cut the strands at the links to be removed: k cuts leave segments of which
-//! only the ends matter.
+//! To evaluate an exchange means to count the strands that it would leave.
+//! Cut the strands at the links to be removed: this leaves segments of which only the ends matter.
 //! Then join segments at the links to be inserted, each of which leads from one segment end to
 //! another.
-//! The segments that are joined to each other are the strands after the exchange:
+//! Each group of joined segments is one strand after the exchange:
 //!
 //! ```text
 //!   before:     A=====B-C=====F       a path from A to F
@@ -16,8 +16,8 @@
 //! ```
 //!
 //! Sorting the cuts by position gives the segments, and disjoint sets count those joined.
-//! So judging k links takes O(k^2) time, whatever the lengths of the strands; only an exchange that
-//! is made renumbers the strands that it touches.
+//! So evaluating k links takes O(k^2) time, whatever the lengths of the strands.
+//! Only an exchange that is applied renumbers the strands that it touches.
 
 use crate::disjoint_sets::DisjointSets;
 use crate::matching::{Board, Dir, Node, TwoMatching, dirs, opposite};
@@ -25,7 +25,7 @@ use crate::matching::{Board, Dir, Node, TwoMatching, dirs, opposite};
 /// A path or cycle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Strand {
-    /// Its cells at the first and the last position.
+    /// The cells at its first and its last position.
     pub(super) ends: [Node; 2],
     /// Number of cells; 0 for a number that is not in use.
     pub(super) length: u32,
@@ -47,11 +47,11 @@ pub(super) struct Strands {
     judgement: Judgement,
 }
 
-/// Memory for judging exchanges, kept to avoid allocations.
+/// Buffers for evaluating exchanges, kept to avoid allocations.
 #[derive(Default)]
 struct Judgement {
     cuts: Vec<Cut>,
-    /// The strands that the exchange touches.
+    /// The numbers of the strands that the exchange touches.
     strands: Vec<u32>,
     segments: Vec<Segment>,
     sets: DisjointSets,
@@ -72,8 +72,8 @@ struct Cut {
 struct Segment {
     /// Its first and last cell, which may be the same.
     ends: [Node; 2],
-    /// For each end whether a link leads on from it: an inserted one, or the one that closes a
-    /// cycle.
+    /// For each end, whether it is already linked to another end: by an inserted link, or by the
+    /// link that closes a cycle.
     is_tied: [bool; 2],
 }
 
@@ -84,7 +84,7 @@ impl Segment {
 }
 
 impl Strands {
-    /// The number of a cell's strand while it is not known.
+    /// Marks cells whose strand is not known yet.
     const NONE: u32 = u32::MAX;
 
     /// Numbers all cells.
@@ -99,7 +99,8 @@ impl Strands {
             separate_ends,
             judgement: Judgement::default(),
         };
-        // Paths have to be walked from an end, so ends come first; what is left then are cycles.
+        // Paths have to be walked from an end, so ends come first; cells without a number after
+        // that lie on cycles.
         let is_end = |&&node: &&Node| matching.links[node as usize].count_ones() < 2;
         for &first in matching.board.cells.iter().filter(is_end).chain(&matching.board.cells) {
             if strands.strand_of[first as usize] == Self::NONE {
@@ -149,11 +150,15 @@ impl Strands {
         (a == b).then_some(a)
     }
 
-    /// By how much an exchange changes the number of strands, plus 1 if a path has both of the ends
-    /// that must be separate.
+    /// Change of the number of strands by an exchange, where a path that has both of the ends that
+    /// must be separate counts as two strands.
     ///
-    /// The steps name the links to toggle, each by one of its cells: an alternating cycle, or an
-    /// alternating path from a cell with room.
+    /// A negative result is progress: the exchange joins strands, or moves the two ends to
+    /// different paths without increasing the number of strands.
+    /// A search minimises this count, because each cycle is one strand more than a cover has.
+    ///
+    /// The steps name the links to toggle, each by one of its cells.
+    /// They form an alternating cycle, or an alternating path that starts at a cell with room.
     /// O(k^2) for k steps.
     pub(super) fn change(&mut self, matching: &TwoMatching<'_>, steps: &[(Node, Dir)]) -> i32 {
         self.cut(matching, steps);
@@ -174,8 +179,8 @@ impl Strands {
             && ends.iter().any(|&end| strands.contains(&strand_of[end as usize]))
         {
             before += i32::from(strand_of[ends[0] as usize] == strand_of[ends[1] as usize]);
-            // A reserved cell has one link at most, so it is the end of a segment, if its strand is
-            // touched at all.
+            // A reserved cell has at most one link, so it is an end of its strand, and an end of a
+            // segment if the exchange touches that strand.
             let segment_of =
                 |end: Node| segments.iter().position(|segment| segment.ends.contains(&end));
             let is_joined = match ends.map(segment_of) {
@@ -221,13 +226,14 @@ impl Strands {
             let end = cuts.partition_point(|cut| cut.strand <= number);
             let Strand { ends: [first, last], is_cycle, .. } = list[number as usize];
             match &cuts[begin..end] {
-                // A whole strand.
+                // No cut: the strand stays whole.
                 [] => segments.push(Segment { ends: [first, last], is_tied: [is_cycle; 2] }),
                 cuts @ ([first_cut, .., last_cut] | [first_cut @ last_cut]) => {
                     let inner = cuts.windows(2).map(|pair| [pair[0].cells[1], pair[1].cells[0]]);
                     segments.extend(inner.map(Segment::loose));
                     if is_cycle {
-                        // The stretch through the position where the numbering begins.
+                        // The segment that contains position 0, where the numbering of the cycle
+                        // begins.
                         segments.push(Segment::loose([last_cut.cells[1], first_cut.cells[0]]));
                     } else {
                         segments.push(Segment::loose([first, first_cut.cells[0]]));
@@ -264,7 +270,8 @@ impl Strands {
             let is_removed = matching.is_linked(node, dir);
             matching.toggle(node, dir);
             for cell in [node, matching.board.neighbour(node, dir)] {
-                // Wrapping: along an alternating path a cell may get a link before it loses one.
+                // Wrapping, because along an alternating path a cell may get a link before it loses
+                // one, so that its room is briefly -1.
                 let room = &mut matching.room[cell as usize];
                 *room = if is_removed { room.wrapping_add(1) } else { room.wrapping_sub(1) };
             }
@@ -289,8 +296,9 @@ impl Strands {
         }
     }
 
-    /// The links that would lead to another strand from a cycle, or from a path whose ends must be
-    /// separate; named by their black cells.
+    /// The possible links from a cycle to another strand, or to another strand from the path that
+    /// has both of the ends that must be separate.
+    /// Links are named by their black cells.
     pub(super) fn links_to_settle(&self, matching: &TwoMatching<'_>) -> Vec<(Node, Dir)> {
         let board = matching.board;
         let strand = |node: Node| self.strand_of[node as usize];
@@ -338,8 +346,8 @@ impl Strands {
         let mut node = first;
         while cells.len() < length as usize {
             cells.push(node);
-            // At the first cell of a cycle both neighbours are linked: positions decide which one
-            // is next.
+            // The first cell of a cycle is linked to both the second and the last cell: positions
+            // decide which one is next.
             let is_next = |&other: &Node| {
                 self.position[other as usize] == cells.len() as u32 && other != previous
             };
@@ -353,8 +361,8 @@ impl Strands {
     }
 }
 
-/// The segment that ends at this cell, and which of its ends that is, if no link leads on from it
-/// yet.
+/// Finds the segment end at this cell that is not linked yet: the index of the segment, and which
+/// of its two ends it is.
 fn loose_end(segments: &[Segment], cell: Node) -> (usize, usize) {
     let find = |(index, segment): (usize, &Segment)| {
         let is_loose = |&end: &usize| segment.ends[end] == cell && !segment.is_tied[end];

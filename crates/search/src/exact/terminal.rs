@@ -30,7 +30,7 @@ pub enum Side {
 }
 
 impl Terminal {
-    /// The cells it allows, in rising order; empty for [`Terminal::Any`].
+    /// The cells it allows, in ascending order; empty for [`Terminal::Any`].
     pub(super) fn cells(self, region: &Region) -> Vec<Cell> {
         let side = match self {
             Self::Any => return Vec::new(),

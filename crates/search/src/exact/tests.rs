@@ -1,4 +1,5 @@
-//! The exact search against all covers of small regions, and its outcomes on larger ones.
+//! Compares the exact search with all covers of small regions, and checks its outcomes on larger
+//! ones.
 
 use std::sync::Mutex;
 use std::sync::atomic::AtomicU32;
@@ -44,7 +45,8 @@ fn draw(rng: &mut impl Rng, side: u32) -> (Region, Zones) {
     (region, zones)
 }
 
-/// Checks an outcome by its definition: all cells once; pieces, cost and ends as stated.
+/// Checks an outcome by its definition: the path visits all cells once, and pieces, cost and ends
+/// are as stated.
 fn check(problem: &Problem<'_>, outcome: &Outcome) {
     let Problem { region, zones, costs, start, end } = *problem;
     let order = outcome.path.order();
@@ -186,7 +188,7 @@ fn costs_of_directions_in_small_regions() {
     assert_eq!(compare(800, 4, 4, costs), (790, 650));
 }
 
-/// Each bound against all covers.
+/// Compares each bound with the optimum over all covers.
 #[test]
 fn no_bound_exceeds_the_optimum() {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(5);

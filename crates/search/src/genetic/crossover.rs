@@ -48,8 +48,9 @@ impl Crossover {
                 let window = Window::draw(width, height, rng);
                 // Which genes are kept is unpredictable, so a branch for each of them would be
                 // slow.
-                // Every gene is written, and the length advances only past those that are kept; the
-                // list has room for all genes of both parents.
+                // So every gene is written, but the length advances only past those that are kept,
+                // and the next gene overwrites the others.
+                // The list has room for all genes of both parents.
                 let mut genes = vec![None; one.len() + other.len() + 1];
                 let mut length = 0;
                 for (outer, inner) in one.iter().zip(other) {

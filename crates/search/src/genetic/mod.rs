@@ -6,8 +6,8 @@
 //! that do not apply; its cost is the lowest one on the way.
 //!
 //! The first population consists of the moves of the best of many annealing runs ([`annealed`]).
-//! For each generation ([`evolve`]), the best individuals and others drawn at random without
-//! repetition are carried over, and children of tournament winners fill the rest.
+//! In each generation ([`evolve`]), the best individuals and some others, drawn at random without
+//! replacement, are carried over, and children of tournament winners fill the rest.
 //! A child that costs much more than its better parent is replaced by a copy of that parent.
 //!
 //! Two things make it fast:
@@ -65,8 +65,8 @@ use crate::{Cost, Move};
 /// Progress counts annealing runs and generations.
 /// Works on `control.threads`; the result does not depend on them.
 ///
-/// Costs the annealing runs, and O(1) for each gene that is replayed: at most children times length
-/// in each generation, and mostly far fewer.
+/// Takes the time of the annealing runs, and O(1) for each gene that is replayed: at most children
+/// times length in each generation, and usually far fewer.
 ///
 /// # Panics
 /// If the population or the tournament is empty.
@@ -95,8 +95,8 @@ pub fn solve<C: Cost + Sync>(
 ///
 /// See [`solve`] for the time.
 /// Memory: 12 bytes for each gene, and up to 256 MB of snapshots.
-/// With the paper's parameters half as much is added while a generation is bred, since the parents
-/// stay until all children are complete.
+/// With the paper's parameters, breeding a generation temporarily adds half as much, since the
+/// parents stay until all children are complete.
 ///
 /// # Panics
 /// If the population or the tournament is empty.

@@ -5,8 +5,9 @@
 //! genes lead to equal states.
 //! So each individual keeps **snapshots**: copies of the state before a few fixed genes, the same
 //! ones for all individuals.
-//! A child takes over the snapshots of the parent with which it shares the longer beginning, up to
-//! the first gene that differs, and only the genes after the last of them are replayed.
+//! A child takes over snapshots from the parent with which it shares the longer beginning: those up
+//! to the first gene that differs.
+//! Only the genes after the last of these snapshots are replayed.
 //!
 //! ```text
 //! parent   a b c d e f g h i j k l        snapshots before d, g and j
@@ -93,7 +94,7 @@ pub(super) struct Replay<'a, S, C> {
     width: u32,
     /// Cost of the start path.
     pub(super) initial: i64,
-    /// Indices of the genes before which a snapshot is kept, in rising order.
+    /// Indices of the genes before which a snapshot is kept, in ascending order.
     positions: Vec<usize>,
 }
 

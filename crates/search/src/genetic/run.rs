@@ -58,7 +58,7 @@ pub(super) fn run<C: Cost + Sync, S: State>(
             observer(generation);
         }
         // Checked before the goal: an interrupted run may have started with fewer individuals, so
-        // its result must not pass for that of a complete run.
+        // its result must not be reported as that of a complete run.
         if let Some(interrupted) = control.interrupted() {
             break interrupted.into();
         }
@@ -129,7 +129,8 @@ fn draw<S: State>(
     let size = evolution.population;
     let elites = evolution.elites.min(size);
     let carried = ((evolution.carry_over * size as f64) as usize).clamp(elites, size);
-    // Without repetition: two equal parents have nothing to cross.
+    // Without replacement, by a partial Fisher-Yates shuffle: crossing two equal parents gives
+    // nothing new.
     let mut indices: Vec<usize> = (0..size).collect();
     for index in elites..carried {
         indices.swap(index, index + below(rng, size - index));
@@ -150,8 +151,8 @@ fn draw<S: State>(
 }
 
 impl Birth {
-    /// Whether the child will equal both parents, so that it need not be bred.
-    /// Most children do, once the population has converged.
+    /// Whether the child is certain to equal its first parent, so that a copy will do.
+    /// True for most children once the population has converged.
     fn is_copy(&self, [one, other]: [&Arc<[Gene]>; 2], evolution: &Evolution) -> bool {
         // Window crossover moves blanks to the end even if both parents are equal.
         let is_equal = Arc::ptr_eq(one, other) && evolution.crossover != Crossover::Window;

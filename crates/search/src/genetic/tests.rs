@@ -1,4 +1,5 @@
-//! Replays compared with slow evaluations, children with their parents, and whole runs.
+//! Compares replays with slow evaluations and children with their parents, and checks complete
+//! runs.
 
 use std::sync::Mutex;
 

@@ -35,7 +35,7 @@ pub(crate) struct Board {
     origin: (i64, i64),
     /// Width of the region's grid, in cells.
     width: u32,
-    /// The nodes that are cells, in rising order.
+    /// The nodes that are cells, in ascending order.
     pub(crate) cells: Vec<Node>,
     /// For each node the set of directions in which it has a neighbour; empty for the padding.
     pub(crate) neighbours: Vec<u8>,
@@ -70,7 +70,7 @@ impl Board {
         members.iter().map(|cells| Self::new(region, zones, costs, cells)).collect()
     }
 
-    /// The board of some cells of a region, in rising order and at least one.
+    /// The board of some cells of a region, in ascending order and at least one.
     fn new(region: &Region, zones: &Zones, costs: &CostMatrix, members: &[Cell]) -> Self {
         let positions = || members.iter().map(|&cell| region.xy(cell));
         let left = positions().map(|(x, _)| x).min().expect("a board has cells");
@@ -79,8 +79,8 @@ impl Board {
             positions().next().expect("a board has cells").1,
             region.xy(members[members.len() - 1]).1,
         );
-        // Cells keep the colour that they have in the region's grid, so that results do not depend
-        // on where the component lies: the origin moves left by one column if necessary.
+        // Each cell keeps the chessboard colour that it has in the region's grid, whatever the
+        // bounding box of its component: the origin moves left by one column if necessary.
         // One column of padding on both sides, and one more if the stride would be even.
         let shift = (left + top) % 2;
         let stride = ((right - left + 3 + shift) | 1) as usize;
@@ -219,7 +219,7 @@ impl Board {
     }
 }
 
-/// The directions in a set, in rising order.
+/// The directions in a set, in ascending order.
 #[inline]
 pub(crate) fn dirs(mut set: u8) -> impl Iterator<Item = Dir> {
     std::iter::from_fn(move || {

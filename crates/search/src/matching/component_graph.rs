@@ -3,8 +3,9 @@
 use super::board::{Board, Dir, Node, dirs};
 use crate::disjoint_sets::DisjointSets;
 
-/// The connected components of a board under a choice of *inner* links, and the graph that arises
-/// when each is contracted to a point: its edges are the other links.
+/// The connected components of a board under a choice of *inner* links, and the graph that results
+/// when each component is contracted to a vertex.
+/// The edges of that graph are the other links.
 ///
 /// With the links inside the zones as inner links, these are the zone components.
 /// Components are numbered from 0 in the order of their first cells.
@@ -14,8 +15,8 @@ pub(crate) struct ComponentGraph {
     count: u32,
     /// The links that are not inner ones, named by their black cells.
     pub(crate) links: Vec<(Node, Dir)>,
-    /// For each component the components that it shares links with, in rising order; it may be one
-    /// of them itself.
+    /// For each component the components that it shares links with, in ascending order; it may be
+    /// one of them itself.
     pub(crate) neighbours: Vec<Vec<u32>>,
 }
 

@@ -4,10 +4,11 @@
 //! Given the cheapest 2-matching with some number of links, find the cheapest one with more links.
 //!
 //! # Method
-//! Adding links one at a time along a *shortest* augmenting path of the residual graph keeps a flow
-//! the cheapest of its value (successive shortest paths: Busacker and Gowen 1961; with potentials:
-//! Edmonds and Karp 1972).
-//! Here all paths of one length are found together, in one *phase*:
+//! Augmenting the cheapest flow of some value along a *shortest* augmenting path of the residual
+//! graph gives the cheapest flow of the next value (successive shortest paths: Busacker and Gowen
+//! 1961; with potentials: Edmonds and Karp 1972).
+//! Here all paths of the same length are used together, in one *phase* (the primal-dual method of
+//! Ford and Fulkerson):
 //!
 //! 1. [`Phases::label`] computes the distance d(v) from each node v to the nearest white cell with
 //!    room, by Dijkstra's method on reduced costs, backwards from all of these cells at once.
@@ -23,13 +24,13 @@
 //!     after:   B---w   b---w   b---W       One link more in all; w and b have as many as before.
 //!    ```
 //!
-//! The next phase finds longer paths only, so the number of phases is at most that of different
-//! path lengths, which are small multiples of the costs.
+//! The next phase finds longer paths only, so there are at most as many phases as different path
+//! lengths, which are small sums of costs.
 //!
 //! # Time
 //! A phase is linear in the cells, apart from the searches for its paths.
-//! These run from a single cell towards the nearest goals (A*), and mostly look at a narrow strip
-//! of cells between two with room.
+//! These run from a single cell towards the nearest goals (A*), and usually visit only a narrow
+//! strip of cells between two cells with room.
 //! Nodes visited by a failed search are skipped for the rest of the phase.
 
 use std::cmp::Reverse;
@@ -44,7 +45,7 @@ impl TwoMatching<'_> {
     /// Adds links along cheapest augmenting paths until the total room is down to `total_room`, or
     /// there is no augmenting path: then the number of links is the maximum.
     ///
-    /// The matching must be the cheapest of its size before, and is so afterwards.
+    /// The matching must be the cheapest of its size, and stays so.
     pub(crate) fn grow(&mut self, total_room: u32) {
         if self.total_room <= total_room {
             return;
@@ -71,8 +72,8 @@ struct Label {
     phase: u32,
     /// Length of the shortest path found from the node to a white cell with room, in reduced costs.
     length: i32,
-    /// Index in [`Phases::sinks`] of the cell that this path leads to; plus [`Label::TENTATIVE`]
-    /// while a shorter path may still be found.
+    /// Index in [`Phases::sinks`] of the cell that this path leads to, with the bit
+    /// [`Label::TENTATIVE`] set while a shorter path may still be found.
     sink: u32,
 }
 
@@ -102,8 +103,10 @@ struct Phases {
     sources: Vec<Node>,
     /// The white cells with room.
     sinks: Vec<Node>,
-    /// The sinks in groups that arcs of reduced cost 0 connect, whatever their direction.
-    /// A path of reduced cost 0 stays inside a group, also after others have been reversed.
+    /// The sinks in groups that are connected by arcs of reduced cost 0, whatever the direction of
+    /// the arcs.
+    /// A path of reduced cost 0 stays inside a group, even after other paths have been reversed.
+    /// So a source can only reach the sinks of its own group.
     sink_groups: DisjointSets,
     /// The nodes whose labels are final, in the order of their lengths.
     reached: Vec<Node>,
@@ -253,9 +256,8 @@ impl Phases {
     ///
     /// Nodes visited by a failed search are *dead* for the rest of the phase: no arc of reduced
     /// cost 0 leads from them to a node not visited, and no sink is among them.
-    /// This stays so, because a new arc from a dead node to another one could only appear by
-    /// reversing an augmenting path that enters the dead nodes; but from there the path could not
-    /// reach a sink.
+    /// This stays so: a new arc out of the dead nodes could only be the reverse of an arc by which
+    /// an augmenting path entered them, but a path that enters them cannot reach a sink.
     fn augment_from(&mut self, matching: &mut TwoMatching<'_>, source: Node) -> bool {
         if !self.choose_goals(matching, source) {
             return false;
@@ -304,8 +306,9 @@ impl Phases {
         let from = matching.board.xy(source);
         let group = self.sink_groups.find(label.sink);
         // Sinks are listed row by row.
-        // Of very many, only those listed near the one that the label leads to are compared.
-        // If none of them is a goal, the search has no direction and spreads evenly.
+        // If there are very many, only those listed near the sink that the label leads to are
+        // compared.
+        // If none of these qualifies, the search has no goals and becomes a breadth-first search.
         let near = label.sink as usize;
         let window = near.saturating_sub(MAX_DISTANCE_IN_LIST)
             ..(near + MAX_DISTANCE_IN_LIST).min(self.sinks.len());

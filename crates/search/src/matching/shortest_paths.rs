@@ -10,9 +10,9 @@
 //! - [`ShortestPaths::restore_optimum`]: the costs have changed.
 //!
 //! # Method
-//! Two 2-matchings with as many links differ by cycles of the residual graph, so each problem asks
-//! for a cheapest cycle through a given arc, which is that arc and a shortest path from its end to
-//! its start:
+//! Two 2-matchings with the same number of links differ by cycles of the residual graph.
+//! So each problem is to find a cheapest cycle through a given arc: that arc and a shortest path
+//! from its end to its start.
 //!
 //! ```text
 //!   b ----------> w       To insert the link from b to w, follow a shortest path from w back to b:
@@ -20,8 +20,8 @@
 //!   +--- ... <----+       until it removes a link at b.
 //! ```
 //!
-//! A path may also run through the source or the sink: then one cell gets a link more and another
-//! one of its colour a link less.
+//! A path may also run through the source or the sink: then one cell gains a link and another one
+//! of its colour loses one.
 //!
 //! Distances d are computed by Dijkstra's method on reduced costs, up to the distance D of the end
 //! of the path.
@@ -69,7 +69,7 @@ struct Label {
     search: u32,
     /// Length of the shortest path found to the node.
     length: i32,
-    /// The node before it on that path; itself at a start.
+    /// The node before it on that path; a start is its own predecessor.
     before: Node,
     /// Whether no shorter path exists.
     is_final: bool,
@@ -94,8 +94,8 @@ impl ShortestPaths {
         }
     }
 
-    /// The cost of inserting the link from a black cell in a direction: by how much the cheapest
-    /// 2-matching with this link, and as many links, costs more than the present one.
+    /// The cost of inserting the link from a black cell in a direction: the cost of the cheapest
+    /// 2-matching of the same size with this link, minus that of the present one.
     /// `None` if that is not below `limit`.
     pub(crate) fn insertion_cost(
         &mut self,
@@ -128,10 +128,10 @@ impl ShortestPaths {
         matching.toggle(black, dir);
     }
 
-    /// Makes room at one of some cells, where it is cheapest, and reserves it for the end of a path
-    /// by reducing the cell's capacity.
-    /// Returns by how much that raises the cost, and the cell; `None`, and changes nothing, if no
-    /// cell can have room.
+    /// Makes room at the one of some cells where that is cheapest, and reserves it for the end of a
+    /// path by reducing the cell's capacity.
+    /// Returns the increase of the cost and the cell.
+    /// If no cell can have room, returns `None` and changes nothing.
     ///
     /// A cell without room gives up a link, which moves on along a shortest path to a cell of its
     /// colour that has room.
@@ -166,8 +166,8 @@ impl ShortestPaths {
         Some((cost, cell))
     }
 
-    /// Finds the one of some cells, all of one colour and without room, that gets room at the
-    /// lowest cost, below a limit.
+    /// Among cells of one colour, all without room, finds the one that gets room at the lowest
+    /// cost, which must be below a limit.
     fn cheapest_room(
         &mut self,
         matching: &TwoMatching<'_>,
@@ -198,10 +198,11 @@ impl ShortestPaths {
 
     /// Makes a 2-matching the cheapest of its size again after its costs have changed.
     ///
-    /// Each arc with a negative reduced cost is used, which reverses it; so no arc has a negative
-    /// one any more, but some cells have too many links and others too few.
+    /// Using an arc reverses it and negates its reduced cost.
+    /// So after each arc with a negative reduced cost has been used, none is left, but some cells
+    /// have too many links and others too few.
     /// Each surplus moves along a shortest path to a deficit.
-    /// One search for each surplus.
+    /// Takes one search for each surplus.
     pub(crate) fn restore_optimum(&mut self, matching: &mut TwoMatching<'_>) {
         let mut excess = self.use_negative_arcs(matching);
         let nodes = matching.board.cells.iter().copied().chain([self.source, self.sink]);
@@ -363,8 +364,8 @@ impl ShortestPaths {
         }
         // An arc has a negative reduced cost only where an exchange has replaced a locked link
         // (`exact/exchange.rs`).
-        // Counting it as 0 may miss a shorter path, which only makes a cover dearer: bounds are
-        // computed on matchings without locked links.
+        // Counting it as 0 may miss a shorter path, which only makes a cover more expensive: bounds
+        // are computed on matchings without locked links.
         let length = length.max(self.length);
         let is_final = length == self.length;
         *label = Label { search: self.search, length, before, is_final };

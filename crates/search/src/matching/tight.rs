@@ -54,7 +54,7 @@ struct Tarjan<'m, 'a> {
     source: Node,
     /// The number of the sink.
     sink: Node,
-    /// For each node its place in the order of discovery, from 1; 0 if not discovered yet.
+    /// For each node its number in the order of discovery, from 1; 0 if not discovered yet.
     discovery: Vec<u32>,
     low: Vec<u32>,
     /// For each node its class; [`Tarjan::NONE`] if not known yet.

@@ -9,9 +9,10 @@ use super::ladders::{LadderLayout, as_below, ladders};
 ///
 /// Invariant: every arc of the residual graph has a reduced cost of at least 0 (see
 /// [`matching`](super)), so no 2-matching with as many links costs less.
-/// Only these operations break it: inserting a link that costs something, which
-/// [`TwoMatching::lock`] makes up for by taking its arcs out of the residual graph, and
-/// [`TwoMatching::add_surcharge`].
+/// Two operations break it.
+/// Inserting a link that costs something leaves its arc with a negative reduced cost, until
+/// [`TwoMatching::lock`] takes that arc out of the residual graph.
+/// After [`TwoMatching::add_surcharge`] the optimum has to be restored.
 #[derive(Clone)]
 pub(crate) struct TwoMatching<'a> {
     pub(crate) board: &'a Board,
@@ -22,13 +23,13 @@ pub(crate) struct TwoMatching<'a> {
     pub(crate) capacity: Vec<u8>,
     /// For each node how many more links it may have: its capacity minus its links.
     pub(crate) room: Vec<u8>,
-    /// Sum of the room of all cells: twice the number of paths, less the reserved ends.
+    /// Sum of the room of all cells: twice the number of paths, minus the number of reserved ends.
     pub(crate) total_room: u32,
     /// For each node its potential.
     pub(crate) potential: Vec<i32>,
-    /// Potential of the source, from which the black cells draw their links.
+    /// Potential of the source, which supplies the flow of the black cells.
     pub(crate) source_potential: i32,
-    /// Potential of the sink, into which the white cells drain theirs.
+    /// Potential of the sink, which receives the flow of the white cells.
     pub(crate) sink_potential: i32,
     /// For each node the set of directions of its locked links, whose arcs are not part of the
     /// residual graph.
@@ -52,8 +53,8 @@ impl<'a> TwoMatching<'a> {
         Self::of_free_links(board, |room| as_below(board, below, room))
     }
 
-    /// Links inside the zones, which `choose` makes within the room of each cell, and subtracts
-    /// from it.
+    /// Links inside the zones that `choose` selects; it gets the room of each cell and reduces it
+    /// by the links it makes.
     ///
     /// These links cost 0 and no link costs less, so the matching is optimal with all potentials 0.
     fn of_free_links(board: &'a Board, choose: impl FnOnce(&mut [u8]) -> Vec<u8>) -> Self {
@@ -193,9 +194,9 @@ impl<'a> TwoMatching<'a> {
         if Board::is_black(node) { reduced } else { -reduced }
     }
 
-    /// Reduced cost of the arc by which a cell gets one link less: from a black cell to the source,
-    /// or from the sink to a white cell.
-    /// The opposite arc, by which it gets one link more, costs the negative.
+    /// Reduced cost of the arc by which a cell loses a link: from a black cell to the source, or
+    /// from the sink to a white cell.
+    /// The opposite arc, by which it gains a link, costs the negative.
     #[inline]
     pub(crate) fn release_cost(&self, node: Node) -> i32 {
         let potential = self.potential[node as usize];

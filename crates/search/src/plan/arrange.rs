@@ -1,4 +1,5 @@
-//! The order of the pieces that tool changes leave open: always on to the nearest end.
+//! Orders pieces for short travel, by the nearest-neighbour rule, where tool changes do not fix
+//! their order.
 
 use beadwork_grid::{Cell, Region};
 use rstar::RTree;

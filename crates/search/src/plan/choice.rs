@@ -17,8 +17,8 @@
 //! layer only the best one for each last tool matters.
 //!
 //! Tool cost and lifts are two objectives.
-//! [`choose`] minimises their weighted sum, and [`frontier`] finds the choices that are the best
-//! for some price of a lift.
+//! [`choose`] minimises their weighted sum, and [`frontier`] finds the choices that are optimal for
+//! some cost of a lift.
 
 use crate::CostMatrix;
 
@@ -62,7 +62,7 @@ pub(super) struct Chosen {
     pub(super) lifts: u64,
 }
 
-/// Weight of what is not allowed; two of them can be added.
+/// Weight of a choice that is not allowed; adding two such weights does not overflow.
 const INFEASIBLE: u128 = u128::MAX / 4;
 
 /// The choice with the minimum weight; `None` if there is none, for example because a layer has no
@@ -143,7 +143,7 @@ pub(super) fn choose(
 /// Maximum number of points of a frontier.
 const MAX_POINTS: usize = 256;
 
-/// The choices that are the best for some price of a lift, from few lifts to low tool costs.
+/// The choices that are optimal for some cost of a lift, from few lifts to low tool costs.
 ///
 /// In a diagram of lifts against tool cost these are the corners of the lower left part of the
 /// convex hull of all choices.

@@ -1,4 +1,5 @@
-//! The pieces that cover one layer: as few as possible, or as few as possible within zones.
+//! Covers of one layer with as few pieces as possible, which either cross zone borders or stay
+//! within zones.
 
 use beadwork_base::Control;
 use beadwork_grid::{Cell, Path, Region, Zones};
@@ -29,7 +30,8 @@ pub(super) struct Effort<'a> {
 /// Costs of crossings for the exact search.
 pub(super) struct SearchCosts<'a> {
     tool_costs: &'a CostMatrix,
-    /// 1 for each crossing if all tool changes cost the same, which makes the search faster.
+    /// The cost 1 for each crossing, if all tool changes cost the same: the search is faster with
+    /// it.
     uniform: Option<CostMatrix>,
     /// Scaled tool cost of a unit of the search's costs.
     unit: u64,
@@ -60,11 +62,12 @@ impl<'a> SearchCosts<'a> {
     }
 }
 
-/// Pieces that hold every cell of a layer once, and bounds on how good they could be.
+/// Pieces that together hold every cell of a layer once, and lower bounds on their number and cost.
 #[derive(Clone, Debug)]
 pub(super) struct Cover {
-    /// The pieces one after the other; where two pieces of different zones happen to meet, the path
-    /// has one piece less.
+    /// The pieces one after the other.
+    /// Where one piece happens to end next to the start of the following one, the path counts both
+    /// as one piece.
     pub(super) path: Path,
     pub(super) pieces: u32,
     /// Proven minimum number of pieces of a cover of this kind.
@@ -145,7 +148,7 @@ impl Effort<'_> {
     }
 }
 
-/// The tools of a layer, in rising order.
+/// The tools of a layer, in ascending order.
 pub(super) fn tools(layer: LayerRef<'_>) -> Vec<u8> {
     let mut is_used = [false; 256];
     layer.region.cells().for_each(|cell| is_used[usize::from(layer.zones.id(cell))] = true);

@@ -29,8 +29,8 @@ pub(super) struct Covers {
 }
 
 impl Covers {
-    /// The paths from which the layer above may start: that of each kind, or that of the other kind
-    /// if it is missing.
+    /// The paths from which the covers of the layer above may start, for each kind of cover.
+    /// A missing path is replaced by that of the other kind.
     fn paths(&self) -> [Option<&Path>; 2] {
         let [one, other] =
             [&self.continuous, &self.by_zones].map(|cover| cover.as_ref().map(|cover| &cover.path));
@@ -39,7 +39,7 @@ impl Covers {
 }
 
 /// Makes the covers of all layers.
-/// Progress counts layers; each of several equal layers counts.
+/// Progress counts layers; equal layers count separately.
 pub(super) fn covers(
     layers: &[LayerRef<'_>],
     costs: &CostMatrix,
@@ -97,7 +97,7 @@ pub(super) fn covers(
         }
         stacked.push(covers);
     }
-    // A cover that was interrupted after its first attempt may be poor.
+    // Covers whose search was interrupted may be poor, so an interruption is an error.
     control.check()?;
     Ok(stacked)
 }

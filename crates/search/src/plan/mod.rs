@@ -6,8 +6,9 @@
 //! [`order()`] decides only in which order the layers use their tools.
 //! A layer of several materials may be printed tool by tool, and the tool that ends one layer may
 //! begin the next.
-//! The result comes with a lower bound that no other way of printing can beat; [`fixed_order_cost`]
-//! is the cost of printing every layer in the same rising order, for comparison.
+//! The result comes with a lower bound on the cost of every plan, even of those that use a tool
+//! several times in a layer; [`fixed_order_cost`] is the cost of printing every layer in the same
+//! ascending order, for comparison.
 //!
 //! # Examples
 //! ```

@@ -20,9 +20,9 @@ pub(super) struct Options<'a> {
     continuous_pieces: Vec<&'a [Cell]>,
     zone_pieces: Vec<&'a [Cell]>,
     blocks: Vec<Block>,
-    /// What each way means to the rest of the part.
+    /// The ways: what the choice for the whole part needs to know about each.
     pub(super) ways: Vec<Way>,
-    /// What is printed in each way.
+    /// The order of the pieces in each way.
     orders: Vec<Order>,
 }
 
@@ -66,14 +66,15 @@ impl<'a> Options<'a> {
         }
     }
 
-    /// Adds the known order of the tools between any two of them, if the layer is covered by zones.
+    /// Adds a way for each known order of the tools, if the layer is covered by zones.
     pub(super) fn add_orders(&mut self, within: &Within) {
         for (order, cost) in within.iter() {
             self.add_order(order.to_vec(), cost);
         }
     }
 
-    /// Adds one order of the tools and its scaled cost, if the layer is covered by zones.
+    /// Adds a way for one order of the tools with its scaled cost, if the layer is covered by
+    /// zones.
     pub(super) fn add_order(&mut self, order: Vec<u8>, cost: u64) {
         if self.zone_pieces.is_empty() {
             return;

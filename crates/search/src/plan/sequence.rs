@@ -1,18 +1,19 @@
 //! The order and the directions in which the pieces of a continuous layer are printed.
 //!
-//! A piece that crosses zones uses several tools: it begins with one and ends with another, and the
-//! tool changes inside it cost the same wherever it is printed, but may cost something else
+//! A piece that crosses zones uses several tools.
+//! The tool changes inside it cost the same whenever it is printed, but may cost a different amount
 //! backwards.
-//! Between two pieces the tool changes from the last one of the former to the first one of the
-//! latter.
+//! Between two pieces, the tool changes from the last tool of the first piece to the first tool of
+//! the second.
 //! Finding the cheapest order is a travelling-salesman problem for a path in which each "city" can
 //! be passed in two directions.
 //!
 //! Two things keep it small.
-//! All pieces of a single tool are joined to one **block**, as their order and direction change no
-//! tool cost; this is optimal unless a detour over another tool is cheaper than a direct change.
+//! All pieces that use the same single tool form one **block**, as their order and direction change
+//! no tool cost; this is optimal unless a detour over another tool is cheaper than a direct change.
+//! Each piece of several tools is a block of its own.
 //! And for the rest of the plan only the first and the last tool of a layer matter, so one cheapest
-//! **sequence** is needed for each pair of them.
+//! **sequence** of blocks is needed for each pair of them.
 //! Up to ten blocks are solved exactly by dynamic programming, more by a greedy rule.
 
 use std::collections::BTreeMap;
@@ -47,7 +48,7 @@ pub(super) struct Sequence {
     pub(super) blocks: Vec<(usize, bool)>,
 }
 
-/// Maximum number of blocks that are solved exactly; each more doubles the time.
+/// Maximum number of blocks that are solved exactly; each additional block doubles the time.
 const MAX_EXACT: usize = 10;
 
 /// Groups pieces into blocks: those of one tool together, the others one by one.
@@ -121,7 +122,8 @@ impl Block {
 /// A *state* is the set of the blocks printed so far, the last of them, and its direction.
 /// How the others were ordered does not matter to what follows, so each state keeps only its
 /// minimum cost and the block before the last.
-/// States are visited by rising set; adding a block always leads to a larger number.
+/// Sets are bit masks and are visited in ascending order; adding a block always leads to a larger
+/// one.
 fn exact(blocks: &[Block], costs: &CostMatrix, first: u8) -> Vec<Sequence> {
     /// Marks the first block of a sequence.
     const NONE: usize = usize::MAX;
@@ -179,8 +181,8 @@ fn exact(blocks: &[Block], costs: &CostMatrix, first: u8) -> Vec<Sequence> {
     reached.map(trace).collect()
 }
 
-/// Always on to the block that is the cheapest to change to; of equal ones the one with the
-/// cheapest changes inside, then the first.
+/// Builds a sequence greedily: the next block is the one that is cheapest to change to; of equal
+/// ones, the one with the cheapest changes inside, then the first.
 fn greedy(blocks: &[Block], costs: &CostMatrix, first: u8) -> Sequence {
     let mut remaining: Vec<usize> = (0..blocks.len()).collect();
     let mut sequence =

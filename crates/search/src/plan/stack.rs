@@ -4,7 +4,8 @@ use beadwork_grid::{Cell, Path};
 
 /// Number of links that two paths on grids of the same size have in common.
 ///
-/// Beads along the beads below stack their seams; beads across those below bind the layers.
+/// Beads that run along those below stack their seams on top of each other; beads that cross those
+/// below bind the layers.
 /// Linear in the cells of the second path.
 ///
 /// # Panics

@@ -1,14 +1,14 @@
-//! Minimum spanning arborescences.
+//! Minimum spanning arborescences by the algorithm of Chu, Liu and Edmonds.
 
 /// A tree in which every vertex but the root has one arc from its parent.
 pub(super) struct Arborescence {
     /// Sum of the weights of its arcs.
     pub(super) weight: i64,
-    /// Parent of each vertex; that of the root means nothing.
+    /// Parent of each vertex; the entry of the root is meaningless.
     pub(super) parent: Vec<usize>,
 }
 
-/// Weight of an arc that is not there.
+/// Weight of a missing arc.
 pub(super) const NO_ARC: i64 = i64::MAX / 4;
 
 /// An arc between two of the original vertices.
@@ -16,9 +16,9 @@ type Arc = (u16, u16);
 
 /// One round of contractions.
 struct Level {
-    /// For each vertex of the round its vertex in the next one.
+    /// For each vertex of this round, the vertex of the next round that contains it.
     contracted: Vec<usize>,
-    /// For each vertex its cheapest arc.
+    /// For each vertex of this round, its cheapest incoming arc.
     cheapest: Vec<Arc>,
 }
 
@@ -28,13 +28,13 @@ struct Level {
 /// Every vertex but the root takes its cheapest incoming arc.
 /// If the arcs form no cycle they are the minimum.
 /// Otherwise some arc of each cycle must be replaced by one that enters the cycle.
-/// The weight of an arc into a vertex is reduced by that of the vertex's cheapest arc: this is the
-/// surcharge for using it instead.
+/// From the weight of each arc into a vertex, subtract that of the vertex's cheapest arc.
+/// What is left is the extra cost of using the arc instead of the cheapest one.
 /// Then each cycle is contracted to one vertex, and the rest is a smaller problem of the same kind.
 /// Its solution enters each cycle at one vertex; the other vertices of the cycle keep their
 /// cheapest arcs.
 ///
-/// O(n²) steps for each round of contractions, of which there are few, but up to n / 2.
+/// O(n²) steps for each round of contractions; there are usually few rounds, and at most n / 2.
 pub(super) fn minimum(
     count: usize,
     root: usize,

@@ -1,4 +1,4 @@
-//! Lower bounds of Hamiltonian paths by Lagrangian relaxation, after Held and Karp, "The
+//! Lower bounds on Hamiltonian paths by Lagrangian relaxation, after Held and Karp, "The
 //! traveling-salesman problem and minimum spanning trees" (Operations Research 18, 1970).
 //!
 //! A path from its first tool to its last one is a spanning arborescence in which every tool but
@@ -18,10 +18,10 @@ use super::arborescence::{self, NO_ARC};
 use super::problem::Problem;
 use super::within::NEVER;
 
-/// Fractions of a unit of cost.
+/// Number of parts into which a unit of cost is divided.
 const PARTS: i64 = 64;
 
-/// Lower bounds of the paths of one set of tools.
+/// Lower bounds on the paths of one set of tools.
 pub(super) struct Ascent {
     /// Added to the arcs that leave each tool; those of the last bound that was computed.
     multipliers: Vec<i64>,
@@ -32,7 +32,7 @@ impl Ascent {
         Self { multipliers: vec![0; problem.count] }
     }
 
-    /// A lower bound of the cost of all paths from `first` to `last`, by at most this number of
+    /// A lower bound on the cost of all paths from `first` to `last`, from at most `iterations`
     /// arborescences; [`NEVER`] if there is no path without forbidden changes.
     ///
     /// `known` is the cost of some path, which limits the length of the steps.
@@ -69,7 +69,8 @@ impl Ascent {
                     length /= 2.0;
                 }
             }
-            // By how much the number of outgoing arcs of each tool exceeds 1.
+            // The number of outgoing arcs of each tool minus the 1 that a path has; 0 for the last
+            // tool.
             let mut excess = vec![-1_i64; problem.count];
             excess[last] = 0;
             for to in (0..problem.count).filter(|&to| to != first) {
@@ -79,7 +80,8 @@ impl Ascent {
             if norm == 0 || best >= known {
                 break;
             }
-            // Where the known path has forbidden changes its cost is far off.
+            // If the known path has forbidden changes, its cost is far above the optimum, so the
+            // distance is also limited by the size of the bound and of the costs.
             let distance =
                 (known - bound).min(bound.abs() / 10 + PARTS * problem.max_step() as i64);
             let step = length * distance as f64 / norm as f64;
@@ -96,7 +98,9 @@ impl Ascent {
     /// O(k³) steps for k tools.
     pub(super) fn bounds_of_all(&self, problem: &Problem) -> Vec<u64> {
         let count = problem.count;
-        // The two cheapest arcs into each tool, regardless of the ends: only one can be excluded.
+        // The two cheapest arcs into each tool, regardless of the ends of the path.
+        // Two are enough, because the choice of ends excludes at most one arc into a tool that is
+        // not the first.
         let cheapest = |to: usize| {
             let mut best = [(NO_ARC, usize::MAX); 2];
             let from = (0..count).filter(|&from| is_possible(problem, from, to));
@@ -120,6 +124,8 @@ impl Ascent {
                 return 0;
             }
             let into = |to: usize| {
+                // No arc leaves the last tool, and the first leads to the last only in a path of
+                // two tools.
                 let excluded = if to != last {
                     last
                 } else if count > 2 {

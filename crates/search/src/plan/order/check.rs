@@ -92,10 +92,11 @@ impl Layers {
     }
 }
 
-/// A pair of a cycle of pairs, if there is a cycle.
+/// Finds a cycle of pairs and returns one of its pairs; `None` if there is no cycle.
 fn find_cycle(before: &[(u8, u8)]) -> Option<(u8, u8)> {
-    // A tool before which nothing must come lies on no cycle.
-    // Removing its pairs may leave more such tools; what remains in the end has cycles only.
+    // A tool that no other tool must precede lies on no cycle.
+    // Removing its pairs may leave more such tools; if pairs remain in the end, they contain a
+    // cycle.
     let mut remaining = before.to_vec();
     loop {
         let count = remaining.len();
@@ -107,7 +108,8 @@ fn find_cycle(before: &[(u8, u8)]) -> Option<(u8, u8)> {
             break;
         }
     }
-    // Each remaining tool has one before it, so going backwards must come to a tool again.
+    // Each remaining tool has a predecessor, so going backwards must return to a tool that was
+    // seen.
     let mut tool = remaining.first()?.1;
     let mut seen = Vec::new();
     loop {

@@ -45,7 +45,7 @@ pub enum OrderError {
         /// The tool.
         first: u8,
     },
-    /// The tool with which the first layer must begin must come after another one of its tools.
+    /// The first layer must begin with this tool, but another one of its tools must come before it.
     #[error("tool {first} cannot come first: tool {other} must come before it")]
     FirstContradicted {
         /// The tool.
@@ -54,7 +54,7 @@ pub enum OrderError {
         other: u8,
     },
     /// No order of the tools of the layers up to this one avoids the forbidden changes.
-    #[error("layer {layer}: no order of its tools avoids the forbidden changes")]
+    #[error("layer {layer}: no order of the tools up to this layer avoids the forbidden changes")]
     Forbidden {
         /// Number of the first such layer, from 0.
         layer: usize,

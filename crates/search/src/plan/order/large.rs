@@ -1,7 +1,6 @@
 //! Orders of a set of tools that is too large to be solved exactly.
 //!
-//! For each pair of a first and a last tool there is a proven lower bound, and an order that was
-//! found by local search.
+//! Each pair of a first and a last tool has a proven lower bound, and an order from a local search.
 //! There are many pairs, and a plan uses few of them, so both are computed only where they are
 //! needed: cheap bounds for all pairs come first, and the dynamic programme over the layers
 //! (`layered.rs`) decides which pairs matter.
@@ -23,11 +22,11 @@ pub(super) struct Large {
     ascent: Ascent,
     /// Lower bounds, without orders.
     pub(super) bounds: Within,
-    /// The orders that were found; for the other pairs the lower bounds.
+    /// The orders that were found; for pairs that were not searched, their lower bounds.
     pub(super) orders: Within,
     /// Pairs whose bound was raised.
     is_raised: Vec<bool>,
-    /// Pairs for which an order was searched.
+    /// Pairs whose order was searched for.
     is_searched: Vec<bool>,
 }
 
@@ -84,12 +83,12 @@ impl Large {
         }
     }
 
-    /// Whether an order of a pair was searched.
+    /// Whether an order of a pair was searched for.
     pub(super) fn is_searched(&self, ends: [usize; 2]) -> bool {
         self.is_searched[self.pair(ends)]
     }
 
-    /// Searches an order of a pair, and returns about the number of steps that it took.
+    /// Searches for an order of a pair, and returns the approximate number of steps it took.
     /// An interrupted call only finds the path of nearest neighbours.
     pub(super) fn search(&mut self, ends: [usize; 2], control: &Control<'_>) -> usize {
         let perturbations = self.perturbations(2_000_000, 10);
@@ -102,7 +101,8 @@ impl Large {
         (perturbations + 2) * self.problem.count.pow(3)
     }
 
-    /// Searches a better order of a pair that was searched before, with many more perturbations.
+    /// Searches for a better order of a pair that was searched before, with many more
+    /// perturbations.
     /// Returns whether it found better orders, of this pair or of others.
     pub(super) fn search_more(&mut self, ends: [usize; 2], control: &Control<'_>) -> bool {
         let [first, last] = ends;
@@ -116,7 +116,8 @@ impl Large {
         self.keep(ends, &order)
     }
 
-    /// Number of perturbations for which there is time: a local search takes about cubic time.
+    /// Number of perturbations that about `steps` steps allow: each local search takes about cubic
+    /// time.
     fn perturbations(&self, steps: usize, max: usize) -> usize {
         (steps / self.problem.count.pow(3)).min(max)
     }
@@ -135,9 +136,10 @@ impl Large {
         perturb(&self.problem, order, times, bound, &mut rng, control);
     }
 
-    /// Keeps an order if it is the best one of its pair and has no forbidden changes, and so the
-    /// orders that follow from it by exchanging two segments of which one contains an end.
-    /// Returns whether any was kept.
+    /// Keeps an order if it is the best one of its pair and has no forbidden changes.
+    /// Does the same with the orders of other pairs that result from it by exchanging two segments
+    /// of which one contains an end.
+    /// Returns whether any order was kept.
     fn keep(&mut self, ends: [usize; 2], order: &[usize]) -> bool {
         let pair = self.pair(ends);
         if !self.is_searched[pair] {

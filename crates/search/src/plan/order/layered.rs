@@ -32,8 +32,9 @@ pub(super) fn layered(
     constraints: &Constraints,
 ) -> Result<Layered, usize> {
     let count = layers.kind_of.len();
-    // For each layer and each of its tools: the cost from there on, `begun` if the layer begins
-    // with the tool, and `ended` for all that comes after the layer if it ends with the tool.
+    // The minimum costs to go, for each layer and each of its tools.
+    // `begun`: of this layer and all later ones, if the layer begins with the tool.
+    // `ended`: of all later layers, if the layer ends with the tool.
     let mut begun: Vec<Vec<u64>> = vec![Vec::new(); count];
     let mut ended: Vec<Vec<u64>> = vec![Vec::new(); count];
     for (layer, &kind) in layers.kind_of.iter().enumerate().rev() {

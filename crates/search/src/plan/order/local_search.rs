@@ -4,7 +4,8 @@
 //! They are evaluated in O(1):
 //!
 //! - **Exchange** of two neighbouring segments.
-//!   It changes three steps and no direction, so it suits costs that depend on the direction.
+//!   It changes three steps and keeps the direction of all others, so it suits costs that depend on
+//!   the direction.
 //!   Moving one tool elsewhere (Or-opt) is a special case.
 //! - **Reversal** of a segment (2-opt).
 //!   It changes two steps and the direction of those inside, whose costs are known from prefix
@@ -19,7 +20,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use super::problem::{Members, Problem};
 use crate::random::below;
 
-/// The path that always goes on to the nearest tool; the constraints must allow its ends.
+/// The path that always continues with the tool that is cheapest to change to; the constraints must
+/// allow its ends.
 pub(super) fn nearest_neighbours(problem: &Problem, [first, last]: [usize; 2]) -> Vec<usize> {
     let mut order = vec![first];
     // The tools that are placed, and those that are not.
@@ -91,7 +93,8 @@ pub(super) fn can_exchange(problem: &Problem, first: &[usize], second: &[usize])
     second.iter().all(|&tool| !problem.earlier[tool].intersects(members))
 }
 
-/// Change of the cost if the segments `i..j` and `j..l` are exchanged, all between both ends.
+/// Change of the cost if the segments `i..j` and `j..l` are exchanged, neither of which contains an
+/// end of the path.
 #[inline]
 fn exchange_change(problem: &Problem, order: &[usize], [i, j, l]: [usize; 3]) -> i64 {
     let step = |from: usize, to: usize| problem.step(order[from], order[to]) as i64;
@@ -118,7 +121,7 @@ fn exchange_segments(problem: &Problem, order: &mut [usize]) -> bool {
                 if exchange_change(problem, order, [i, j, l]) < 0 {
                     order[i..l].rotate_left(j - i);
                     has_improved = true;
-                    // The first segment consists of other tools now.
+                    // The exchange has put other tools into the first segment.
                     first = Members::default();
                     order[i..j].iter().for_each(|&tool| first.insert(tool));
                     break;
@@ -161,7 +164,7 @@ fn exchange_at_random(problem: &Problem, order: &mut [usize], rng: &mut Xoshiro2
     }
 }
 
-/// Costs of the first steps of a path, forwards and backwards.
+/// Prefix sums of the costs of a path's steps, forwards and backwards.
 struct Sums {
     forwards: Vec<i64>,
     backwards: Vec<i64>,
@@ -188,7 +191,7 @@ impl Sums {
         sum(&mut self.backwards, &|from, to| problem.step(to, from));
     }
 
-    /// Change of the cost if the segment `i..l` is reversed, between both ends.
+    /// Change of the cost if the segment `i..l`, which contains no end of the path, is reversed.
     #[inline]
     fn reversal_change(&self, problem: &Problem, order: &[usize], i: usize, l: usize) -> i64 {
         let step = |from: usize, to: usize| problem.step(order[from], order[to]) as i64;

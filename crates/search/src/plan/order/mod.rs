@@ -40,7 +40,8 @@ use self::solve::{Solved, Solver};
 use self::within::Within;
 use crate::{CostMatrix, Stop};
 
-/// Maximum number of tools of a layer that is solved exactly; each more doubles the time.
+/// Maximum number of tools of a layer that is solved exactly; each additional tool doubles the
+/// time.
 const MAX_EXACT: usize = 12;
 
 /// Finds the cheapest order of the tools, where each layer uses each of its tools once.
@@ -48,12 +49,12 @@ const MAX_EXACT: usize = 12;
 /// `layers` holds the tools of each layer in any order; duplicates count once.
 /// A layer may use no tool: the tool in the nozzle then stays for the next layer.
 /// A change costs the same within a layer and between two layers.
-/// There is none where a layer begins with the tool that ended the one before, or with
-/// [`Constraints::loaded`].
+/// A layer that begins with the tool that ended the layer below needs no change between them, nor
+/// does a first layer that begins with [`Constraints::loaded`].
 ///
 /// Of equally cheap plans, the result is the one whose orders come lexicographically first, layer
-/// by layer from the first; with [`Constraints::same_order`] or in large layers, it is at least the
-/// same every time.
+/// by layer from the first; with [`Constraints::same_order`] or in large layers, the result is only
+/// guaranteed to be the same every time.
 ///
 /// An interrupted call returns the best plan so far, with the reason in [`ToolOrder::stop`].
 /// Progress counts different sets of tools.
@@ -153,7 +154,7 @@ fn solve(
     Ok(Solution { order, tables: layers.kinds.into_iter().zip(tables).collect() })
 }
 
-/// Cost of printing the tools of each layer by rising number, the same in every layer: for
+/// Cost of printing the tools of each layer by ascending number, the same in every layer: for
 /// comparison.
 ///
 /// The layers are as for [`order`], and `loaded` is the tool in the nozzle before the print.

@@ -18,18 +18,18 @@ pub struct ToolOrder {
     pub cost: f64,
     /// Number of tool changes.
     pub changes: u32,
-    /// Proven lower bound of the cost of every plan that uses in each layer each of its tools, **as
-    /// often as it likes** and with detours over any other tools.
+    /// Proven lower bound on the cost of every plan that uses in each layer each of its tools
+    /// **once or more often**, possibly with detours over other tools.
     ///
     /// The plan must begin with [`Constraints::first`](super::Constraints::first), and the first
     /// uses of the tools of a layer must obey [`Constraints::before`](super::Constraints::before).
     /// It need not follow one permutation.
     pub bound: f64,
-    /// Proven lower bound of the cost of every plan that uses in each layer each of its tools
-    /// **once** and obeys all constraints.
+    /// Proven lower bound on the cost of every plan that uses in each layer each of its tools
+    /// **exactly once** and obeys all constraints.
     /// At least [`bound`](Self::bound).
     pub once_bound: f64,
-    /// Proven lower bound of the number of changes of the plans that [`bound`](Self::bound) refers
+    /// Proven lower bound on the number of changes of the plans that [`bound`](Self::bound) refers
     /// to.
     pub min_changes: u32,
     /// Why the search stopped: [`Stop::Optimal`] if [`is_optimal`](Self::is_optimal).
@@ -50,7 +50,7 @@ impl ToolOrder {
     }
 }
 
-/// Cost of printing the tools of each layer in rising order.
+/// Cost of printing the tools of each layer in ascending order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixedOrder {
     /// Cost of all tool changes, in the unit of the cost matrix.

@@ -38,7 +38,7 @@ pub(super) struct Problem {
     steps: Vec<u64>,
     /// For each tool, those that must come before it.
     pub(super) earlier: Vec<Members>,
-    /// The tools that no other tool must come after.
+    /// For each tool, whether it may be the last: no other tool must come after it.
     ends: Vec<bool>,
 }
 

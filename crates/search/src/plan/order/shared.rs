@@ -9,16 +9,16 @@
 //!   upper one.
 //!   It is known as soon as the lower layer is complete and the upper one has a tool.
 //!
-//! For the costs of the tools still to come, little of the beginning of a permutation matters:
-//! which tools are placed, the last one in each layer that is not yet complete, and the first and
-//! last ones that a layer above or below still waits for.
-//! This is a **label**.
-//! Of all beginnings with the same label only the cheapest can lead to the cheapest permutation, so
-//! the search keeps one beginning for each label, and extends them all by one tool at a time: a
-//! dynamic programme over labels.
+//! The costs of the remaining tools depend on little of the beginning of a permutation: which tools
+//! are placed, the last one in each incomplete layer, and the first and last ones of layers whose
+//! change to a neighbouring layer is not known yet.
+//! These data are the **label** of the beginning.
+//! Of all beginnings with the same label, only the cheapest can lead to the cheapest permutation.
+//! So the search keeps one beginning for each label, and extends all of them by one tool at a time:
+//! a dynamic programme whose states are the labels.
 //!
-//! Layers with the same set of tools make the same changes, so they are counted instead of
-//! repeated: a **kind** of layer.
+//! Layers with the same set of tools make the same changes, so each different set, a **kind** of
+//! layer, is handled once and its layers are counted.
 //! The number of labels still grows exponentially in the worst case.
 //! Beyond a limit the search is abandoned, and the result is the best permutation of a local search
 //! that moves one tool at a time.
@@ -35,8 +35,8 @@ use crate::CostMatrix;
 /// Maximum number of labels of a search, if there are few kinds of layers.
 pub(super) const MAX_LABELS: usize = 1_000_000;
 
-/// Maximum of the number of labels times the number of kinds and pairs of kinds, to which the size
-/// of a label is proportional.
+/// Maximum product of the number of labels and the number of kinds and pairs of kinds: the memory
+/// and time for a label are proportional to the latter.
 const MAX_WORK: usize = 16_000_000;
 
 /// Maximum number of steps of a local search.
@@ -49,16 +49,16 @@ const NONE: u8 = u8::MAX;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Abandoned;
 
-/// A kind of layer, and another one that follows on top of it somewhere in the part.
+/// Two kinds of layers, one of which lies directly on the other somewhere in the part.
 struct Pair {
     lower: usize,
     upper: usize,
-    /// Number of times that it does.
+    /// Number of layers of the lower kind with one of the upper kind on top.
     times: u64,
 }
 
-/// The part as far as permutations are concerned.
-/// The tools that are used have indices, in rising order.
+/// What permutations need to know about the part.
+/// Tools are addressed by their index among the used tools, sorted by number.
 pub(super) struct Shared<'a> {
     costs: &'a CostMatrix,
     /// The number of each tool.
@@ -78,9 +78,9 @@ pub(super) struct Shared<'a> {
     penalty: u64,
 }
 
-/// The cheapest permutation that was found, and whether it is proven to be the cheapest.
+/// Finds a cheap permutation; returns it and whether it is proven to be the cheapest.
 ///
-/// `layered` is the best plan found without one permutation, and `bound` a lower bound of its cost.
+/// `layered` is the best plan found without one permutation, and `bound` a lower bound on its cost.
 pub(super) fn shared(
     layers: &Layers,
     costs: &CostMatrix,
@@ -106,7 +106,8 @@ pub(super) fn shared(
             return Ok((numbers(permutation), true));
         }
     }
-    // Two starts for the local search: rising numbers, and the mean positions in the best orders.
+    // Two starts for the local search: tools sorted by number, and by their mean positions in the
+    // best orders.
     let means = part.mean_positions(layered);
     let by_means =
         part.sorted(&part.earlier, |tool| (means[tool], tool)).unwrap_or_else(|| rising.clone());
@@ -155,7 +156,7 @@ impl<'a> Shared<'a> {
         let mut earlier = vec![Vec::new(); tools.len()];
         for &(a, b) in &constraints.before {
             let (Some(a), Some(b)) = (index(a), index(b)) else { continue };
-            // The pair means nothing to tools that no layer uses together.
+            // A pair of tools that no layer uses together imposes nothing.
             if kinds.iter().any(|set| set.contains(&a) && set.contains(&b)) {
                 earlier[b].push(a);
             }
@@ -190,8 +191,9 @@ impl<'a> Shared<'a> {
         }
     }
 
-    /// All tools, each after those that must come earlier, otherwise by rising `key`; `None` if the
-    /// constraints form a cycle.
+    /// Sorts all tools topologically: each comes after those in `earlier`, and of several possible
+    /// ones the one with the lowest `key` comes next.
+    /// `None` if the constraints form a cycle.
     fn sorted<K: Ord>(
         &self,
         earlier: &[Vec<usize>],
@@ -281,7 +283,9 @@ impl<'a> Shared<'a> {
         let mut best = self
             .cost(&permutation)
             .expect("a search starts from a permutation that obeys the constraints");
-        // The number of moves in a row that were not better; if that is all of them, none is.
+        // The number of successive moves that did not lower the cost.
+        // The search ends when it reaches the number of all moves: the permutation is a local
+        // optimum.
         let mut failed = 0;
         let mut number = 0;
         let moves = count * count;
@@ -362,13 +366,15 @@ impl<'a> Shared<'a> {
     }
 }
 
-/// All of the beginning of a permutation that matters for the costs of the rest.
+/// The state of a beginning of a permutation: everything that the costs of the remaining tools
+/// depend on.
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct Label {
     placed: Vec<bool>,
     /// For each kind of layer: how many of its tools are placed, and the first and the last of
-    /// them, or [`NONE`] if no cost depends on them any more, so that more beginnings have the same
-    /// label.
+    /// them.
+    /// The first or last is [`NONE`] once no cost depends on it any more, so that more beginnings
+    /// have the same label.
     kinds: Vec<(u8, u8, u8)>,
 }
 

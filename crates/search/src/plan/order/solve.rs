@@ -1,16 +1,19 @@
-//! Plans in which each layer has its own order, with proven bounds.
+//! Finds plans in which each layer has its own order, and proven lower bounds on their cost.
 //!
 //! Small sets of tools have exact tables, so that the dynamic programme over the layers is exact.
-//! For large sets it runs on lower bounds, or on the orders that were found.
-//! Both are completed lazily:
+//! For large sets it runs once on lower bounds, which gives a bound, and once on the orders that
+//! were found, which gives a plan.
+//! Bounds and orders are computed lazily, only for the pairs of a first and a last tool that
+//! matter:
 //!
 //! - **Bound**: the plan on lower bounds is itself a lower bound.
-//!   The bounds of the pairs that it uses are raised, and it is computed again, until it uses only
-//!   raised ones.
+//!   The bounds of the pairs that it uses are raised, and the plan is computed again, until it uses
+//!   only raised bounds.
 //! - **Plan**: pairs without an order count with their lower bound.
-//!   Orders of the pairs that the plan uses are searched, and it is computed again, until it uses
-//!   only pairs with an order: then no other choice of pairs is better, as far as orders were
-//!   found.
+//!   Orders of the pairs that the plan uses are searched for, and the plan is computed again, until
+//!   it uses only pairs with an order.
+//!   Then no other choice of pairs gives a better plan: searched pairs count with their orders, the
+//!   others with lower bounds.
 
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -28,7 +31,7 @@ use crate::CostMatrix;
 /// Maximum number of steps to raise a bound, of some nanoseconds each.
 const MAX_BOUND_STEPS: usize = 1_000_000_000;
 
-/// Maximum number of steps to search orders, of some nanoseconds each.
+/// Maximum number of steps to search for orders, of some nanoseconds each.
 const MAX_SEARCH_STEPS: usize = 2_000_000_000;
 
 /// The costs and orders of one set of tools.
@@ -40,13 +43,13 @@ enum Table {
 /// The best plan that was found, with the tables that it was made from.
 pub(super) struct Solved {
     pub(super) plan: Layered,
-    /// Proven lower bound of the scaled cost of a plan.
+    /// Proven lower bound on the scaled cost of a plan.
     pub(super) bound: u64,
     /// For each kind of layer, the orders that were found.
     pub(super) tables: Vec<Within>,
 }
 
-/// What all steps of a solution need.
+/// The inputs of all steps of a solution.
 pub(super) struct Solver<'a> {
     pub(super) layers: &'a Layers,
     pub(super) costs: &'a CostMatrix,
@@ -96,7 +99,8 @@ impl Solver<'_> {
         plan.map_or(0, |plan| plan.cost as u32)
     }
 
-    /// Exact tables of small sets; an interrupted call makes the others as those of large ones.
+    /// Makes a table for each set: exact for small sets, lazy for large ones.
+    /// After an interruption, the remaining small sets are treated as large.
     fn tables(&self) -> Vec<Table> {
         let kinds = &self.layers.kinds;
         let done = AtomicUsize::new(0);
@@ -132,6 +136,7 @@ impl Solver<'_> {
         used.filter(|&(kind, _)| matches!(tables[kind], Table::Large(_))).collect()
     }
 
+    /// A lower bound on the cost of a plan; raises the bounds of the pairs that matter.
     fn bound_of(&self, tables: &mut [Table]) -> Result<u64, OrderError> {
         let round_steps: usize = self.layers.iter().map(|set| set.len().pow(2)).sum();
         let mut steps = 0;
@@ -156,9 +161,13 @@ impl Solver<'_> {
         }
     }
 
+    /// The best plan that was found; searches for orders of the pairs that matter.
+    ///
+    /// Once the plan uses only pairs with an order, more time is spent on these pairs, until that
+    /// improves none of them or the cost reaches `bound`.
     fn plan_of(&self, tables: &mut [Table], bound: u64) -> Result<Layered, OrderError> {
         let mut best: Option<Layered> = None;
-        // The pairs of the best plan for which better orders were searched.
+        // The pairs for which better orders were searched for.
         let mut searched_more = BTreeSet::new();
         let round_steps: usize = self.layers.iter().map(|set| set.len().pow(2)).sum();
         let mut steps = 0;

@@ -1,4 +1,4 @@
-//! Orders compared with all plans.
+//! Compares orders with the best of all plans on small parts.
 
 mod brute_force;
 mod large;
@@ -160,7 +160,7 @@ proptest! {
             prop_assert_eq!(part.search(u64::MAX, 0, &control), Err(Abandoned));
         }
 
-        // Without the search the result may not be the best, and is not said to be.
+        // Without the search the result may not be the best, and is not reported as proven.
         let table = |set: &Vec<u8>| Within::exact(set, &case.costs, &case.constraints.before);
         let tables: Vec<Within> = layers.kinds.iter().map(table).collect();
         let tables: Vec<&Within> = tables.iter().collect();
@@ -358,7 +358,8 @@ fn forbidden_changes_are_avoided() {
     let error = |layers: &[Vec<u8>]| order_alone(layers, &costs, &constraints).unwrap_err();
     let blocked = error(&[vec![0], vec![1], vec![0]]);
     assert_eq!(blocked, OrderError::Forbidden { layer: 2 });
-    assert_eq!(blocked.to_string(), "layer 2: no order of its tools avoids the forbidden changes");
+    let text = "layer 2: no order of the tools up to this layer avoids the forbidden changes";
+    assert_eq!(blocked.to_string(), text);
     assert_eq!(error(&[vec![], vec![2]]), OrderError::Forbidden { layer: 1 });
     assert!(fixed_order_cost(&layers, &costs, None).unwrap().cost.is_infinite());
     let constraints = Constraints { same_order: true, ..Constraints::default() };

@@ -81,7 +81,7 @@ impl Within {
         Self { count, costs, orders: vec![Vec::new(); count * count] }
     }
 
-    /// Sets the cost of a pair that has no order yet, or its order too.
+    /// Sets the cost and the order of a pair; the order is empty if only the cost is known.
     pub(in crate::plan) fn set(&mut self, [first, last]: [usize; 2], cost: u64, order: Vec<u8>) {
         let pair = first * self.count + last;
         self.costs[pair] = cost;
@@ -99,7 +99,7 @@ impl Within {
         &self.orders[first * self.count + last]
     }
 
-    /// The known orders and their costs, by rising first and then last tool.
+    /// The known orders and their costs, sorted by first and then by last tool.
     pub(in crate::plan) fn iter(&self) -> impl Iterator<Item = (&[u8], u64)> {
         let orders = self.orders.iter().zip(&self.costs);
         orders.filter(|(order, _)| !order.is_empty()).map(|(order, &cost)| (order.as_slice(), cost))

@@ -39,7 +39,10 @@ pub enum PlanError {
     #[error(transparent)]
     Order(#[from] OrderError),
     /// Continuous paths cannot obey a constraint on the order of the tools.
-    #[error("mode continuous: tools follow the paths, so no order can be imposed on them")]
+    #[error(
+        "mode continuous: tools follow the paths, so no order can be imposed on them; \
+         use mode cheapest or free"
+    )]
     Constraint,
     /// Continuous paths cannot avoid forbidden changes.
     #[error(

@@ -51,7 +51,7 @@ pub struct FrontierPoint {
     /// Cost of the tool changes of the whole part.
     pub tool_cost: f64,
     /// The highest cost of a lift, in the unit of the tool costs, at which this point is among the
-    /// cheapest; `None` if it is so for any higher cost.
+    /// cheapest; `None` if there is no such limit.
     pub up_to_lift_cost: Option<f64>,
 }
 
@@ -71,11 +71,11 @@ pub struct ToolPlan {
     pub tool_cost: f64,
     /// Number of lifts within layers.
     pub lifts: u64,
-    /// The order of the tools if no piece crossed a zone border.
+    /// The cheapest order of the tools if no piece crossed a zone border, for comparison.
     /// Its [`bound`](ToolOrder::bound) and [`min_changes`](ToolOrder::min_changes) hold for the
     /// tool changes of **every** plan, whatever its mode.
     pub order: ToolOrder,
-    /// Cost of printing the tools of every layer in rising order, for comparison.
+    /// Cost of printing the tools of every layer in ascending order, for comparison.
     pub fixed: FixedOrder,
     /// Lifts against tool costs, from few lifts to low tool costs, up to 256 points; a single point
     /// unless the mode is [`Mode::Cheapest`](super::Mode::Cheapest).

@@ -20,8 +20,8 @@ use crate::plan::order::{Constraints, OrderError, Solution, fixed_order_cost, or
 ///    with the fewest pieces and of those the cheapest crossings, or zone by zone.
 ///    Equal layers are covered once, unless layers are stacked.
 /// 2. For each cover, the cheapest order of its pieces is found for each pair of a first and a last
-///    tool: by the sequences of continuous pieces, with the pieces of one tool together, or tool by
-///    tool.
+///    tool: a sequence of continuous pieces, in which pieces of a single tool stay together, or an
+///    order of the tools.
 /// 3. A shortest path through the layers chooses among all these ways.
 ///
 /// Step 3 is exact for the ways that step 2 found.
@@ -52,7 +52,7 @@ pub fn solve(
     let Solution { order, tables } = solution;
     control.check()?;
     let wants = Wants {
-        continuous: *mode != Mode::Free && !asks_for_order(constraints),
+        continuous: *mode != Mode::Free && !restricts_order(constraints),
         by_zones: *mode != Mode::Continuous,
     };
     let covers = covers(layers, costs, settings, wants, control)?;
@@ -95,7 +95,7 @@ pub fn solve(
         plan.lifts += u64::from(planned.lifts());
         plan.layers.push(planned);
     }
-    // Counted from the paths: they may join pieces, which does not add tool changes.
+    // Counted from the paths, which may have joined pieces; joining adds no tool changes.
     let uses: Vec<u8> = constraints.loaded.iter().chain(&plan.visits).copied().collect();
     let changes = uses.windows(2).map(|pair| costs.step(pair[0], pair[1]));
     plan.tool_cost = costs.unscaled(changes.sum());
@@ -116,7 +116,7 @@ fn check(
     if !(lift_cost.is_finite() && lift_cost >= 0.0) {
         return Err(PlanError::LiftCost(lift_cost));
     }
-    if mode == Mode::Continuous && asks_for_order(constraints) {
+    if mode == Mode::Continuous && restricts_order(constraints) {
         return Err(PlanError::Constraint);
     }
     if let Some([from, to]) = costs.first_forbidden().filter(|_| mode != Mode::Free) {
@@ -125,14 +125,16 @@ fn check(
     Ok(())
 }
 
-/// Whether there are constraints that only tools used one after the other can obey.
-fn asks_for_order(constraints: &Constraints) -> bool {
+/// Whether the constraints restrict the order of the tools, so that layers have to be printed tool
+/// by tool.
+fn restricts_order(constraints: &Constraints) -> bool {
     constraints.same_order || !constraints.before.is_empty()
 }
 
 /// Integer weights of a unit of scaled tool cost and of a lift.
 fn weights(lift_cost: f64, costs: &CostMatrix) -> Weights {
-    /// Divides a unit of scaled tool cost where the cost of a lift is not a multiple of it.
+    /// Number of parts of a unit of scaled tool cost, if the cost of a lift is not a whole number
+    /// of units.
     const PARTS: u64 = 1 << 20;
 
     let scaled = lift_cost * costs.scale();
@@ -142,7 +144,7 @@ fn weights(lift_cost: f64, costs: &CostMatrix) -> Weights {
     Weights { tools: PARTS, lifts: (scaled * PARTS as f64).round() as u64 }
 }
 
-/// The points with the costs of a lift at which the next point with fewer lifts becomes cheaper.
+/// The points, each with the cost of a lift above which the next point with fewer lifts is cheaper.
 fn with_lift_costs(points: &[Chosen], costs: &CostMatrix) -> Vec<FrontierPoint> {
     let point = |(number, chosen): (usize, &Chosen)| {
         let fewer_lifts = number.checked_sub(1).map(|before| &points[before]);
