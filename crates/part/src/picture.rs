@@ -26,7 +26,7 @@ pub enum PictureError {
     #[error("file is not a PNG picture")]
     NotAPng,
     /// The file is damaged or truncated.
-    #[error("PNG data are damaged")]
+    #[error("PNG data are damaged or truncated")]
     Damaged(#[source] png::DecodingError),
     /// The picture has no pixels, more than [`Region::MAX_SIDE`] a side, or only transparent ones.
     #[error(transparent)]
@@ -49,13 +49,13 @@ const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 const EXTRA_BYTES: usize = 1 << 20;
 
 impl Picture {
-    /// Reads a picture of any PNG format, reduced to 8 bits per channel; of an animation, the first
-    /// frame.
+    /// Reads a PNG picture of any colour type and bit depth.
     ///
+    /// Channels are reduced to 8 bits, and of an animation only the first frame is read.
     /// Each distinct colour is a zone.
-    /// Opacity only decides whether a pixel belongs to the region.
+    /// Pixels whose alpha is at least one half belong to the region.
     /// The size is checked before any pixel is decoded.
-    /// Linear in the number of pixels.
+    /// Takes time linear in the number of pixels.
     pub fn from_png(bytes: &[u8]) -> Result<Self, PictureError> {
         let (width, height) = size(bytes)?;
         let grid = Region::rectangle(width, height)?;
@@ -96,7 +96,7 @@ impl Picture {
         Ok(Self { region, zones, colours })
     }
 
-    /// The picture as a PNG file with 8 bits per channel, transparent outside the region.
+    /// Returns the picture as a PNG file with 8 bits per channel, transparent outside the region.
     /// Zones without a colour are black.
     pub fn to_png(&self) -> Vec<u8> {
         let pixel = |cell: Cell| {

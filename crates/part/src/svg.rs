@@ -15,7 +15,7 @@ pub struct Panel<'a> {
     pub zones: &'a Zones,
     /// The path, if there is one.
     pub path: Option<&'a Path>,
-    /// Further links to draw, each between two adjacent cells: those of an incomplete path.
+    /// Further links to draw, each between two adjacent cells; they show an incomplete path.
     pub links: &'a [[Cell; 2]],
 }
 
@@ -43,8 +43,8 @@ const CROSSING_COLOUR: &str = "#e0001b";
 const PANELS_PER_ROW: usize = 3;
 
 // All lengths are in pixels.
-/// Approximate length of the longer side of a panel.
-/// Cells are a whole number of pixels, so that the edges of zones are sharp.
+/// Approximate length of the longer side of the largest layer.
+/// A cell is a whole number of pixels wide, so that the edges of zones are sharp.
 const PANEL_SIDE: f64 = 480.0;
 const MIN_CELL: f64 = 4.0;
 /// Keeps layers of a few cells from filling the screen.
@@ -61,11 +61,11 @@ const MARK_WIDTH: (f64, f64) = (0.6, 6.0);
 
 /// Draws layers side by side, three in a row, all on the same scale.
 ///
-/// Zones are filled with their `colours`, lightened, or with colours of a palette where there are
-/// none.
+/// Zones are filled with a lightened form of their `colours`, or with colours of a palette if they
+/// have none.
 /// Each piece of a path begins with a ring and ends with a dot; steps between zones are red.
-/// The output does not depend on the machine; its length is linear in the bends of the paths and
-/// the cells on the borders of zones.
+/// The output is the same on every machine.
+/// Its length is linear in the number of bends of the paths and of cells on the borders of zones.
 ///
 /// # Panics
 /// If a path visits cells outside the grid of its panel's zones.
@@ -154,7 +154,10 @@ fn write_zones(out: &mut String, panel: &Panel<'_>, colours: Option<&[[u8; 3]]>)
 /// Attributes of all lines.
 pub(crate) const STROKE: &str = r#"fill="none" stroke-linecap="round" stroke-linejoin="round""#;
 
-/// The width of a line in cells, given in cells and minimum pixels; a cell is `cell` pixels wide.
+/// The width of a line in cells: the first width, which is in cells, but at least the second, which
+/// is in pixels.
+///
+/// A cell is `cell` pixels wide.
 fn line_width((cells, pixels): (f64, f64), cell: f64) -> f64 {
     let hundredths = (100.0 * cells.max(pixels / cell)).round();
     hundredths / 100.0

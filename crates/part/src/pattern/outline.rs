@@ -1,13 +1,14 @@
 //! The outlines of a region, found by crack following.
 //!
 //! A **crack** is a side of a cell of the region whose other side is outside the region.
-//! Walking along cracks with the region on the left and the outside on the right, every crack leads
-//! to exactly one next crack, so all cracks form closed loops: one around each component of the
-//! region, and one around each hole or group of holes that touch at corners.
+//! A walk follows cracks with the region on its left and the outside on its right.
+//! Every crack has exactly one next crack and is the next crack of exactly one, so the cracks form
+//! closed loops: one around each component of the region, and one around each hole or group of
+//! holes that touch at corners.
 //!
-//! The state of a walk is the cell to the left of the current crack, A, and the direction, here to
-//! the right.
-//! The next crack depends on B, the cell ahead, and D, the cell to the right of B:
+//! The state of a walk is a direction and a cell A, the cell to the left of the current crack.
+//! The next crack depends on B, the cell ahead of A, and on D, the cell to the right of B. In these
+//! pictures the direction is to the right, and a line is a crack:
 //!
 //! ```text
 //!    A |             A   B           A   B
@@ -18,8 +19,8 @@
 //!    outer corner    straight        inner corner
 //! ```
 //!
-//! At an outer corner the walk stays in A and turns left; on a straight stretch it goes on to B; at
-//! an inner corner it passes B, enters D and turns right.
+//! At an outer corner the walk stays in A and turns left; on a straight stretch it moves to B; at
+//! an inner corner it passes through B to D and turns right.
 //! The visited cells are exactly those with one of their eight neighbours outside: at an inner
 //! corner, B touches the outside only diagonally.
 
@@ -34,13 +35,13 @@ type Position = (u32, u32);
 /// one before.
 const STEPS: [(i32, i32); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
 
-/// All cells with one of their eight neighbours outside, outline after outline, each cell where it
-/// comes first.
+/// All cells that have one of their eight neighbours outside the region, one outline after another.
 ///
-/// Every outline starts at its cell closest to the corner of the view, and outlines are sorted by
+/// Each outline starts at its cell closest to the corner of the view, and outlines are sorted by
 /// that distance.
+/// A cell that is visited several times is listed only once, at its first visit.
 pub(super) fn outlines(region: &Region, view: &View) -> Vec<Cell> {
-    // Squared distance from the corner; ties are broken by the line.
+    // Squared distance from the corner; ties are broken by the line, v.
     let distance = |&(u, v): &Position| (u * u + v * v, v);
     let mut walks = walks(region, view);
     for walk in &mut walks {
@@ -56,10 +57,12 @@ pub(super) fn outlines(region: &Region, view: &View) -> Vec<Cell> {
     cells.filter(|&cell| !std::mem::replace(&mut is_taken[cell as usize], true)).collect()
 }
 
-/// Each outline as a closed walk in unit steps or none; a walk may visit a cell several times.
+/// Each outline as a closed walk: consecutive cells are neighbours, or equal at an outer corner.
+///
+/// A walk may visit a cell several times.
 fn walks(region: &Region, view: &View) -> Vec<Vec<Position>> {
-    // For each cell one bit for each direction: whether the crack was followed that the cell has on
-    // its right when looking in this direction.
+    // One bit mask for each cell; bit d is set once the crack on the right of the cell, as seen in
+    // direction d, has been followed.
     let mut followed = vec![0_u8; region.grid_len()];
     let mut walks = Vec::new();
     for v in 0..view.height {
@@ -78,7 +81,7 @@ fn walks(region: &Region, view: &View) -> Vec<Vec<Position>> {
     walks
 }
 
-/// The closed walk that has the crack to the right of `position`, seen in `direction`.
+/// The closed walk that starts at the crack on the right of `position`, as seen in `direction`.
 fn walk(
     region: &Region,
     view: &View,
@@ -96,7 +99,7 @@ fn walk(
         walk.push(position);
         let Some(ahead) = step(region, view, position, direction) else {
             // An outer corner: the next crack is the front side of the same cell.
-            // That holds even if another component touches this one diagonally at the corner.
+            // That keeps components apart that touch only diagonally at this corner.
             direction = left_of(direction);
             continue;
         };

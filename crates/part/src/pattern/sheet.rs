@@ -42,12 +42,13 @@ const LINE_WIDTH: f64 = 0.14;
 const JUMP_WIDTH: f64 = 0.08;
 const MARK_WIDTH: f64 = 0.62;
 
-/// Draws all 38 patterns on a small layer, as SVG: number, name, and the path from the first cell
-/// (green) to the last (red).
+/// Draws all 38 patterns on a small layer, as SVG.
+///
+/// Each thumbnail shows number, name, and the path from the first cell (green) to the last (red).
 ///
 /// Steps between cells that touch at a side or a corner are solid lines; longer jumps are thin,
 /// grey and dashed.
-/// The output does not depend on the machine.
+/// The output is the same on every machine.
 pub fn pattern_sheet() -> String {
     let mut text = String::new();
     write_sheet(&mut text).expect("writing to a string cannot fail");

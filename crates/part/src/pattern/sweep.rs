@@ -7,13 +7,14 @@ pub(super) enum Sweep {
     /// Lines along u, back and forth; even lines run forwards.
     Zigzag,
     /// As [`Sweep::Zigzag`], but odd lines run forwards.
-    /// It fills what an outline leaves: of a rectangle, line 1 is then the first one left.
+    /// It fills the cells that outlines leave: in a rectangle these begin with line 1.
     InnerZigzag,
     /// Lines along u, all forwards.
     Raster,
     /// Rings from the outside inwards.
     SpiralIn,
-    /// Visited as [`Sweep::SpiralIn`]: the caller reverses the order.
+    /// Rings from the inside outwards; visited as [`Sweep::SpiralIn`], and the caller reverses the
+    /// order.
     SpiralOut,
     /// Diagonals, back and forth.
     Diagonal,

@@ -12,8 +12,8 @@ use super::view::View;
 
 /// One of the 38 orders in which the cells of a layer may be deposited.
 ///
-/// A pattern orders all cells of a grid, and a region keeps the order of its own cells; so
-/// consecutive cells need not be neighbours.
+/// A pattern orders all cells of a grid; a region takes its own cells in that order, so consecutive
+/// cells need not be neighbours.
 /// A name consists of the family, the axis along which lines run where there is a choice, and the
 /// **corner** where the order begins: 0 has minimum x and y, 1 maximum x and minimum y, 2 minimum x
 /// and maximum y, 3 maximum x and y.
@@ -30,8 +30,8 @@ use super::view::View;
 ///
 /// The orders from other corners are mirror images of those from corner 0, and the orders along y
 /// are transpositions of those along x, outlines included.
-/// So spirals from corners 0 and 3 turn clockwise (with y down), and those from corners 1 and 2
-/// counter-clockwise.
+/// So `spiral-in` turns clockwise (with y down) from corners 0 and 3, and counter-clockwise from
+/// corners 1 and 2; `spiral-out`, its reverse, turns the other way.
 /// A diagonal pattern begins its second diagonal in row 0.
 ///
 /// # Outlines
@@ -42,8 +42,8 @@ use super::view::View;
 /// Components of the region that touch only at a corner have one outline each; holes that touch at
 /// a corner share an outline.
 ///
-/// An outline begins at its cell with the smallest Euclidean distance from the corner; of equally
-/// distant cells, at that in the line closest to the corner.
+/// An outline begins at its cell with the smallest Euclidean distance from the corner; if several
+/// are equally distant, at the one in the line closest to the corner.
 /// Around a component, its first step goes across the axis: a step along the axis would make a
 /// contour zigzag equal to the spiral on many rectangles.
 /// So the outline of a rectangle ends next to line 1, the first line of the rest; contour zigzags
@@ -53,7 +53,7 @@ use super::view::View;
 /// Outlines are sorted by the distance of their first cell from the corner, so an outer outline
 /// comes before the outlines within.
 /// A cell that two outlines share, or that one outline visits twice, as in walls one or two cells
-/// wide, counts where it is visited first.
+/// wide, is deposited at its first visit.
 ///
 /// # Example
 /// ```
@@ -71,7 +71,7 @@ use super::view::View;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Pattern(u8);
 
-/// A name that is not that of a [`Pattern`].
+/// The error of parsing a name that no [`Pattern`] has.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error(
     "unknown pattern '{0}': expected a name like zigzag-x-0, raster-y-3, spiral-in-1, \
@@ -161,7 +161,7 @@ impl Pattern {
     /// forth.
     pub const CONVENTIONAL: Self = Self(24);
 
-    /// The pattern of this number; `None` if it is not below [`Pattern::COUNT`].
+    /// The pattern with this number; `None` if it is not below [`Pattern::COUNT`].
     pub fn from_number(number: usize) -> Option<Self> {
         Self::ALL.get(number).copied()
     }
@@ -177,9 +177,9 @@ impl Pattern {
         self.spec().name
     }
 
-    /// Every cell of the region once, in the order of deposition.
+    /// Returns every cell of the region once, in the order of deposition.
     ///
-    /// O(n) for a grid of n cells; O(n log n) with outlines.
+    /// Takes O(n) for a grid of n cells; O(n log n) with outlines.
     pub fn order(self, region: &Region) -> Vec<Cell> {
         let spec = self.spec();
         let view = View::new(region, spec.is_transposed, spec.corner);

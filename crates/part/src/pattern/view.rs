@@ -5,9 +5,8 @@ use beadwork_grid::{Cell, Region};
 /// The grid of a region in coordinates (u, v) that start at one of its corners: u runs along the
 /// lines of a pattern and v across them.
 ///
-/// Patterns are generated in these coordinates only.
-/// So a pattern from another corner or along the other axis is an exact mirror image or
-/// transposition, and needs no code of its own.
+/// Patterns are generated only in these coordinates, so a pattern from another corner or along the
+/// other axis is an exact mirror image or transposition, and needs no code of its own.
 pub(super) struct View {
     /// Number of cells along u.
     pub(super) width: u32,

@@ -17,9 +17,9 @@ pub struct Title<'a> {
 
 /// The lines before the first command.
 ///
-/// Print servers and viewers read time, filament and colours from comments with the names that
+/// Print servers and viewers read time, filament and colours from comments, by the names that
 /// PrusaSlicer uses.
-/// Each program looks for other names; only the common ones are written.
+/// Only the names that most of these programs look for are written.
 pub(super) fn header(
     title: Title<'_>,
     frame: &Frame,

@@ -1,10 +1,11 @@
-//! A planned layer, and the runs of one tool that it is printed in.
+//! A planned layer, and its runs: the sections of its path that are printed with one tool.
 
 use beadwork_grid::{Cell, Path, Region, Zones};
 
 /// A layer with its path.
 ///
-/// A print has its layers from the bed up and none is missing, so that each rests on the one below.
+/// The layers of a print are numbered from the bed up without a gap, because each one rests on the
+/// one below.
 #[derive(Clone, Copy, Debug)]
 pub struct Layer<'a> {
     /// Number of the layer, from 0 at the bed.
@@ -17,7 +18,7 @@ pub struct Layer<'a> {
     pub path: &'a Path,
 }
 
-/// Consecutive cells of a piece that have the same zone.
+/// A maximal sequence of consecutive cells of a piece that have the same zone.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run<'a> {
     pub(super) zone: u8,
@@ -60,16 +61,20 @@ impl Run<'_> {
     }
 }
 
-/// The corners of the line that the nozzle follows through adjacent cells.
+/// The corners of the polyline that the nozzle follows through adjacent cells.
 ///
-/// The unit is half a cell: cell (0, 0) reaches from 0 to 2 and has its centre at (1, 1), so that
-/// centres, edges and corners of a toolpath are whole numbers.
+/// The unit is half a cell: cell (0, 0) extends from 0 to 2 in x and y and has its centre at (1,
+/// 1), so centres and edges of cells have integer coordinates.
 ///
-/// The line runs from the edge at which it enters the first cell, through the centres, to the edge
-/// at which it leaves the last one, and is exactly as long as it has cells.
-/// The cells `before` and `after` decide these edges: where the tool changes between two cells of a
-/// piece, both toolpaths meet at the edge between them.
-/// Without a neighbour the end is straight, and a single cell is printed along x.
+/// The line enters the first cell at the middle of an edge, passes through the centres of all
+/// cells, and leaves the last cell at the middle of an edge.
+/// So each cell contributes half a cell before its centre and half a cell after it, and the line is
+/// as many cells long as there are cells: constant flow deposits one cell's volume in each of them.
+///
+/// The cells `before` and `after` decide where the line begins and ends: if the tool changes
+/// between two cells of a piece, both toolpaths meet at the edge between them.
+/// Without such a neighbour the line continues straight to the opposite edge, and a single cell is
+/// printed along x.
 pub(super) fn toolpath(
     before: Option<[i32; 2]>,
     cells: impl Iterator<Item = [i32; 2]>,

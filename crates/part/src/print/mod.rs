@@ -1,4 +1,4 @@
-//! Planned layers as a G-code program, and the check of such a program from its text.
+//! Writes planned layers as a G-code program, and checks such a program from its text.
 //!
 //! - [`Print::new`] writes planned [`Layer`]s as a program, and returns it with its totals.
 //! - [`check()`] checks from the text alone that a program prints exactly these layers.
@@ -54,7 +54,8 @@
 //!
 //! # Limits
 //! Travel is straight, also across printed cells.
-//! A tool change is one `T` command, which the printer performs as it is configured to.
+//! A tool change is a single `T` command; what the printer does for it depends on its firmware's
+//! configuration.
 
 mod check;
 mod header;

@@ -13,17 +13,17 @@
 //!   front   +-----------------------+
 //! ```
 //!
-//! Each tool change of a layer fills as many whole rows as its purge volume needs, solid, from the
-//! front on.
+//! Each tool change of a layer fills as many whole rows as its purge volume needs; these rows are
+//! solid and are assigned from the front to the back.
 //! The rows that the layer does not need are filled with sparse columns, so that whatever the next
 //! layer purges has something to rest on.
 //! The first layer is solid everywhere, to stick to the bed.
 //!
-//! The tower has the same rows in every layer up to the last one that purges: as many as the layer
-//! that purges most.
+//! The tower has the same number of rows in every layer up to the last one that purges: the number
+//! that the layer with the most purging needs.
 //!
-//! Corners are in units of half a cell, as those of [`toolpath`]; (0, 0) is the front left corner
-//! of row 0.
+//! Corners of beads are in units of half a cell, as in [`toolpath`]; (0, 0) is the front left
+//! corner of row 0.
 
 use super::layer::{Layer, toolpath};
 use super::settings::{PrimeTower, Settings};
@@ -33,7 +33,7 @@ use crate::Frame;
 /// Cells from one sparse column to the next: a distance that a bead bridges without sagging.
 const SPACING: i32 = 5;
 
-/// Share of a row, or of the depth, that counts as nothing, so that rounding does not add a row.
+/// Relative rounding error that is tolerated, so that it neither adds a row nor costs a column.
 const TOLERANCE: f64 = 1e-9;
 
 /// Position and size of the prime tower of a print.
@@ -55,10 +55,10 @@ pub(super) struct PrimeTowerPlan {
 }
 
 impl PrimeTowerPlan {
-    /// Plans the tower of a print; `None` if nothing is purged into one.
+    /// Plans the tower of a print; returns `None` if nothing is purged into a tower.
     ///
     /// # Errors
-    /// If the width of the settings does not hold one column, or the depth not the rows of the
+    /// If the settings' width leaves no room for a column, or their depth none for the rows of the
     /// layer that purges most.
     pub(super) fn new(
         layers: &[Layer<'_>],
@@ -104,7 +104,7 @@ impl PrimeTowerPlan {
         self.rows
     }
 
-    /// Number of rows that a purge volume fills.
+    /// Number of whole rows that a purge volume needs.
     pub(super) fn rows_for(&self, volume_mm3: f64) -> i32 {
         rows_for(volume_mm3, self.row_mm3) as i32
     }
@@ -157,7 +157,7 @@ impl PrimeTowerPlan {
     }
 }
 
-/// Number of whole rows that a volume fills; as a float, because it is not yet known to be small.
+/// Number of whole rows that a volume needs; a float, because the number may not fit an integer.
 fn rows_for(volume_mm3: f64, row_mm3: f64) -> f64 {
     (volume_mm3 / row_mm3 - TOLERANCE).ceil().max(0.0)
 }
@@ -171,7 +171,7 @@ mod tests {
         PrimeTowerPlan { left_mm, front_mm, cell_mm, columns, rows, last_layer: 0, row_mm3 }
     }
 
-    /// The cells that a bead passes through, each once for every half of it that the bead fills.
+    /// The cells that a bead passes through, one entry for each half cell that it fills.
     fn halves(corners: &[[i32; 2]]) -> Vec<[i32; 2]> {
         let mut found = Vec::new();
         for pair in corners.windows(2) {

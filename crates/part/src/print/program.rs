@@ -1,4 +1,4 @@
-//! Planned layers as a program.
+//! Writes planned layers as a G-code program.
 
 use beadwork_base::{Control, Interrupted};
 use beadwork_gcode::{Filament, Program, Totals, TraceError};
@@ -35,12 +35,12 @@ pub enum PrintError {
 }
 
 impl Print {
-    /// Writes the program of layers that are numbered from 0 without a gap.
+    /// Writes layers, which must be numbered from 0 without a gap, as a program.
     ///
-    /// Every tool is assumed to start with its filament retracted by [`Process::retract_mm`], which
-    /// is how the program leaves it at the end.
+    /// The program assumes that the filament of every tool is retracted by [`Process::retract_mm`]
+    /// at the start, and leaves it so at the end.
     /// Progress counts layers.
-    /// Linear in the cells of all layers.
+    /// Takes time linear in the cells of all layers.
     ///
     /// [`Process::retract_mm`]: super::Process::retract_mm
     pub fn new(

@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 use crate::Frame;
 
-/// Everything that a print depends on besides the part.
+/// Everything that a print depends on, except the planned layers and their frame.
 ///
 /// Profiles are these structures in TOML; the field names are the keys.
 /// Construct it with `..Settings::default()`: fields may be added.
@@ -103,7 +103,7 @@ impl Default for Printer {
 }
 
 impl Printer {
-    /// The limits of its motions.
+    /// Acceleration, cornering and speed limits, for estimates of printing time.
     pub fn limits(&self) -> MotionLimits {
         MotionLimits {
             acceleration_mm_s2: self.acceleration_mm_s2,
@@ -194,7 +194,7 @@ pub struct Process {
     pub z_hop_mm: f64,
     /// Speed of the fan, from 0 to 1.
     pub fan: f64,
-    /// Number, from 0, of the first layer that is printed with the fan.
+    /// First layer that is printed with the fan on, numbered from 0.
     pub fan_from_layer: usize,
     /// Cross-section of a bead.
     pub cross_section: CrossSection,
@@ -235,12 +235,12 @@ impl Process {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Purge {
-    /// Purge matrix in mm³: the volume that the tool of the column extrudes after a change from the
-    /// tool of the row, before it prints the part.
+    /// Purge matrix in mm³: `volume_mm3[from][to]` is the volume that tool `to` extrudes after a
+    /// change from tool `from`, before it prints the part.
     /// The diagonal is not used.
     pub volume_mm3: Vec<Vec<f64>>,
-    /// Position of the prime tower that is purged into; `None` if the printer's own tool change
-    /// purges.
+    /// Position of the prime tower; `None` if the printer purges in its own tool change, in which
+    /// case the program purges nothing.
     pub tower: Option<PrimeTower>,
 }
 
@@ -269,7 +269,8 @@ pub struct PrimeTower {
     pub front_mm: f64,
     /// Size along x, in mm.
     pub width_mm: f64,
-    /// Maximum size along y, in mm; the tower is as deep as the layer that purges most requires.
+    /// Maximum size along y, in mm; the tower is only as deep as the layer that purges most
+    /// requires.
     pub depth_mm: f64,
 }
 

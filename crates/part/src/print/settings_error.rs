@@ -1,4 +1,4 @@
-//! Why settings and layers cannot be printed.
+//! Errors of settings and layers that cannot be printed.
 
 use thiserror::Error;
 
@@ -49,8 +49,8 @@ pub enum SettingsError {
     },
     /// The grid of the part reaches beyond the bed.
     #[error(
-        "the part reaches from ({left_mm}, {front_mm}) to ({right_mm}, {back_mm}) mm: \
-         that is beyond the bed"
+        "the part reaches from ({left_mm}, {front_mm}) to ({right_mm}, {back_mm}) mm, \
+         beyond the bed"
     )]
     PartOutside {
         /// Minimum x in mm.
@@ -126,7 +126,7 @@ pub enum SettingsError {
         what: &'static str,
     },
     /// The numbers of the layers do not ascend.
-    #[error("layer {layer} follows layer {before}: numbers of layers must ascend")]
+    #[error("layer {layer} follows layer {before}: layer numbers must ascend")]
     LayerOrder {
         /// Number of a layer.
         layer: usize,

@@ -2,7 +2,7 @@
 
 use beadwork_gcode::{Line, Number};
 
-/// Decimals of positions, speeds and temperatures, as printers and slicers use them.
+/// Decimals of positions, speeds and temperatures, as in the output of common slicers.
 pub(super) const DECIMALS: u32 = 3;
 
 /// Decimals of filament lengths.
@@ -14,8 +14,10 @@ pub(super) fn number(value: f64, decimals: u32) -> Number {
         .expect("validated settings and positions on a bed are far below the limit")
 }
 
-/// A line with a comment; line breaks and other control characters become blanks, so that a name
-/// cannot start a line of its own.
+/// A line with a comment.
+///
+/// Line breaks and other control characters become blanks, so that a part or tool name cannot
+/// inject a command.
 pub(super) fn comment(text: String) -> Line {
     let text =
         if text.contains(char::is_control) { text.replace(char::is_control, " ") } else { text };

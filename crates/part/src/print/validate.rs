@@ -1,4 +1,4 @@
-//! Checks settings and layers before a program is made of them.
+//! Checks settings and layers before they are written as a program or compared with one.
 
 use beadwork_grid::Zones;
 
@@ -14,7 +14,8 @@ const MAX_VALUE: f64 = 1e6;
 /// The filament in a cube of this size can still be written as a [`beadwork_gcode::Number`].
 const MAX_BED_MM: f64 = 1e4;
 
-/// Beads smaller than this, in mm, vanish in the decimals of a file.
+/// Minimum width and height of a bead, in mm; smaller ones would be distorted by rounding to the
+/// decimals of a file.
 const MIN_BEAD_MM: f64 = 0.01;
 
 /// Rounding error of positions that are given in the settings, in mm.
@@ -108,7 +109,7 @@ fn check_purge(purge: &Purge, tools: usize) -> Result<(), SettingsError> {
 
 fn check_positive(field: &str, value: f64) -> Result<(), SettingsError> {
     // A speed below a thousandth would be written as 0.
-    check_range(field, value, 0.001, MAX_VALUE, "more than 0 and at most a million")
+    check_range(field, value, 0.001, MAX_VALUE, "at least 0.001 and at most a million")
 }
 
 fn check_not_negative(field: &str, value: f64) -> Result<(), SettingsError> {

@@ -1,18 +1,18 @@
-//! Writes layers as commands.
+//! Writes layers as G-code commands.
 //!
-//! Each piece of a path is one bead, with the same flow everywhere, from the outer edge of its
-//! first cell through the centres of the cells to the outer edge of its last one.
+//! Each piece of a path is one bead with constant flow per length; it runs from the outer edge of
+//! its first cell through the centres of the cells to the outer edge of its last one.
 //! Where the zone changes within a piece, the old tool stops at the edge between the two cells, and
 //! the new tool continues from there after a tool change.
 //!
 //! # State
 //! The [`Writer`] tracks the state of the printer: position, feed rate, tool, retraction.
-//! So it writes only what changes, and no travel that would not move the nozzle.
-//! Positions are tracked as they were rounded for the file, because the printer moves between
-//! rounded positions.
+//! So it writes only parameters that change, and omits travel that would not move the nozzle.
+//! It tracks positions as rounded for the file, because the printer moves between rounded
+//! positions.
 //!
 //! # Filament
-//! Filament is written relative to the previous move (`M83`), rounded to 5 decimals.
+//! Filament lengths are relative to the previous move (`M83`) and rounded to 5 decimals.
 //! The rounding error of each move is carried into the next one, so it does not add up.
 //!
 //! # Travel
@@ -28,19 +28,19 @@ use super::settings::{Flavour, Nozzles, Process, Settings, Tool};
 use super::text::{DECIMALS, FILAMENT_DECIMALS, comment, number};
 use crate::Frame;
 
-/// Height above the bed at which the nozzle waits until it is hot, in mm, if the printer is that
-/// high: closer to the bed, filament would ooze onto it and stick.
+/// Height above the bed at which the nozzle waits until it is hot, in mm, or the maximum height of
+/// the printer if that is less: closer to the bed, filament would ooze onto it and stick.
 const HEATING_HEIGHT_MM: f64 = 5.0;
 
 /// Speed of the move to [`HEATING_HEIGHT_MM`], in mm/s, unless the printer is slower.
 /// The z axis is slow, and the file has not set any limits yet.
 const HEATING_MOVE_MM_S: f64 = 10.0;
 
-/// Minimum z-hop of a tool change, in mm, if the printer is that high: a nozzle that rests on the
-/// part would melt it.
+/// Minimum z-hop of a tool change, in mm, unless the printer's height limits it: a nozzle that
+/// rests on the part would melt it.
 const TOOL_CHANGE_HOP_MM: f64 = 1.0;
 
-/// Rise of the nozzle at the end, in mm, if the printer is that high.
+/// Rise of the nozzle at the end, in mm, unless the printer's height limits it.
 const END_RISE_MM: f64 = 10.0;
 
 /// The junction deviations that Marlin accepts, in mm; it ignores all others.
@@ -58,10 +58,9 @@ pub(super) struct Writer<'a> {
     position: [Option<Number>; 3],
     /// Feed rate in mm/min; `None` if unknown.
     feed: Option<Number>,
-    /// Minimum height of the next travel in mm, set by heating and tool changes; 0 if there is
-    /// none.
+    /// Minimum z of the next travel in mm, set by heating and tool changes; 0 if there is none.
     clearance_mm: f64,
-    /// What is being printed, as the last `;TYPE:` comment says.
+    /// The feature of the last `;TYPE:` comment.
     feature: Feature,
     tool: u8,
     /// The tools that print anything.
@@ -69,8 +68,8 @@ pub(super) struct Writer<'a> {
     /// For each tool, whether its filament is retracted.
     is_retracted: Vec<bool>,
     /// For each tool, the filament in mm that rounding has withheld from the part and from the
-    /// prime tower.
-    /// They are separate: with a common sum, the tower would take over a little of the part's
+    /// prime tower, which is added to its next move.
+    /// The two are separate: with a common sum, the tower would receive a little of the part's
     /// filament at each change.
     withheld_mm: Vec<[f64; 2]>,
     /// z of the current layer, in mm.
@@ -235,8 +234,8 @@ impl<'a> Writer<'a> {
         self.modes();
     }
 
-    /// Writes a layer: first the outline and the free rows of the prime tower, if the layer has it,
-    /// then the runs of the part, with tool changes between them.
+    /// Writes a layer: first the outline and the rows of the prime tower that no tool change will
+    /// fill, if the layer has a tower, then the runs of the part, with tool changes between them.
     pub(super) fn layer(&mut self, layer: &Layer<'_>, tower: Option<&PrimeTowerPlan>) {
         let process = self.process();
         let index = layer.number;
@@ -287,11 +286,11 @@ impl<'a> Writer<'a> {
         tower.rows_for(purge.map_or(0.0, |purge| purge.prime_tower_mm3(from, to)))
     }
 
-    /// Changes to a tool; purges into `tower`, given with its first free row and the number of rows
-    /// to fill.
+    /// Changes to a tool and purges into `tower`, which is given with its first free row and the
+    /// number of rows to fill.
     ///
-    /// The filament is retracted, the nozzle raised, and the change takes place above the rows that
-    /// will be purged into.
+    /// The filament is retracted, the nozzle is raised, and the change takes place above the first
+    /// of these rows.
     fn change_tool(&mut self, to: u8, tower: Option<(&PrimeTowerPlan, i32, i32)>) {
         self.retract();
         let purge = tower.filter(|&(_, _, rows)| rows > 0);
@@ -319,7 +318,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Height in mm that is `by_mm` above the layer, or the highest that the printer reaches.
+    /// z in mm that is `by_mm` above the layer, or the printer's maximum if that is lower.
     fn raised_mm(&self, by_mm: f64) -> f64 {
         (self.top_mm + by_mm).min(self.settings.printer.bed_mm[2]).max(self.top_mm)
     }
@@ -365,9 +364,9 @@ impl<'a> Writer<'a> {
 
     /// Travels to the start of a bead.
     ///
-    /// This is where retraction is decided: filament is retracted if the way is longer than
-    /// [`Process::retract_beyond_mm`] or unknown, and the nozzle hops if the filament is retracted.
-    /// The move goes up, across and down again; moves that change nothing are not written.
+    /// Filament is retracted if the distance exceeds [`Process::retract_beyond_mm`] or is unknown,
+    /// and the nozzle hops if the filament is retracted.
+    /// The nozzle moves up, across and down again; moves that change nothing are not written.
     fn travel(&mut self, to: [f64; 2]) {
         let [x, y] = to.map(|value| number(value, DECIMALS));
         let distance = match self.position {
@@ -394,7 +393,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Moves to a position, where `None` keeps a coordinate, and extrudes `e`.
-    /// Only what changes is written, and nothing if nothing changes.
+    /// Writes only the parameters that change, and no move if none of them does.
     fn move_to(&mut self, to: [Option<Number>; 3], e: Option<Number>, speed_mm_s: f64) {
         let changed = |axis: usize| to[axis].filter(|_| to[axis] != self.position[axis]);
         let [x, y, z] = [0, 1, 2].map(changed);

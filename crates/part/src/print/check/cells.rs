@@ -2,9 +2,9 @@
 //!
 //! The bead through a cell has two halves: from the side where the path enters to the centre, and
 //! from the centre to the side where it leaves.
-//! That is so for straight beads, corners and ends alike, and a motion along a row or a column is
-//! made of whole halves.
-//! So the check cuts every motion into halves and compares them one by one with those of the path:
+//! That holds for straight stretches, corners and ends of beads, so every motion along a row or a
+//! column consists of whole halves.
+//! The check cuts every motion into halves and compares them one by one with those of the path:
 //! half number `n` of a layer belongs to cell `n / 2` of the path's order.
 
 use beadwork_base::Control;
@@ -28,14 +28,14 @@ mod side {
     }
 }
 
-/// What was printed of the part.
+/// Tracks which cells of the part were printed.
 pub(super) struct CellTracker<'a> {
     layers: &'a [Layer<'a>],
     frame: &'a Frame,
     control: &'a Control<'a>,
     /// Index of the layer that is being printed.
     current: usize,
-    /// For each cell of the grid one bit for each side whose half was printed in this layer.
+    /// For each cell of the grid, a bit mask of the sides whose halves were printed in this layer.
     halves: Vec<u8>,
     /// Number of halves printed in this layer.
     printed: usize,
@@ -49,7 +49,7 @@ impl<'a> CellTracker<'a> {
         Self { layers, frame, control, current: 0, halves, printed: 0, cells: 0 }
     }
 
-    /// A motion that extrudes into the part, in the layer of this number.
+    /// Checks a motion that extrudes into the part, in layer `number`.
     pub(super) fn motion(&mut self, motion: &Motion, number: usize) -> Result<(), CheckError> {
         let line = motion.line;
         while self.layers[self.current].number < number {
@@ -75,7 +75,7 @@ impl<'a> CellTracker<'a> {
         }
         let is_ascending = begin[axis] < end[axis];
         for step in 0..begin[axis].abs_diff(end[axis]) as i32 {
-            // The half between two coordinates has the number of the lower one.
+            // Halves are numbered by the lower of the two coordinates between which they lie.
             let half = if is_ascending { begin[axis] + step } else { begin[axis] - step - 1 };
             let mut cell = [begin[0].div_euclid(2), begin[1].div_euclid(2)];
             cell[axis] = half.div_euclid(2);
@@ -91,7 +91,8 @@ impl<'a> CellTracker<'a> {
     /// front; `None` if a coordinate is neither a centre nor an edge, or far away.
     fn half_cells(&self, position_mm: [f64; 3]) -> Option<[i32; 2]> {
         let half_mm = self.frame.cell_mm / 2.0;
-        // A hundredth of a cell, and rounding; but never so much that all positions fit.
+        // A hundredth of a cell, plus rounding.
+        // The limit of 0.4 halves matters for tiny cells: from 0.5 on, every position would fit.
         let tolerance_mm = (0.01 * self.frame.cell_mm + tolerance::POSITION_MM).min(0.4 * half_mm);
         let halves = [position_mm[0] - self.frame.left_mm, self.frame.back_mm - position_mm[1]]
             .map(|mm| mm / half_mm);
@@ -129,7 +130,8 @@ impl<'a> CellTracker<'a> {
             return Err(CheckError::PrintedTwice { line, position });
         }
         *halves |= 1 << side;
-        // No half was printed twice, so the path has one at this index.
+        // No half was printed twice, so fewer halves than the path has were printed, and the index
+        // is valid.
         let next = layer.path.order()[self.printed / 2];
         if cell != next || side != sides(layer, cell)[self.printed % 2] {
             let expected = layer.region.xy(next).into();
@@ -139,7 +141,7 @@ impl<'a> CellTracker<'a> {
         Ok(())
     }
 
-    /// Ends the current layer, of which nothing may be missing.
+    /// Ends the current layer; an error if a cell of it is not completely printed.
     fn complete_layer(&mut self) -> Result<(), CheckError> {
         let layer = self.layers[self.current];
         for cell in layer.region.cells() {

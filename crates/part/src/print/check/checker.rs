@@ -13,7 +13,7 @@ use crate::print::layer::Layer;
 use crate::print::settings::Settings;
 use crate::print::validate::validate;
 
-/// What a checked print contains.
+/// Totals of a checked print.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Report {
     /// Number of layers of the part.
@@ -31,29 +31,31 @@ pub struct Report {
 /// Events between two polls for interruption.
 const EVENTS_PER_POLL: usize = 4096;
 
-/// Checks that a program prints these layers, which are numbered from 0 without a gap, and nothing
-/// else.
+/// Checks that a program prints these layers, and nothing else besides the prime tower.
+///
+/// The layers must be numbered from 0 without a gap.
 ///
 /// - Each cell is printed once, in the order of the path, with the tool of its zone and the volume
 ///   of the settings.
 ///   Motions run from edge to edge through the centres of the cells, no faster than the settings
 ///   allow.
 ///   Layers are printed upwards.
-/// - Besides the part only the prime tower is printed: within its position, with the beads of the
-///   part, and in each layer up to its last.
-///   After a tool change the part continues only when the purge volume has gone into the tower.
-/// - Once something is printed, the nozzle stays above the highest layer begun; it never leaves the
-///   bed.
+/// - The prime tower is printed within its position, with the bead cross-section of the part, and
+///   in every layer up to the last one that has it.
+///   After a tool change, the part continues only after the purge volume was extruded into the
+///   tower.
+/// - The nozzle never moves below the top of the highest layer begun, and never leaves the build
+///   volume.
 /// - Filament is retracted before a tool change, and unretracted before a bead.
-///   Marlin and Klipper interpret all extrusion alike.
-/// - Nozzle and bed were set to their temperatures and waited for before anything is printed, and
-///   the motors stay on until the last bead.
+///   Marlin and Klipper interpret every extrusion alike.
+/// - Before anything is printed, the program sets the temperatures of nozzle and bed and waits for
+///   them; the motors stay on until the last bead.
 ///
-/// Not checked are the travel speed, the fan, the shape of the prime tower, and whether travel
-/// crosses the layer that is being printed.
+/// The travel speed, the fan, the shape of the prime tower, and travel across the layer that is
+/// being printed are not checked.
 ///
 /// Progress counts layers.
-/// Linear in the motions and cells.
+/// Takes time linear in the motions and cells.
 pub fn check(
     program: &Program,
     layers: &[Layer<'_>],
@@ -185,7 +187,7 @@ impl<'a> Checker<'a> {
         Ok(())
     }
 
-    /// Checks that the nozzle neither hits what is printed nor leaves the bed.
+    /// Checks that the nozzle neither drags through printed layers nor leaves the build volume.
     fn check_clearance(&self, motion: &Motion) -> Result<(), CheckError> {
         let Motion { line, from_mm, to_mm, .. } = *motion;
         let bed_mm = self.settings.printer.bed_mm;
@@ -222,7 +224,7 @@ impl<'a> Checker<'a> {
     ) -> Result<(), CheckError> {
         let bead_mm2 = self.settings.process.bead_mm2(self.frame);
         let expected_mm3 = motion.length_mm() * bead_mm2;
-        // Both ends of the motion were rounded, and the filament.
+        // Both ends of the motion and the filament length were rounded.
         let rounding_mm3 =
             2.0 * tolerance::POSITION_MM * bead_mm2 + tolerance::FILAMENT_MM * filament_mm2;
         if (got_mm3 - expected_mm3).abs() > tolerance::VOLUME * expected_mm3 + rounding_mm3 {
@@ -246,7 +248,7 @@ impl<'a> Checker<'a> {
         {
             return Err(CheckError::Height { line, z_mm: to_mm });
         }
-        // It is not below the highest layer so far: `check_clearance` refuses such motions.
+        // The layer is not below the highest one so far: `check_clearance` refuses such motions.
         self.highest_layer = Some(layer);
         Ok(layer)
     }

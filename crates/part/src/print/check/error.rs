@@ -157,7 +157,7 @@ pub enum CheckError {
         /// Purged volume in mm³.
         got_mm3: f64,
     },
-    /// The prime tower is printed outside its position, or the settings have none.
+    /// The prime tower is printed outside the position of the settings, or they define no tower.
     #[error("line {line}: the prime tower is printed outside the position of the settings")]
     PrimeTowerOutside {
         /// Number of the line.
@@ -171,7 +171,7 @@ pub enum CheckError {
         /// Number of the layer.
         layer: usize,
     },
-    /// The nozzle moves through what is printed.
+    /// The nozzle moves below the top of what was printed.
     #[error(
         "line {line}: the nozzle is at z = {z_mm} mm, below the top of the print at {top_mm} mm"
     )]
@@ -183,7 +183,7 @@ pub enum CheckError {
         /// Top of the highest layer begun, in mm.
         top_mm: f64,
     },
-    /// The nozzle leaves the bed.
+    /// The nozzle leaves the build volume.
     #[error(
         "line {line}: the nozzle moves to ({}, {}, {}) mm, beyond the bed",
         position_mm[0], position_mm[1], position_mm[2]

@@ -1,8 +1,8 @@
 //! Checks that bed and nozzles are hot when something is printed.
 //!
 //! A program sets target temperatures and may wait for them; the actual temperature is not known.
-//! So each heater has an interval that its temperature lies in: setting a target without waiting
-//! extends the interval to the target, and waiting shrinks it.
+//! So the check tracks an interval that contains the temperature of each heater: setting a target
+//! without waiting extends the interval to the target, and waiting shrinks it.
 
 use beadwork_gcode::{Event, Heater, Wait};
 
@@ -10,8 +10,8 @@ use super::error::CheckError;
 use super::tolerance;
 use crate::print::settings::{Flavour, Nozzles, Settings};
 
-/// Target of a heater, and the interval that its temperature lies in, in °C.
-/// Where the interval begins or ends at 0, that stands for room temperature.
+/// Target of a heater and an interval that contains its temperature, in °C.
+/// A bound of 0 stands for room temperature.
 #[derive(Clone, Copy, Debug, Default)]
 struct Temperature {
     target: f64,
@@ -99,7 +99,10 @@ impl<'a> Heaters<'a> {
         }
     }
 
-    /// Checks that a tool may extrude; the settings must have it.
+    /// Checks that a tool may extrude: motors on, bed and nozzle at their temperatures.
+    ///
+    /// # Panics
+    /// If the settings do not define the tool.
     pub(super) fn check(&mut self, tool: u8, line: usize) -> Result<(), CheckError> {
         if self.motors_off {
             return Err(CheckError::MotorsOff { line });

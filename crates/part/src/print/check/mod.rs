@@ -1,4 +1,4 @@
-//! Checks a print from its text alone.
+//! Checks a program from its text alone.
 //!
 //! Apart from the validation of its input, the check shares no code with the writer.
 //! It follows the motions of the program, as a printer would, and compares them with the layers

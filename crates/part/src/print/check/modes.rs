@@ -6,8 +6,8 @@ use super::error::CheckError;
 
 /// Refuses extrusion that is absolute for Marlin and relative for Klipper, or the reverse.
 ///
-/// Marlin has one extrusion mode, which `G90` and `G91` set along with that of positions, and which
-/// `M82` and `M83` set alone.
+/// Marlin has one extrusion mode: `G90` and `G91` set it together with the position mode, `M82` and
+/// `M83` set it alone.
 /// Klipper has a mode for positions (`G90`, `G91`) and one for extrusion (`M82`, `M83`), and
 /// extrusion is relative if either of them is.
 pub(super) fn check(program: &Program) -> Result<(), CheckError> {

@@ -7,11 +7,11 @@ use super::tolerance;
 use crate::Frame;
 use crate::print::settings::{PrimeTower, Settings};
 
-/// What was printed of the prime tower.
+/// Tracks the prime tower and the volume purged since the last tool change.
 pub(super) struct PurgeTracker<'a> {
     frame: &'a Frame,
     settings: &'a Settings,
-    /// Number of the highest layer that has any of the tower.
+    /// Number of the highest layer in which the tower was printed.
     top_layer: Option<usize>,
     /// The last tool change, until the part continues: the tools before and after.
     pending: Option<(u8, u8)>,
@@ -29,8 +29,8 @@ impl<'a> PurgeTracker<'a> {
         self.purged_mm3 = 0.0;
     }
 
-    /// A motion that extrudes into the tower: it must keep to the tower's position and rest on the
-    /// tower of the layer below.
+    /// Checks that a motion that extrudes into the tower stays within its position, and that the
+    /// tower was also printed in the layer below.
     pub(super) fn tower_motion(
         &mut self,
         motion: &Motion,
@@ -59,7 +59,7 @@ impl<'a> PurgeTracker<'a> {
         Ok(())
     }
 
-    /// A motion that extrudes into the part: the last tool change must be purged by now.
+    /// Checks, at a motion that extrudes into the part, that the last tool change was purged.
     pub(super) fn part_motion(&mut self, line: usize) -> Result<(), CheckError> {
         let Some((from, to)) = self.pending.take() else { return Ok(()) };
         let expected_mm3 =

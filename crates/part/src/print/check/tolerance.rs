@@ -1,4 +1,4 @@
-//! What rounding to the decimals of a file may change.
+//! Tolerances of the check: the errors that rounding to the decimals of a file causes.
 
 /// Positions have three decimals: error of each coordinate, in mm.
 pub(super) const POSITION_MM: f64 = 0.001;

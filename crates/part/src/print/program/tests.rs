@@ -194,7 +194,7 @@ fn each_broken_setting_is_named() {
         ("printer.bed_mm[1] is NaN: it must be from 1 to 10000", |s| {
             s.printer.bed_mm[1] = f64::NAN;
         }),
-        ("process.print_mm_s is 0: it must be more than 0 and at most a million", |s| {
+        ("process.print_mm_s is 0: it must be at least 0.001 and at most a million", |s| {
             s.process.print_mm_s = 0.0;
         }),
         ("process.travel_mm_s is 150: printer.max_speed_mm_s is 149", |s| {
@@ -217,7 +217,7 @@ fn each_broken_setting_is_named() {
             s.tools.truncate(1);
             s.purge = None;
         }),
-        ("the part reaches from (100, 98.5) to (102, 100) mm: that is beyond the bed", |s| {
+        ("the part reaches from (100, 98.5) to (102, 100) mm, beyond the bed", |s| {
             s.printer.bed_mm[0] = 101.0;
         }),
         ("the nozzle would rise to 1.25 mm: printer.bed_mm allows 1", |s| {
