@@ -19,7 +19,7 @@ use crate::Threads;
 pub struct Control<'a> {
     /// The threads to work on.
     pub threads: Threads<'a>,
-    /// Token that ends the call soon after it is cancelled.
+    /// Token that makes the call end soon after it is cancelled.
     /// Searches then return the best result so far, other calls an error.
     pub cancel: Option<&'a CancelToken>,
     /// Polled periodically, from any thread; when it returns true, the call ends as if cancelled,
@@ -36,19 +36,19 @@ impl<'a> Control<'a> {
         Self { threads, ..Self::default() }
     }
 
-    /// Returns this control without its progress report, for one of several calls whose caller
-    /// reports their common progress.
+    /// Returns this control without its progress report.
+    ///
+    /// For a caller that makes several calls and reports their overall progress itself.
     pub fn without_progress(self) -> Self {
         Self { progress: None, ..self }
     }
 
-    /// Returns this control with work on the calling thread, for calls that already run in
-    /// parallel.
+    /// Returns this control with [`Threads::One`], for calls that already run in parallel.
     pub fn on_one_thread(self) -> Self {
         Self { threads: Threads::One, ..self }
     }
 
-    /// Reason why the call should end now; `None` if it should go on.
+    /// Reason why the call should end now; `None` if it should continue.
     ///
     /// Costs one atomic load, and one call of `time_is_up` if that is set.
     #[inline]
@@ -106,8 +106,8 @@ impl CancelToken {
         Self::default()
     }
 
-    /// Ends all calls that hold a clone of this token soon.
-    /// Returns whether the token was cancelled before.
+    /// Makes all calls that hold a clone of this token end soon.
+    /// Returns whether the token had already been cancelled.
     pub fn cancel(&self) -> bool {
         self.0.swap(true, Ordering::Relaxed)
     }

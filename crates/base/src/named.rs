@@ -7,7 +7,7 @@ use thiserror::Error;
 #[error("unknown {kind} '{name}': expected {}", choices(.expected))]
 #[non_exhaustive]
 pub struct UnknownName {
-    /// Kind of thing that was named, for example "layout".
+    /// What the name stands for, for example "layout".
     pub kind: &'static str,
     /// The unknown name.
     pub name: String,

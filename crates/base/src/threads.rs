@@ -13,7 +13,7 @@ pub enum Threads<'a> {
     /// The calling thread alone.
     #[default]
     One,
-    /// The thread pool that the calling thread belongs to, or rayon's global pool if it belongs to
+    /// The rayon pool that the calling thread belongs to, or rayon's global pool if it belongs to
     /// none.
     Current,
     /// This thread pool.
@@ -63,7 +63,7 @@ impl<'a> Threads<'a> {
         self.either(serial, || (0..count).into_par_iter().map(&map).collect())
     }
 
-    /// Runs `serial` on the calling thread, or `parallel` inside the thread pool.
+    /// Runs `serial` if there is only the calling thread, otherwise `parallel` inside the pool.
     pub fn either<R: Send>(
         self,
         serial: impl FnOnce() -> R,
