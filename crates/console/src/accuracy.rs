@@ -6,7 +6,7 @@ use clap::ValueEnum;
 /// Value of `--accuracy`.
 #[derive(Clone, Copy, ValueEnum)]
 pub enum AccuracyName {
-    /// More exact than the explicit scheme, in a fraction of its time.
+    /// More accurate than the explicit scheme, in a fraction of its time.
     Standard,
     /// Errors several times smaller.
     High,

@@ -263,7 +263,8 @@ pub fn heat_maps(maps: &[HeatMap], columns: usize, max: f64) -> anyhow::Result<S
     })
 }
 
-/// Colour of a share from 0 to 1: nearly white, then green, then dark blue, always darker.
+/// Colour of a share from 0 to 1: from nearly white over green to dark blue, darker with every
+/// step.
 fn shade(share: f64) -> RGBColor {
     const STOPS: [[f64; 3]; 4] =
         [[247.0, 252.0, 240.0], [168.0, 221.0, 181.0], [43.0, 140.0, 190.0], [8.0, 48.0, 107.0]];

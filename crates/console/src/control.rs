@@ -32,7 +32,8 @@ pub fn quiet<R>(threads: Threads<'_>, call: impl FnOnce(&Control<'_>) -> R) -> a
 
 /// Makes a long call that Ctrl-C cancels, with a progress bar named `what`.
 ///
-/// The bar counts what the call reports, which its documentation names.
+/// The bar counts the units of progress that the call reports; the documentation of the call names
+/// them.
 pub fn with_bar<R>(
     what: &'static str,
     threads: Threads<'_>,

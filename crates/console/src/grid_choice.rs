@@ -1,10 +1,10 @@
 //! Choice of the cell grid: its position relative to the part, and the bead width.
 //!
 //! The number of pieces that a round part needs depends on where the grid lies and on the size of
-//! its cells.
-//! So a command can try several grids: all candidates are *screened* by a proven bound on the
-//! pieces of their layers, which takes a fraction of the time of a plan, and the caller plans the
-//! best few.
+//! its cells, so a command can try several grids.
+//! All candidates are *screened*: a proven lower bound on the pieces of their layers ranks them,
+//! which takes a fraction of the time of planning them.
+//! The caller plans only the best few.
 
 use anyhow::Context;
 use beadwork_base::{Control, Interrupted, Threads};
@@ -15,7 +15,7 @@ use ndarray::Array2;
 use crate::part::CutPart;
 use crate::{cancel, progress};
 
-/// Difference between consecutive bead widths, as a share of the width of the flags.
+/// Difference between consecutive bead widths, as a share of the width that `--bead` gives.
 const BEAD_STEP: f64 = 0.025;
 
 /// Flags that name the grids to try.
@@ -41,7 +41,7 @@ fn percent(text: &str) -> Result<f64, String> {
 }
 
 impl GridArgs {
-    /// Settings of all grids to try; the first are those of the flags.
+    /// Settings of all grids to try; the first one has the bead width of the flags and no shift.
     pub fn settings(&self, first: &Settings) -> Vec<Settings> {
         let steps = (self.bead_range / 100.0 / BEAD_STEP + 1e-9).floor() as i32;
         let mut widths: Vec<i32> = (-steps..=steps).collect();
@@ -68,10 +68,12 @@ impl GridArgs {
         self.settings(&Settings::default()).len()
     }
 
-    /// Screens all grids, and returns the settings of the `count` best ones: those of the lowest
-    /// bound on the pieces of all layers, of equal ones the first of [`GridArgs::settings`].
-    /// The grid of the flags is always the first of them, unless only other grids have cells in
-    /// every layer below the top.
+    /// Screens all grids, and returns the settings of the `count` best ones.
+    ///
+    /// The best grids are those with the lowest bound on the pieces of all layers; equal grids keep
+    /// the order of [`GridArgs::settings`].
+    /// The first grid of [`GridArgs::settings`] always comes first, so that a plan is never worse
+    /// than without a choice, unless that grid cannot be planned and another one can.
     ///
     /// For each grid, fills the outlines of all layers with cells and computes a maximum 2-matching
     /// of each layer.
@@ -90,7 +92,8 @@ impl GridArgs {
         let mut bounds = Vec::new();
         for settings in &all {
             control.check().context("stopped")?;
-            // What is wrong with the grid of the flags is reported when it is planned.
+            // A grid that cannot be planned is skipped; if none remains, planning the first one
+            // reports the error.
             let layers = part.layers(settings, threads).ok();
             if let Some(layers) = layers.filter(|layers| layers.gap().is_none()) {
                 bounds.push((*settings, pieces(&layers, &control).context("stopped")?));
@@ -109,7 +112,7 @@ impl GridArgs {
     }
 }
 
-/// Lower bound on the pieces of all layers, where every piece lies in one zone.
+/// Lower bound on the pieces of all layers if every piece lies in one zone.
 fn pieces(layers: &Layers, control: &Control<'_>) -> Result<u64, Interrupted> {
     let filled: Vec<&Layer> = layers.layers.iter().flatten().collect();
     // A prism has equal layers: consecutive equal ones need only one computation.
@@ -121,7 +124,7 @@ fn pieces(layers: &Layers, control: &Control<'_>) -> Result<u64, Interrupted> {
     bounds.into_iter().sum()
 }
 
-/// Lower bound on the pieces of a layer, where every piece lies in one zone.
+/// Lower bound on the pieces of a layer if every piece lies in one zone.
 fn zone_pieces(layer: &Layer, control: &Control<'_>) -> Result<u64, Interrupted> {
     let Layer { region, zones } = layer;
     if zones.count() == 1 {

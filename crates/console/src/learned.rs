@@ -27,7 +27,7 @@ pub struct Fusion<'a> {
     pub budget: usize,
 }
 
-/// Opens the model in a folder, and checks that it covers a region of this size.
+/// Opens the model in a folder, and checks that it handles a region of this size.
 pub fn open(folder: &Folder, region: &Region) -> anyhow::Result<Model> {
     let model = Model::open(folder, Device::Cpu)?;
     check_size(&model, (region.width(), region.height()))?;
@@ -44,7 +44,8 @@ pub fn check_size(model: &Model, (width, height): (u32, u32)) -> anyhow::Result<
     Ok(())
 }
 
-/// Walks from a start path; returns the best path, the number of moves to it, and the row's facts.
+/// Walks from a start path; returns the best path, the number of moves to it, and the figures for
+/// the row.
 pub fn fusion(
     of: &Fusion<'_>,
     region: &Region,
@@ -79,7 +80,7 @@ pub fn fusion(
     Ok((walked.path, walked.moves.len() as u64, row))
 }
 
-/// The device of this name: `cpu`, or `cuda` for the first graphics card.
+/// Device by name: `cpu`, or `cuda` for the first graphics card.
 pub fn device(name: &str) -> anyhow::Result<Device> {
     if name == "cpu" {
         return Ok(Device::Cpu);

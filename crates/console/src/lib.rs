@@ -2,13 +2,13 @@
 //!
 //! - The terminal: [`output`], [`progress`], [`cancel`] (Ctrl-C as a cancel token), [`control`]
 //!   (threads and progress of long calls), [`text`].
-//! - [`machine`]: facts recorded with measured figures; [`memory`]: an allocator that keeps memory
-//!   between training steps.
+//! - [`machine`]: facts about the machine, recorded with measured figures; [`memory`]: an allocator
+//!   setting that keeps freed memory between training steps.
 //! - [`chart`]: line charts and heat maps as SVG.
 //! - [`part`] and [`printer`]: flags that name a part and a printer, and what they load;
 //!   [`plan`]: planned layers as checked G-code; [`grid_choice`]: the cell grid that needs the
 //!   fewest beads.
-//! - [`search`]: any search method on one layer, reported as a row of a table.
+//! - [`search`]: runs any search method on one layer and reports the result as a row of a table.
 //!
 //! This crate writes to the terminal and reads and writes files; the compute crates do neither.
 

@@ -43,7 +43,7 @@ pub fn memory_bytes() -> Option<u64> {
     status_bytes("VmRSS:")
 }
 
-/// Resets the peak of [`peak_memory_bytes`], where the system supports it.
+/// Resets the peak that [`peak_memory_bytes`] returns, where the system supports it.
 pub fn reset_peak_memory() {
     // Where this fails, later peaks are reported only if they exceed all earlier ones.
     let _ = fs::write("/proc/self/clear_refs", "5");

@@ -11,7 +11,8 @@ use serde_json::Value;
 
 /// Writes text to stdout.
 ///
-/// A closed pipe is an error that [`is_broken_pipe`] recognises, where `print!` would panic.
+/// If the pipe is closed, returns an error that [`is_broken_pipe`] recognises; `print!` would
+/// panic.
 pub fn text(text: &str) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes())?;
@@ -32,7 +33,7 @@ pub fn json_with(object: &Value, key: &str, value: &Value) -> anyhow::Result<()>
     text(&format!("{entries},\n  \"{key}\": {value}\n}}\n"))
 }
 
-/// A number for JSON: written as an integer if it is whole, and as null if it is infinite.
+/// A number for JSON: an integer if it is whole, and null if it is not finite.
 pub fn number(value: f64) -> Value {
     /// Up to this size a float holds every integer.
     const MAX_EXACT: f64 = (1_u64 << 53) as f64;
@@ -58,7 +59,9 @@ pub fn serialize_optional_number<S: Serializer>(
     value.map(number).serialize(serializer)
 }
 
-/// Writes a file completely or not at all; a terminal or a pipe is written to, not replaced.
+/// Writes a file completely or not at all.
+///
+/// A terminal or a pipe is written to rather than replaced.
 pub fn file(path: &Path, content: impl AsRef<[u8]>) -> anyhow::Result<()> {
     if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
         return fs::write(path, content)

@@ -19,7 +19,7 @@ use crate::text::count;
 /// Prefix of a part that is built in rather than a file.
 const EXAMPLE: &str = "example:";
 
-/// Flags that name a part and say how it is sliced.
+/// Flags that name a part and set how it is placed and sliced.
 #[derive(clap::Args)]
 pub struct PartArgs {
     /// Mesh files (STL, 3MF or OBJ) in one coordinate system, or built-in examples:
@@ -29,10 +29,10 @@ pub struct PartArgs {
     /// Unit of STL and OBJ files, which do not state one.
     #[arg(long, value_name = "UNIT", default_value = "mm")]
     unit: Unit,
-    /// Scales the part by this factor.
+    /// Scale factor of the part.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_hyphen_values = true)]
     scale: f64,
-    /// Rotates the part about x, then y, then z, in degrees.
+    /// Rotation of the part about x, then y, then z, in degrees.
     #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", allow_hyphen_values = true)]
     pub rotate: Numbers<3>,
     /// Position of the part's centre on the bed, in mm; the centre of the bed by default.
@@ -110,7 +110,7 @@ impl<const N: usize> FromStr for Numbers<N> {
     }
 }
 
-/// A part cut into outlines, which any cell grid may be laid over.
+/// A part cut into outlines, which can be filled with the cells of any grid.
 pub struct CutPart {
     /// Name of its first file.
     pub name: String,
@@ -125,13 +125,13 @@ pub struct CutPart {
 }
 
 impl CutPart {
-    /// The layers of cells on the grid of these settings, which must have the layer height of the
+    /// Fills the outlines with the cells of a grid; `settings` must have the layer height of the
     /// cut.
     pub fn layers(&self, settings: &Settings, threads: Threads<'_>) -> anyhow::Result<Layers> {
         Ok(control::quiet(threads, |control| self.cut.layers(settings, control))??)
     }
 
-    /// The part with layers that [`CutPart::layers`] returned.
+    /// Combines the part with layers that [`CutPart::layers`] returned.
     pub fn with_layers(self, layers: Layers) -> Part {
         let bounds = self.model.bounds();
         Part { name: self.name, model: self.model, layers, repaired: self.repaired, bounds }
@@ -260,7 +260,7 @@ pub fn report_repairs(repaired: &[(String, RepairReport)]) {
     }
 }
 
-/// Refuses layers of which one in between has no cells.
+/// Returns an error if a layer between two layers with cells is empty.
 pub fn check_layers(layers: &Layers) -> anyhow::Result<()> {
     if let Some(layer) = layers.gap() {
         bail!("layer {} has no cells: the layers above it would be printed in the air", layer + 1);
@@ -268,7 +268,7 @@ pub fn check_layers(layers: &Layers) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Reports on stderr that empty layers at the bottom are left out, if there are any.
+/// Reports on stderr how many empty layers at the bottom are left out, if there are any.
 pub fn report_lowering(layers: &Layers) {
     if layers.empty_below() > 0 {
         eprintln!(

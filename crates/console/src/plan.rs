@@ -18,7 +18,7 @@ pub fn refs(layers: &Layers) -> Vec<LayerRef<'_>> {
 }
 
 /// The layers that have cells, with their paths and their numbers counted from the bed.
-/// Empty layers at the bottom are left out.
+/// Empty layers at the bottom are left out, so layer 0 is the lowest one with cells.
 pub fn printed_layers<'a>(
     layers: &'a Layers,
     paths: impl Iterator<Item = &'a beadwork_grid::Path>,

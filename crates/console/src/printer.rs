@@ -40,7 +40,8 @@ pub struct ProfileArgs {
     /// 140 if neither is given.
     #[arg(long, value_name = "MM3")]
     purge: Option<f64>,
-    /// Prime tower: auto, none, or position and size LEFT,FRONT,WIDTH,DEPTH in mm.
+    /// Prime tower: auto (that of the profile, or else one beside the part), none, or position and
+    /// size LEFT,FRONT,WIDTH,DEPTH in mm.
     #[arg(long, value_name = "TOWER", default_value = "auto")]
     tower: TowerChoice,
 }
@@ -133,7 +134,9 @@ impl Profile {
         self.settings.printer.bed_mm
     }
 
-    /// Settings with one tool for each material; an automatic prime tower has no position yet.
+    /// Settings with one tool for each material.
+    ///
+    /// An automatic prime tower has no position yet; [`Profile::print`] finds it.
     pub fn complete(&self, materials: &[Material]) -> anyhow::Result<print::Settings> {
         let mut settings = self.settings.clone();
         let given = settings.tools.clone();
@@ -174,8 +177,9 @@ impl Profile {
         Ok(settings)
     }
 
-    /// Prints planned layers; returns the print and the settings, with the position found for an
-    /// automatic prime tower.
+    /// Writes planned layers as G-code.
+    ///
+    /// Returns the print and the settings, in which an automatic prime tower has its position.
     pub fn print(
         &self,
         name: &str,

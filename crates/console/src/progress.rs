@@ -18,7 +18,7 @@ pub fn bar(items: u64, what: &'static str) -> ProgressBar {
     bar
 }
 
-/// A progress bar for a resumed run: `done` items are complete, and the rate counts only new ones.
+/// A progress bar for a resumed run: starts at `done` items, which its rate does not count.
 pub fn resumed(items: u64, done: u64, what: &'static str) -> ProgressBar {
     let bar = bar(items, what);
     bar.set_position(done);

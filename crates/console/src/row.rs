@@ -39,19 +39,19 @@ pub struct Row {
     pub moves: u64,
     /// Wall-clock time of the search.
     pub seconds: f64,
-    /// Facts of an exact search.
+    /// Figures of an exact search.
     #[serde(flatten)]
     pub exact: Option<ExactRow>,
-    /// Facts of the genetic algorithm.
+    /// Figures of the genetic algorithm.
     #[serde(flatten)]
     pub genetic: Option<GeneticRow>,
-    /// Facts of a walk by a network.
+    /// Figures of a walk by a network.
     #[serde(flatten)]
     pub fusion: Option<FusionRow>,
 }
 
 impl Row {
-    /// Whether it is proven that no path with as many pieces is better.
+    /// Whether the path is proven optimal among all paths with as many pieces.
     pub fn is_proven(&self) -> bool {
         match &self.exact {
             Some(exact) => exact.optimal,
@@ -65,7 +65,7 @@ impl Row {
     }
 }
 
-/// Facts of an exact search, in addition to the common row.
+/// Figures of an exact search, in addition to the common row.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ExactRow {
     /// Cost of the crossings: their number, unless a cost matrix was given.
@@ -79,7 +79,7 @@ pub struct ExactRow {
     pub stop: String,
 }
 
-/// Facts of the genetic algorithm, in addition to the common row.
+/// Figures of the genetic algorithm, in addition to the common row.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct GeneticRow {
     /// Crossings of the best annealing run of the first population.
@@ -90,14 +90,15 @@ pub struct GeneticRow {
     pub length: usize,
     /// Genes applied in replays.
     pub replayed: u64,
-    /// Genes that did not have to be replayed, since a parent's state was reused.
+    /// Genes that were not replayed, because the child started from a saved state of a parent.
     pub spared: u64,
     /// Statistics of each generation, the first population included.
     pub history: Vec<Generation>,
 }
 
-/// Facts of a walk by a network, in addition to the common row, whose `moves` are those to the best
-/// path.
+/// Figures of a walk by a network, in addition to the common row.
+///
+/// The `moves` of the row are those from the start to the best path.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FusionRow {
     /// Number of crossings at which the walk stops.

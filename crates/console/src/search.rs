@@ -22,9 +22,9 @@ pub enum MethodName {
     Anneal,
     /// The genetic algorithm, seeded with the moves of many annealing runs.
     Genetic,
-    /// The fewest pieces, then the fewest crossings, with a proven bound.
+    /// Exact search: the fewest pieces, then the fewest crossings, with a proven bound.
     Exact,
-    /// A walk along moves that a trained network proposes.
+    /// Moves that a trained network (FusionNet) proposes, applied one after another.
     Fusion,
 }
 
@@ -97,15 +97,15 @@ pub struct Search<'a> {
     pub seed: u64,
     /// Kind of the start path, for the row.
     pub start: Start,
-    /// Proven lower bounds; `None` bounds the crossings by the number of zone components only.
+    /// Proven lower bounds; if `None`, the number of zone components alone bounds the crossings.
     pub bounds: Option<Bounds>,
 }
 
 impl Search<'_> {
     /// Runs the search from a start path; returns the best path and its row.
     ///
-    /// The exact search ignores the start path, except to compare with it in the row.
-    /// Ctrl-C cancels all methods; those of the networks do not use the rest of the control yet.
+    /// The exact search uses the start path only as the reference in the row.
+    /// Ctrl-C cancels every method; a walk by a network ignores the rest of `control`.
     pub fn run(
         &self,
         layout: &str,

@@ -1,6 +1,6 @@
 //! Counts and durations as text.
 
-/// A count and a noun, in the singular or the plural: "1 layer", "2 layers".
+/// A count and a noun, in the singular or in a plural with s: "1 layer", "2 layers".
 pub fn count(count: u64, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
