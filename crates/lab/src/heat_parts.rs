@@ -62,7 +62,7 @@ fn voxels([width, height, depth]: [u32; 3], inside: impl Fn([u32; 3]) -> bool) -
     Voxels::new(frame, Array3::from_shape_fn(shape, material))
 }
 
-/// For each layer the orders of all 38 patterns, sorted by the numbers of the patterns.
+/// For each layer, its order in each of the 38 patterns, sorted by pattern number.
 pub(crate) fn all_orders(part: &Voxels) -> anyhow::Result<Vec<Vec<Vec<Cell>>>> {
     let orders = |layer| {
         let region = part.region(layer)?;

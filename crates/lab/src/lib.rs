@@ -1,6 +1,6 @@
-//! For researchers: the tables of the papers, reproduced and extended, and benchmarks.
+//! Evaluations that reproduce and extend the tables of two papers, and benchmarks.
 //!
-//! The crate holds two commands of the binary `beadwork`, each with subcommands:
+//! The crate contains two commands of the binary `beadwork`, each with subcommands:
 //! - [`eval`] compares methods and prints their results next to the figures of the papers.
 //! - [`mod@bench`] measures run times, rates and memory on the machine at hand.
 //!
@@ -25,8 +25,8 @@
 //! `README.md` gives the titles of both.
 //!
 //! # Output folders and interrupted evaluations
-//! Most subcommands write nothing but their tables.
-//! `eval zones` without `--method` and with `--method genetic` take up to hours, and write to the
+//! Most subcommands only print their tables.
+//! `eval zones` without `--method` and with `--method genetic` can take hours, and write to the
 //! folder `--out` (by default `datasets/eval-zones` or `datasets/eval-crossovers`):
 //! - `run.json`: settings, build and machine, on which all results depend;
 //! - `parts/*.json`: the result of each finished job, one for each cell and seed;
@@ -35,11 +35,12 @@
 //! Ctrl-C cancels every subcommand.
 //! The same command resumes such an evaluation: it loads the results in `parts` and computes the
 //! others (`eval/store.rs`).
-//! It refuses a folder with other settings, by another build or from another machine.
+//! It refuses a folder whose results have other settings or come from another build or machine.
 //!
 //! # Adding to the tables
-//! - A **cell of `eval zones`** is a [`Layout`](beadwork_grid::Layout) in one size: add it, with
-//!   the paper's figures, to `cells` in `paper.rs`.
+//! - A **cell of `eval zones`** is an entry of the paper's tables, a
+//!   [`Layout`](beadwork_grid::Layout) in one size: add it, with the paper's figures, to `cells` in
+//!   `paper.rs`.
 //! - A **row of `eval zones --method exact`** is a case in `eval/zones/exact_tables/cases.rs`.
 //! - A **method of `eval zones`** is a [`Choice`](beadwork_console::search::Choice) of
 //!   `beadwork-console`: run it in `every_method` (`eval/zones/paper_tables/solve.rs`), give it a
@@ -56,9 +57,9 @@
 //! - `learn` (off by default): `eval fusion` and `bench learn`, which need libtorch.
 //!
 //! # Limits
-//! Run times of different machines or moments cannot be compared; compare ratios of figures that
-//! one command measured.
-//! The JSON keys of documents are stable, the wording and layout of tables is not.
+//! Run times measured on different machines, or at different times, cannot be compared; compare
+//! only ratios of figures that one run of a command measured.
+//! The keys of JSON documents are stable; the wording and the layout of tables are not.
 
 #![allow(clippy::print_stderr, reason = "a command line writes to its terminal")]
 #![allow(

@@ -7,8 +7,8 @@ use beadwork_dataset::Size;
 use beadwork_grid::{Crossings, Layout, LayoutSpec, Region, Start};
 use beadwork_search::anneal::Preset;
 
-/// The presets whose mean comes closest to the paper's Table 5: all of its presets except the
-/// shortest.
+/// The presets whose mean is compared with the paper's Table 5, because it comes closest: all of
+/// the paper's presets except the shortest.
 pub(crate) const AVERAGED: [Preset; 4] =
     [Preset::Medium, Preset::Paper, Preset::Long, Preset::ExtraLong];
 
@@ -78,15 +78,15 @@ pub(crate) fn cells() -> impl Iterator<Item = Cell> {
 }
 
 impl Cell {
-    /// Whether both are the same layout in the same size.
+    /// Whether both cells have the same layout and size.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         (self.layout, self.size) == (other.layout, other.size)
     }
 
-    /// The first `max` seeds of instances like the paper's, whose zigzag has as many crossings as
-    /// that of the paper's instance, to within 10 %.
+    /// The first `max` seeds whose instance resembles the paper's: the crossings of the zigzag are
+    /// within 10 % of those on the paper's instance.
     ///
-    /// Of the paper's random instances only the crossings of their zigzag are known.
+    /// The crossings of the zigzag are all that is known of the paper's random instances.
     /// A layout that is not random has one instance, of seed 0.
     ///
     /// # Errors
@@ -118,7 +118,7 @@ impl Cell {
         }
         if found.is_empty() {
             bail!(
-                "{} {}: the zigzag of no instance of seeds 0 to {} has about {} crossings",
+                "{} {}: no seed from 0 to {} gives a zigzag of about {} crossings",
                 self.layout,
                 self.size,
                 TRIED - 1,

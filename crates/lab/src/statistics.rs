@@ -28,8 +28,10 @@ pub(crate) struct Interval {
 impl Interval {
     /// Confidence interval of the mean of the groups' means, by Student's t distribution.
     ///
-    /// Each group is a separate sample: only the variance within the groups counts, not the
-    /// differences between their means.
+    /// The groups are strata: each is a sample of its own, so only the variance within the groups
+    /// counts, not the differences between their means.
+    /// The variance is the sum of the squared standard errors of the groups' means, divided by the
+    /// square of the number of groups; each group contributes its size minus 1 degrees of freedom.
     pub(crate) fn of(groups: &[Vec<f64>]) -> Self {
         let means: Vec<f64> = groups.iter().map(|group| mean(group.iter().copied())).collect();
         let count = groups.len() as f64;
@@ -67,9 +69,9 @@ impl fmt::Display for Interval {
 
 /// The quantile 0.975 of Student's t distribution.
 ///
-/// Up to 4 degrees of freedom it comes from a table; from 5 on from the expansion around the
-/// quantile of the normal distribution (Abramowitz and Stegun, 26.7.5), whose error is below 0.3 %
-/// there.
+/// A table gives it for up to 4 degrees of freedom.
+/// From 5 on it is expanded around the quantile of the normal distribution (Abramowitz and Stegun,
+/// 26.7.5), with an error below 0.3 %.
 fn quantile(freedom: f64) -> f64 {
     const TABLE: [f64; 4] = [12.706, 4.303, 3.182, 2.776];
 

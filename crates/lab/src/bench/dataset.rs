@@ -32,7 +32,7 @@ pub(super) struct DatasetArgs {
     /// files by default.
     #[arg(long, value_name = "DIR")]
     scratch: Option<PathBuf>,
-    /// Prints one JSON document instead of a list.
+    /// Print one JSON document instead of a list.
     #[arg(long)]
     json: bool,
 }

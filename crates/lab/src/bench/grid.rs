@@ -23,7 +23,7 @@ pub(super) struct GridArgs {
     /// Runs of each measurement, of which the median is reported.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = positive::<u64>())]
     repeats: u64,
-    /// Prints one JSON document instead of a table.
+    /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
 }
@@ -42,9 +42,9 @@ struct Row {
     initial: i64,
     /// Crossings after `fast`.
     fast_crossings: i64,
-    /// Pairs of switches checked, in millions per second.
+    /// Pairs of switches checked for validity, in millions per second.
     pair_checks_m_per_s: f64,
-    /// Windows searched for variants that match, in millions per second.
+    /// Windows of the grid checked for applicable variants, in millions per second.
     windows_m_per_s: f64,
 }
 

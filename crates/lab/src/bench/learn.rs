@@ -38,20 +38,20 @@ pub(super) struct LearnArgs {
     /// Examples in a batch.
     #[arg(long, value_name = "N", default_value_t = 64)]
     batch: usize,
-    /// Training steps, of which the median is reported; two more come before and do not count.
+    /// Number of training steps, of which the median time is reported, after two that do not count.
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = positive::<u64>())]
     steps: u64,
-    /// Instead of measuring, prints the largest difference between the outputs of a network here
-    /// and in PyTorch; WEIGHTS holds its weights, IO inputs and PyTorch's outputs, both as
-    /// safetensors.
+    /// Instead of measuring, print the largest difference between the outputs of a network here and
+    /// in PyTorch.
+    /// WEIGHTS contains its weights, IO its inputs and PyTorch's outputs, both as safetensors.
     #[arg(long, value_names = ["WEIGHTS", "IO"], num_args = 2)]
     parity: Option<Vec<PathBuf>>,
-    /// Prints one JSON document instead of a list.
+    /// Print one JSON document instead of a list.
     #[arg(long)]
     json: bool,
 }
 
-/// Maximum difference of outputs that the order of sums in single precision explains.
+/// Maximum difference of outputs that the order of summation in single precision can cause.
 const TOLERANCE: f64 = 1e-4;
 
 /// Cells of the canvas on which training is measured.

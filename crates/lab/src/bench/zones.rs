@@ -28,7 +28,7 @@ pub(super) struct ZonesArgs {
     /// Runs of each measurement, of which the median is reported.
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = positive::<u64>())]
     repeats: u64,
-    /// Prints one JSON document instead of a table.
+    /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
 }
@@ -44,8 +44,8 @@ const THREADS: [usize; 2] = [1, 2];
 struct Row {
     layout: String,
     size: String,
-    /// Moves of a population, replayed on [`Links`] with their changes of the crossings, in
-    /// millions per second.
+    /// Rate at which the moves of a population, and the changes of the crossings that they cause,
+    /// are replayed on [`Links`], in millions per second.
     links_m_per_s: f64,
     /// The same on a [`Path`].
     path_m_per_s: f64,

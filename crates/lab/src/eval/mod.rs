@@ -10,6 +10,10 @@ mod zones;
 use clap::Subcommand;
 
 /// Print tables that reproduce and extend those of the papers, and tables of whole parts.
+///
+/// The papers are by Aali et al., who reduce the zone crossings of a layer's path, and by Kim et
+/// al. (2026), who choose deposition patterns for uniform temperatures.
+/// README.md gives their titles.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]

@@ -1,4 +1,5 @@
-//! Results of the jobs of a long evaluation in a folder, so that an interrupted evaluation resumes.
+//! Stores the results of the jobs of a long evaluation in a folder, so that an interrupted
+//! evaluation resumes.
 
 use std::fs;
 use std::hash::{DefaultHasher, Hasher};
@@ -42,8 +43,8 @@ impl Store {
         let machine = match read(&path)? {
             Some(mut run) if run["key"] == key => run["machine"].take(),
             Some(_) => bail!(
-                "'{0}' holds an evaluation with other settings, by another build or from another \
-                 machine: choose another --out, or remove it: rm -r '{0}'",
+                "'{0}' contains an evaluation with other settings, by another build or from \
+                 another machine: choose another --out, or remove it: rm -r '{0}'",
                 folder.display()
             ),
             None => {
@@ -62,7 +63,7 @@ impl Store {
     /// The results of all jobs in their order, each with the seconds it took to compute.
     ///
     /// Jobs run in parallel.
-    /// A result with the job's `name` that is in the folder already is loaded instead.
+    /// A job is not run if the folder already has a result under its `name`.
     /// Ctrl-C ends the call with an error; finished results stay in the folder.
     pub(super) fn results<J: Sync, T: Serialize + DeserializeOwned + Send>(
         &self,
@@ -79,7 +80,7 @@ impl Store {
                 result
             })
         };
-        // A job takes seconds to minutes, so threads take jobs one by one.
+        // Threads take jobs one by one, because a single job takes seconds to minutes.
         let results = pool.install(|| jobs.par_iter().with_max_len(1).map(result).collect());
         bar.finish_and_clear();
         results
@@ -93,7 +94,7 @@ impl Store {
         Ok(entries.count() as u64)
     }
 
-    /// The result of this name and the seconds it took, loaded or computed now.
+    /// The result with this name and the seconds it took; loaded, or else computed and stored.
     fn result<T: Serialize + DeserializeOwned>(
         &self,
         name: &str,

@@ -1,4 +1,4 @@
-//! Speed of writing, reading, checking and timing G-code.
+//! Speed of writing, parsing, checking and timing G-code.
 
 use std::fmt;
 use std::hint::black_box;

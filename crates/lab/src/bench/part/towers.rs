@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::bench::timing::median_seconds;
 
-/// A tower of equal spheres: its layers are alike, whatever its height.
+/// A tower of equal spheres, whose layers do not depend on its height.
 #[derive(Serialize)]
 pub(super) struct TowerRow {
     height_mm: u32,

@@ -1,4 +1,4 @@
-//! Differences between a simulation and a more exact one.
+//! Differences between a simulation and a more accurate one.
 
 use beadwork_grid::Cell;
 use beadwork_thermal::{Simulation, TemperatureStatistics};

@@ -60,10 +60,10 @@ pub(super) struct ThermalArgs {
     /// Runs of each measurement, of which the median is reported.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = positive::<u64>())]
     repeats: u64,
-    /// Writes a chart of the run time per voxel against the size of the cubes and towers.
+    /// Draw the run time per voxel against the size of the cubes and towers.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
-    /// Prints one JSON document instead of tables.
+    /// Print one JSON document instead of tables.
     #[arg(long)]
     json: bool,
 }
@@ -74,7 +74,7 @@ enum What {
     Kernel,
     /// Run time and errors of each method on the parts.
     Parts,
-    /// Trial of all 38 patterns on each layer, on one thread and on two.
+    /// Run time of trying all 38 patterns on each layer, on one thread and on two.
     Patterns,
     /// Run time of cubes and towers against their size.
     Growth,
@@ -85,7 +85,7 @@ impl ThermalArgs {
         self.what.is_empty() || self.what.contains(&what)
     }
 
-    /// Finds errors in the arguments before the long measurements.
+    /// Reports errors in the arguments before the long measurements begin.
     fn check(&self) -> anyhow::Result<()> {
         if let Some(path) = &self.svg {
             if !self.measures(What::Growth) {

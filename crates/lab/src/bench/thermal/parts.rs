@@ -26,7 +26,7 @@ pub(super) struct Row {
     errors: Errors,
 }
 
-/// The methods with their names; the explicit scheme comes first.
+/// The methods with their names; the explicit scheme comes first, because ratios refer to it.
 const METHODS: [(&str, Method); 3] = [
     ("naive", Method::Naive),
     ("standard", Method::Fast(Accuracy::Standard)),

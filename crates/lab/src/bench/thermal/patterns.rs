@@ -1,4 +1,4 @@
-//! Run time of the trial of all 38 patterns on each layer, and the gain by a second thread.
+//! Run time of trying all 38 patterns on each layer, and the speed-up by a second thread.
 
 use std::fmt;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Accuracy of the network on the moves of instances that it was not trained on.
+//! Accuracy of the network on moves of instances on which it was not trained.
 
 use std::fmt::Write;
 

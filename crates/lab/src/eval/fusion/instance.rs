@@ -36,8 +36,8 @@ pub(super) struct Instance {
 pub(super) struct Effort {
     /// Whether the method reached the target.
     pub(super) reached: bool,
-    /// Moves of a walk, those that led nowhere included; for the other methods, moves from the
-    /// start to the best path.
+    /// Moves of a walk, including those that were later undone; for the other methods, moves from
+    /// the start to the best path.
     pub(super) moves: usize,
     pub(super) seconds: f64,
     /// Crossings of the best path.
@@ -57,7 +57,10 @@ pub(super) struct Row {
 }
 
 impl Instance {
-    /// The instance of a seed; its target is the best of `runs` annealing runs, at least 1.
+    /// The instance of a seed; its target is the best result of `runs` annealing runs.
+    ///
+    /// # Panics
+    /// If `runs` is 0.
     pub(super) fn new(
         layout: Layout,
         (width, height): (u32, u32),
@@ -148,8 +151,9 @@ impl Instance {
     }
 }
 
-/// Walks on all instances together, so that the network computes in batches; their common time is
-/// divided among them in proportion to their moves.
+/// Walks on all instances together, so that the network computes in batches.
+///
+/// The time is divided among the instances in proportion to their moves.
 pub(super) fn walk_all(
     instances: &[Instance],
     proposer: &mut dyn Proposer,

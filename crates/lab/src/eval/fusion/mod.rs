@@ -1,4 +1,4 @@
-//! `eval fusion`: moves and time that FusionNet and other methods take to the annealer's best
+//! `eval fusion`: moves and time that FusionNet and other methods need to reach the annealer's best
 //! result, by the protocol of Aali et al., Table 2.
 
 mod accuracy;
@@ -22,7 +22,7 @@ use self::instance::{Instance, Row, walk_all};
 use crate::args::positive;
 use crate::paper;
 
-/// Compare the moves and the time that FusionNet and other methods take to reach the crossings of
+/// Compare the moves and the time that FusionNet and other methods need to reach the best result of
 /// the paper's annealer.
 ///
 /// The target of an instance is the best of some annealing runs with the preset `paper`; the moves
@@ -40,10 +40,10 @@ pub(super) struct FusionArgs {
     /// Folder of the model.
     #[arg(long, value_name = "DIR", default_value = "models/fusion-small")]
     model: PathBuf,
-    /// Seeds for each layout and size of fewer than 80x80 cells.
+    /// Number of seeds for each layout and size of fewer than 80x80 cells.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = positive::<u64>())]
     seeds: u64,
-    /// Seeds for each layout and size of 80x80 cells or more.
+    /// Number of seeds for each layout and size of 80x80 cells or more.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = positive::<u64>())]
     large_seeds: u64,
     /// Sizes, separated by commas; the paper's six by default.
@@ -61,14 +61,14 @@ pub(super) struct FusionArgs {
     /// Number of positions whose moves the network proposes.
     #[arg(long, alias = "places", value_name = "N", default_value_t = 32)]
     positions: usize,
-    /// Moves without a new best after which random moves follow.
+    /// Number of moves without a new best path after which random moves follow.
     #[arg(long, value_name = "N", default_value_t = walk::Settings::default().patience)]
     patience: usize,
-    /// The dataset that the network was trained on: also reports its accuracy on the test split,
-    /// whose instances it has not seen.
+    /// Dataset on which the network was trained: also report the accuracy on its test split, whose
+    /// instances the network has not seen.
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
-    /// Moves of each trajectory of the test split.
+    /// Number of moves to evaluate of each trajectory of the test split.
     #[arg(long, value_name = "N", default_value_t = 20, requires = "data")]
     per_trajectory: usize,
     /// Device on which the network computes.
@@ -79,7 +79,7 @@ pub(super) struct FusionArgs {
         value_parser = ["cpu", "cuda"]
     )]
     device: String,
-    /// Prints one JSON document instead of tables.
+    /// Print one JSON document instead of tables.
     #[arg(long)]
     json: bool,
 }
@@ -134,8 +134,8 @@ pub(super) fn run(args: &FusionArgs) -> anyhow::Result<()> {
     output::text(&text)
 }
 
-/// Warns if the network was not trained on this dataset, whose test split may then hold instances
-/// that it was trained on.
+/// Warns if the network was not trained on this dataset: its test split may then contain instances
+/// on which the network was trained.
 fn warn_if_other_dataset(data: &Dataset, model: &Model) {
     let origin = Origin::of(data);
     if origin != model.origin {

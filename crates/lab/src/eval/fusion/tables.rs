@@ -39,7 +39,7 @@ impl Group<'_> {
     }
 }
 
-/// Groups rows by layout and size; rows of a group follow each other.
+/// Groups rows by layout and size; the rows of a group must be consecutive.
 fn groups(rows: &[Row]) -> Vec<Group<'_>> {
     let key = |row: &Row| (row.layout, row.width, row.height);
     let mut groups: Vec<Group<'_>> = rows
@@ -77,7 +77,7 @@ fn moves(text: &mut String, groups: &[Group<'_>]) -> Result {
          |---|---|---|---|---|---|---|---|---|---|---|---|"
     )?;
     for group in groups {
-        // Where the annealer finds nothing better than the start, the target takes no moves.
+        // If the annealer finds nothing better than the start, reaching the target takes no moves.
         let ratio = match group.mean_moves("annealer") {
             0.0 => "-".to_owned(),
             annealer => format!("{:.0} %", 100.0 * group.mean_moves("fusion") / annealer),

@@ -12,11 +12,11 @@ use rayon::ThreadPool;
 pub(super) struct Case {
     pub(super) name: &'static str,
     pub(super) part: Part,
-    /// Whether its cells are compared with its surface; false if another case has the same shape.
+    /// Whether the table of surfaces includes it; false if another case has the same shape.
     pub(super) is_new_shape: bool,
 }
 
-/// File, name in the tables, rotation about x in degrees, and what decides the materials.
+/// File, name in the tables, rotation about x in degrees, and rule for the materials.
 const FILES: [(&str, &str, f64, Rule); 7] = [
     ("yin_yang.3mf", "yin_yang", 90.0, Rule::Stated),
     ("8_extruders.3mf", "8_extruders", 0.0, Rule::Stated),

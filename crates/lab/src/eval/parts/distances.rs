@@ -21,22 +21,22 @@ const MAX_RING: i64 = 16;
 
 /// The distances of one layer, in beads.
 pub(super) struct Distances {
-    /// From the centre of each side between a filled and an empty cell to the outlines, along the
-    /// normal of the side.
+    /// Distance from the centre of each side between a filled and an empty cell to the outlines,
+    /// along the normal of the side.
     pub(super) of_cells: Vec<f64>,
-    /// From points along the outlines to the nearest such side: the larger of the distances along x
-    /// and y; infinite beyond [`MAX_RING`].
+    /// Distance from points along the outlines to the nearest such side, as the larger of the
+    /// distances along x and y; infinite beyond [`MAX_RING`].
     pub(super) of_outline: Vec<f64>,
-    /// For each of those points that is further away than [`HALF`], whether the part, or the gap
-    /// next to it, is thinner there than the diagonal of a cell.
+    /// For each of those points at a distance above [`HALF`], whether the part, or the gap next to
+    /// it, is thinner there than the diagonal of a cell.
     pub(super) thin: Vec<bool>,
 }
 
 /// Point, or corner of an outline.
 type Point = [f64; 2];
 
-/// A side of a cell: x and y of its left or back end, and whether it is vertical.
-/// A vertical side separates two cells of a row.
+/// A side of a cell: x and y of its left or back end, and whether it runs along y ("vertical").
+/// Such a side separates two cells of a row.
 type Side = (i64, i64, bool);
 
 impl Distances {
@@ -107,12 +107,12 @@ fn sides(region: &Region) -> HashMap<(i64, i64), Vec<bool>> {
     sides
 }
 
-/// Calls `emit` where an edge of an outline crosses the centre line of a row or of a column, for
-/// the three sides nearest to the crossing, with their distances along the centre line.
+/// Calls `emit` for each point at which an edge of an outline crosses the centre line of a row or a
+/// column, with each of the three nearest sides on that line and its distance along the line.
 ///
-/// The centre line of a row is the common normal of the vertical sides in that row through their
-/// centres, so the minimum over all edges is the distance of a side from the outlines along its
-/// normal.
+/// The centre line of a row passes through the centres of all vertical sides of that row, at right
+/// angles.
+/// So the minimum over all edges is the distance of a side from the outlines along its normal.
 fn for_each_crossing(from: Point, to: Point, mut emit: impl FnMut(Side, f64)) {
     for axis in 0..2 {
         let (low, high) = if from[axis] <= to[axis] { (from, to) } else { (to, from) };
@@ -120,7 +120,8 @@ fn for_each_crossing(from: Point, to: Point, mut emit: impl FnMut(Side, f64)) {
         let last = (high[axis] - 0.5).ceil() as i64;
         for line in first..=last {
             let centre = line as f64 + 0.5;
-            // Both ends of the edge count, so that an edge along a centre line crosses it, too.
+            // The ends of the edge are included, so that an edge that lies on a centre line counts,
+            // too.
             if centre < low[axis] || centre > high[axis] {
                 continue;
             }
@@ -138,8 +139,8 @@ fn for_each_crossing(from: Point, to: Point, mut emit: impl FnMut(Side, f64)) {
     }
 }
 
-/// Whether another edge of the outlines lies within the diagonal of a cell of a point on an edge,
-/// along the normal of that edge in either direction.
+/// Whether the part or the gap is thin at a point of an edge: whether the normal through the point,
+/// in either direction, meets another edge within the length of a cell's diagonal.
 fn is_thin(outlines: &[Vec<Point>], point: Point, normal: Point) -> bool {
     let meets = |(from, to): (Point, Point)| {
         let along = [to[0] - from[0], to[1] - from[1]];

@@ -26,9 +26,9 @@ pub(super) struct Row {
     tools: usize,
     layers: usize,
     cells: u64,
-    /// Cells that the text of the G-code prints.
-    /// The check fails unless each is printed once, with the tool of its zone, and nothing else is
-    /// printed.
+    /// Cells that the G-code prints, according to the check of its text.
+    /// The check fails unless each cell is printed once, with the tool of its zone, and nothing
+    /// else is printed.
     cells_checked: u64,
     tool_changes: u64,
     /// Proven minimum of the tool changes in any mode.
@@ -45,7 +45,7 @@ pub(super) struct Row {
     plan_seconds: f64,
     /// Wall-clock time to write the G-code and to check its text.
     write_seconds: f64,
-    /// Number of lifts, and mm³ purged by tool changes, at the corners of their frontier.
+    /// Number of lifts and purge volume in mm³ at the corners of their Pareto frontier.
     frontier: Vec<(u64, u64)>,
 }
 

@@ -20,13 +20,13 @@ use super::cases::Case;
 pub(super) struct Row {
     part: &'static str,
     start: &'static str,
-    /// Number of layers, without those that equal the layer below.
+    /// Number of layers that differ from the layer below.
     layers: usize,
     pieces: u64,
     crossings: u64,
     /// Layers whose path is proven optimal.
     layers_optimal: usize,
-    /// Share of the links of layers above the first that the layer below has, too.
+    /// Share of links, in layers above the first, that also occur in the layer below.
     #[serde(rename = "kept")]
     kept_share: f64,
     seconds: f64,
@@ -39,12 +39,12 @@ struct Solved {
     is_optimal: bool,
 }
 
-/// Number of rows for each part; the progress bar counts one step for each.
+/// Number of rows, and of steps of the progress bar, for each part.
 pub(super) const STARTS: usize = 4;
 
 /// Solves the layers of all parts with each kind of start, on one thread.
 ///
-/// Layers that equal the one below are left out, and so are parts with fewer than three others.
+/// Layers that equal the one below are left out; so are parts with fewer than three other layers.
 pub(super) fn measure(cases: &[Case], seed: u64, bar: &ProgressBar) -> anyhow::Result<Vec<Row>> {
     let control = &control::cancellable(Threads::One)?;
     let mut rows = Vec::new();

@@ -27,7 +27,7 @@ pub(super) struct Row {
     #[serde(rename = "outline_met")]
     outline_share_near: f64,
     /// Share of the remaining length where the part, or the gap next to it, is thinner than the
-    /// diagonal of a cell, so that it can lie between the centres of cells; `None` if no length
+    /// diagonal of a cell, so that it can fit between the centres of cells; `None` if no length
     /// remains.
     #[serde(rename = "rest_thin")]
     thin_share_of_rest: Option<f64>,

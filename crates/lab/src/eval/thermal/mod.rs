@@ -20,8 +20,8 @@ use crate::heat_parts::HeatPart;
 /// Each part is printed in ABS with the paper's settings: with each of the 38 patterns in all
 /// layers, and greedily, each layer with the pattern that gives it the largest reward.
 /// The paper does not state the sizes of its parts: ours are a cuboid of 120 x 40 x 12 voxels, a U
-/// of 90 x 50 x 12 and a pyramid of 77 layers with a base of 60 x 60. Therefore gains can be
-/// compared with the paper's, rewards cannot.
+/// of 90 x 50 x 12 and a pyramid of 77 layers with a base of 60 x 60. Gains can therefore be
+/// compared with the paper's, but rewards cannot.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -37,7 +37,7 @@ pub(super) struct ThermalArgs {
     /// Threads; 0 for one per core.
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
-    /// Prints one JSON document instead of tables.
+    /// Print one JSON document instead of tables.
     #[arg(long)]
     json: bool,
 }

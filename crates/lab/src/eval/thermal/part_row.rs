@@ -72,8 +72,8 @@ fn best_pattern(prints: &[SimulatedPrint]) -> usize {
 
 /// Seconds between the end of a print and the measurement of its thermal deviation.
 ///
-/// With the nozzle still on the part, the deviation would only measure how near the last voxel is
-/// to the section.
+/// At the moment of the last deposition, the deviation would mostly measure how close the last
+/// voxel is to the section.
 const REST_S: f64 = 1.0;
 
 /// Simulated seconds between two samples of the warpage estimate.
@@ -105,7 +105,8 @@ impl Setup {
         let uniform_plan = |number: usize| {
             orders.iter().map(|orders| &orders[number][..]).collect::<Vec<&[Cell]>>()
         };
-        // Besides the layers of the greedy choice: all patterns, the greedy print, three lifts.
+        // Steps of the bar: the layers of the greedy choice, all patterns, the greedy print and
+        // three warpage estimates.
         let bar = progress::bar((Pattern::COUNT + part.depth + 4) as u64, name);
         let print = |&pattern: &Pattern| {
             let print = self.print(&part, pattern.name(), &uniform_plan(pattern.number()));

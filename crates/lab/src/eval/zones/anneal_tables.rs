@@ -22,7 +22,7 @@ struct Job {
     preset: Option<Preset>,
     seed: u64,
     instance_seed: u64,
-    /// Whether the instance is like the paper's, for the table of best reductions.
+    /// Whether the instance was chosen to be like the paper's, for the table of best reductions.
     matched: bool,
 }
 
@@ -62,8 +62,9 @@ pub(super) fn run(args: &ZonesArgs) -> anyhow::Result<()> {
     output::text(&tables(&runs, seeds)?)
 }
 
-/// Each cell with each preset and each seed, on instances like the paper's; random layouts also on
-/// the instance of the seed, for the tables of means.
+/// One job for each cell, preset and seed, on instances like the paper's.
+///
+/// Random layouts also get a job on the instance of the seed, for the tables of means.
 fn jobs(presets: &[Option<Preset>], seeds: u64) -> anyhow::Result<Vec<Job>> {
     let mut jobs = Vec::new();
     for cell in paper::cells() {
@@ -99,7 +100,7 @@ impl Job {
     }
 }
 
-/// Figures of one cell, in %; not a number where there are no runs.
+/// Figures of one cell, in %; NaN if there are no runs.
 struct Totals {
     /// Mean reduction by the preset `paper`, or by the zigzag.
     mean: f64,

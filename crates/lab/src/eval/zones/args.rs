@@ -5,29 +5,35 @@ use std::path::PathBuf;
 use beadwork_console::search::MethodName;
 use beadwork_console::{control, output};
 use beadwork_search::anneal::Preset;
+use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use rayon::ThreadPool;
 
 use crate::args::positive;
 
-/// Compare all methods on the 24 cells of Aali et al. (their Tables 1, 3 and 5), or examine one
-/// method.
+/// Compare all methods on the layouts and sizes of Aali et al. (their Tables 1, 3 and 5), or
+/// examine one method.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Without --method: zigzag, annealing, the genetic algorithm and the exact search on the same
-instances, whose zigzag has as many crossings as the paper's to within 10 %. Tables, numbers,
-convergence plots and heat maps are written to --out. An interrupted run resumes when the same
-command is run again.
+Each of the four layouts in each of the six sizes is a cell of the paper's tables. The paper's
+random instances are not published: instances whose zigzag has as many crossings, to within 10 %,
+replace them.
 
-With --method anneal or zigzag: Tables 3 and 5. The means use the preset 'paper', then 'medium' to
-'extra_long', on the instances of seeds 0, 1, 2, ...; the best reductions use all presets on
-instances like the paper's.
+Without --method: the zigzag, annealing, the genetic algorithm and the exact search, all on the same
+instances. Tables, numbers, convergence plots and heat maps are written to --out. If the run is
+interrupted, the same command resumes it.
+
+With --method anneal or zigzag: Tables 3 and 5. Means are taken over the instances of seeds 0, 1, 2,
+..., for the preset 'paper' and for the presets 'medium' to 'extra_long'; the best reductions are
+those of all presets on instances like the paper's.
 
 With --method genetic: one-point, two-point and window crossover from the same first populations,
-with confidence intervals. An interrupted run resumes.
+with confidence intervals. If the run is interrupted, the same command resumes it.
 
 With --method exact: how often the fewest crossings are proven, and how fast, on the instances of
-seeds 0, 1, 2, ... of the 24 cells, of harder and larger layouts and of masks. Instances run one
-after the other, each with its bound; zigzag and annealing are listed for comparison.
+seeds 0, 1, 2, ... of the 24 cells, of harder and larger layouts, and of regions that are not
+rectangles. The search runs on one instance at a time; the zigzag and annealing are listed for
+comparison.
 
 Examples:
   beadwork eval zones
@@ -37,33 +43,45 @@ Examples:
   beadwork eval zones --method exact --seeds 20
   beadwork eval zones --method exact --json --plot growth.svg > exact.json")]
 pub(in crate::eval) struct ZonesArgs {
-    /// Method to examine: zigzag, anneal, genetic or exact; all of them by default.
-    #[arg(long, value_name = "METHOD")]
+    /// Method to examine; all of them by default.
+    /// FusionNet has a command of its own, eval fusion.
+    #[arg(long, value_name = "METHOD", value_parser = method_parser())]
     pub(super) method: Option<MethodName>,
-    /// Seeds per cell and preset [default: 10 for all methods, 30 for genetic, 100 otherwise; with
-    /// --smoke 1, 2 and 100].
+    /// Number of seeds for each layout, size and preset [default: 10 without --method, 30 with
+    /// genetic, 100 with any other method; with --smoke 1 without --method, 2 with genetic].
     #[arg(long, value_name = "N", value_parser = positive::<u64>())]
     pub(super) seeds: Option<u64>,
-    /// All methods, genetic: folder of the results, from which an interrupted run resumes [default:
-    /// datasets/eval-zones or datasets/eval-crossovers, with --smoke ...-smoke].
+    /// Without --method, or with genetic: folder for the results, from which an interrupted run
+    /// resumes [default: datasets/eval-zones, or datasets/eval-crossovers with genetic; with
+    /// --smoke, -smoke is appended].
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
-    /// Anneal: presets, separated by commas; all by default.
+    /// Anneal: presets, separated by commas; all presets by default.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(super) presets: Vec<Preset>,
-    /// All methods, genetic, exact: only small grids and little work, as a test of the command.
+    /// Without --method, or with genetic or exact: a quick test of the command on small grids.
     #[arg(long)]
     pub(super) smoke: bool,
-    /// Exact: writes a chart of the run time against the numbers of cells and zones.
+    /// Exact: draw the run time against the number of cells and of zones, as SVG.
     #[arg(long, value_name = "FILE")]
     pub(super) plot: Option<PathBuf>,
-    /// All methods except exact, which is timed on one thread: threads; 0 for one per core
-    /// [default: 0].
+    /// Threads; 0 for one per core [default: 0].
+    /// Not with exact, which is timed on one thread.
     #[arg(long, value_name = "N")]
     pub(super) threads: Option<usize>,
-    /// Prints one JSON document with a row for each run.
+    /// Print one JSON document with a row for each run.
     #[arg(long)]
     pub(super) json: bool,
+}
+
+/// Parser of `--method`.
+///
+/// `fusion` is hidden from the help but accepted, so that `run` can point to `eval fusion`.
+fn method_parser() -> impl TypedValueParser<Value = MethodName> {
+    let names = MethodName::value_variants()
+        .iter()
+        .filter_map(|method| Some(method.to_possible_value()?.hide(*method == MethodName::Fusion)));
+    PossibleValuesParser::new(names).try_map(|name| MethodName::from_str(&name, false))
 }
 
 impl ZonesArgs {

@@ -6,7 +6,7 @@ use beadwork_grid::Layout;
 
 use crate::paper::{self, Cell};
 
-/// A number in per cent, or a dash if it is not a number because there are no runs.
+/// A number in per cent, or a dash if it is NaN because there are no runs.
 pub(super) fn percent(value: f64) -> String {
     if value.is_nan() { "-".to_owned() } else { format!("{value:.1}") }
 }
@@ -24,7 +24,7 @@ pub(super) fn table(text: &mut String, entry: impl Fn(&Cell) -> String) -> std::
     Ok(())
 }
 
-/// Number of different instances among the seeds of instances, which may repeat.
+/// Number of different instances, given their seeds, which may repeat.
 pub(super) fn distinct(seeds: impl Iterator<Item = u64>) -> usize {
     let mut seeds: Vec<u64> = seeds.collect();
     seeds.sort_unstable();
@@ -32,7 +32,7 @@ pub(super) fn distinct(seeds: impl Iterator<Item = u64>) -> usize {
     seeds.len()
 }
 
-/// Lists for each random cell the number of instances like the paper's.
+/// Lists, for each cell with a random layout, the number of instances like the paper's.
 pub(super) fn instances(
     text: &mut String,
     counts: impl Iterator<Item = (Cell, usize)>,

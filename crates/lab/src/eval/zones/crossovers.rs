@@ -52,8 +52,10 @@ struct Run {
 }
 
 impl Run {
-    /// Crossings that a variant saves beyond another variant, or beyond the first population if
-    /// `baseline` is `None`; in per cent of the crossings of the start path.
+    /// Crossings that a variant saves in addition to a baseline, in per cent of the crossings of
+    /// the start path.
+    ///
+    /// The baseline is another variant, or the first population if `baseline` is `None`.
     fn saved(&self, variant: usize, baseline: Option<usize>) -> f64 {
         let before = baseline.map_or(self.seeded, |other| self.crossings[other]);
         100.0 * (before - self.crossings[variant]) as f64 / self.initial.max(1) as f64

@@ -1,4 +1,4 @@
-//! `eval zones`: crossings of every method on the 24 cells of Aali et al.
+//! `eval zones`: crossings of every method on the layouts and sizes of Aali et al.
 
 mod anneal_tables;
 mod args;

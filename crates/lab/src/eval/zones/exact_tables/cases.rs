@@ -34,7 +34,7 @@ impl Case {
 
 /// All cases: the paper's 24 cells, harder layouts, larger ones and masks.
 ///
-/// Most have `seeds` instances, the largest and the masks fewer.
+/// Most cases have `seeds` instances; the largest grids and the masks have fewer.
 pub(super) fn cases(seeds: u64) -> Vec<Case> {
     let mut cases = Vec::new();
     let mut add = |group, spec: LayoutSpec, (width, height), shape, seeds| {

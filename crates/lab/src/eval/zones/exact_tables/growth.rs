@@ -38,7 +38,7 @@ const SIDES: [u32; 11] = [20, 30, 50, 70, 100, 150, 200, 300, 500, 700, 1000];
 /// Numbers of zones of the second curve.
 const ZONES: [u8; 11] = [2, 3, 5, 8, 12, 20, 30, 50, 80, 120, 200];
 
-/// Measures both curves on Voronoi zones, on one thread; if `smoke` only the first four points of
+/// Measures both curves on Voronoi zones, on one thread; if `smoke`, only the first four points of
 /// each.
 pub(super) fn measure(bar: &ProgressBar, smoke: bool) -> anyhow::Result<Growth> {
     let points = if smoke { 4 } else { SIDES.len() };
@@ -98,8 +98,9 @@ impl Growth {
         curve_table(text, "zones, 100x100", zones, &self.over_zones)
     }
 
-    /// Chart of both curves with logarithmic axes; a line of linear growth through the central
-    /// point accompanies the curve over cells.
+    /// Chart of both curves with logarithmic axes.
+    ///
+    /// The chart over cells also shows linear growth through the central point, for comparison.
     pub(super) fn svg(&self) -> anyhow::Result<String> {
         let over_cells: Vec<(f64, f64)> = self
             .over_cells

@@ -26,7 +26,7 @@ pub(super) struct Runs {
     pub(super) fast: Vec<Row>,
 }
 
-/// Instances that the zigzag and annealing solve, too.
+/// Number of instances of a case that the zigzag and annealing also solve.
 const COMPARED: u64 = 10;
 
 impl Runs {
@@ -51,7 +51,8 @@ impl Runs {
             let search = Search { region, zones, choice, seed, start, bounds: None };
             anyhow::Ok(search.run(layout, &start_path, control)?.1)
         };
-        // One second is ample up to 100 x 100 cells; larger grids get time in proportion.
+        // One second is more than enough up to 100 x 100 cells; larger grids get proportionally
+        // more.
         let cells = f64::from(self.case.width * self.case.height);
         let limit = Duration::from_secs_f64((cells / 10_000.0).max(1.0));
         let begin = Instant::now();
@@ -67,7 +68,7 @@ impl Runs {
         Ok(())
     }
 
-    /// The exact results on those instances that the other methods solved, too.
+    /// The exact results on the instances that the other methods also solved.
     pub(super) fn exact_compared(&self) -> &[Row] {
         &self.exact[..self.zigzag.len()]
     }
@@ -128,7 +129,7 @@ impl Totals {
     }
 }
 
-/// Mean of the crossings; not a number if there are no rows.
+/// Mean of the crossings; NaN if there are no rows.
 pub(super) fn mean_crossings(rows: &[Row]) -> f64 {
     mean(rows, |row| f64::from(row.crossings))
 }

@@ -23,7 +23,7 @@ pub(super) struct InstanceRow {
     pub(super) row: Row,
 }
 
-/// A column of the tables: the rows that it covers.
+/// A column of the tables: a selection of searches.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Column {
     Zigzag,
@@ -66,12 +66,12 @@ impl Runs {
         self.rows.iter().map(|tagged| &tagged.row).filter(move |row| column.covers(row))
     }
 
-    /// Largest reduction in a column, in %; not a number if the column is empty.
+    /// Largest reduction in a column, in %; NaN if the column is empty.
     pub(super) fn best(&self, column: Column) -> f64 {
         self.column(column).map(Row::reduction).fold(f64::NAN, f64::max)
     }
 
-    /// Mean of a value over a column; not a number if the column is empty.
+    /// Mean of a value over a column; NaN if the column is empty.
     pub(super) fn mean(&self, column: Column, value: impl Fn(&Row) -> f64) -> f64 {
         statistics::mean(self.column(column).map(value))
     }

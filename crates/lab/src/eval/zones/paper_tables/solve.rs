@@ -16,7 +16,7 @@ use crate::paper::Cell;
 /// Runs the zigzag, annealing by all presets, the genetic algorithm by some presets and the exact
 /// search on one instance of a cell, each on one thread.
 ///
-/// All rows get the best lower bound that any method proves.
+/// All rows get the best lower bound that any of the methods proves.
 pub(super) fn every_method(
     cell: &Cell,
     seed: u64,
@@ -66,14 +66,17 @@ pub(super) fn every_method(
         rows.push(row);
     }
     rows.push(search(Choice::Exact(exact::Settings::default()))?);
-    // The exact search may prove more than the bounds alone, and a bound holds for all methods.
+    // The exact search may prove a higher bound than `Bounds` does, and a bound holds for all
+    // methods.
     let bound = rows.iter().filter_map(|row| row.bound).reduce(f64::max);
     rows.iter_mut().for_each(|row| row.bound = bound);
     Ok(rows)
 }
 
-/// Whether a generation is stored for the plots: distances between stored generations grow by half
-/// from one to the next.
+/// Whether a generation is stored for the plots.
+///
+/// Generations are stored at distances that grow by half from one to the next, because populations
+/// change most at the start.
 fn is_milestone(generation: u32) -> bool {
     let mut milestone = 0;
     while milestone < generation {

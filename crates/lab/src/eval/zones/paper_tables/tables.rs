@@ -196,8 +196,8 @@ fn savings(text: &mut String, all: &[Runs], presets: &[genetic::Preset]) -> Resu
     Ok(())
 }
 
-/// List of comparisons: the number of cells in which one column is at least as good as another, and
-/// the cells in which it is not.
+/// List of comparisons: in how many cells one column is at least as good as another, and in which
+/// cells it is not.
 fn comparisons(text: &mut String, all: &[Runs], presets: &[genetic::Preset]) -> Result {
     // The paper's figures have one decimal.
     const ROUNDING: f64 = 0.05;
