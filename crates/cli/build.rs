@@ -1,4 +1,4 @@
-//! Has the binary find libtorch, if it learns.
+//! Links libtorch into the binary, if the feature `learn` is on.
 
 #[path = "../learn/libtorch.rs"]
 mod libtorch;

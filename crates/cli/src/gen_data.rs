@@ -1,4 +1,4 @@
-//! `gen-data`: records of searches as training data.
+//! `gen-data`: recorded searches as training data.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use beadwork_console::{cancel, control, output, progress};
 use beadwork_dataset::{Config, Factory, ShardRange, generate};
 use serde_json::json;
 
-/// Write training data: records of searches in checked, resumable shards.
+/// Write training data: recorded searches, in files with checksums (shards).
 ///
 /// The same configuration gives the same bytes with any number of threads.
 /// The same command resumes an interrupted run.
@@ -39,9 +39,9 @@ pub(crate) struct Args {
     /// Threads; 0 for one per core.
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
-    /// Make only the I-th of N equal shard ranges.
-    /// All ranges in one folder give the same bytes as a whole run; the last one to end writes the
-    /// manifest.
+    /// Write only the I-th of N equal ranges of shards.
+    /// All ranges in one folder give the same bytes as one complete run; the range that ends last
+    /// writes the manifest.
     #[arg(long, value_name = "I/N", default_value_t = ShardRange::ALL)]
     shard: ShardRange,
     /// Print one JSON document.

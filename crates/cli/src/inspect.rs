@@ -1,4 +1,4 @@
-//! `inspect`: the contents of a dataset, and its check.
+//! `inspect`: shows and checks the contents of a dataset.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -126,7 +126,7 @@ fn listed_shards(dataset: &Dataset, folder: &Path) -> Vec<Shard> {
     shards.collect()
 }
 
-/// A shard without a manifest: all of its bytes are checked.
+/// Reads a shard without a manifest, and checks all of its bytes.
 fn read_shard(path: &Path) -> anyhow::Result<Shard> {
     let mut reader = open(path)?;
     let summary = reader.verify().with_context(|| format!("cannot read '{}'", path.display()))?;

@@ -21,10 +21,10 @@ pub(crate) struct InstanceArgs {
     /// default.
     #[arg(long, value_name = "NAME", conflicts_with = "image")]
     shape: Option<RegionShape>,
-    /// Number of zones; by default that of the layout.
+    /// Number of zones; the default depends on the layout.
     #[arg(long, value_name = "K", conflicts_with = "image")]
     zones: Option<u8>,
-    /// Side of an island or of a checkerboard block, in cells; by default that of the layout.
+    /// Side of an island or of a checkerboard block, in cells; the default depends on the layout.
     #[arg(long, value_name = "CELLS", conflicts_with = "image")]
     side: Option<u16>,
     /// PNG picture: each pixel is a cell, each colour a zone; transparent pixels lie outside.

@@ -30,7 +30,8 @@ use beadwork_console::output;
 use beadwork_lab::{bench, eval};
 use clap::{CommandFactory, Parser, Subcommand};
 
-/// Plans how a 3D printer's nozzle moves: fewer tool changes, fewer lifts, more even heat.
+/// Plans toolpaths of 3D printers with few tool changes and lifts, and simulates the temperatures
+/// of a print.
 #[derive(Parser)]
 #[command(version, name = "beadwork", propagate_version = true)]
 struct Cli {

@@ -30,7 +30,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pieces_are_told_apart() {
+    fn pieces_are_numbered() {
         let region = Region::from_mask(3, 2, vec![true, false, true, true, false, true]).unwrap();
         let path = Path::in_pieces(&region, vec![0, 3, 5, 2]).unwrap();
         assert_eq!(csv(&region, &path), "piece,x,y\n0,0,0\n0,0,1\n1,2,1\n1,2,0\n");

@@ -1,4 +1,4 @@
-//! Flags that say where a path starts and ends, and what its crossings cost.
+//! Flags that set where a path starts and ends, and what its crossings cost.
 
 use std::fs;
 use std::path::PathBuf;
@@ -41,7 +41,7 @@ impl FromStr for TerminalName {
 }
 
 impl TerminalName {
-    /// The terminal that it names in a region.
+    /// The terminal that the name stands for in a region.
     pub(crate) fn terminal(self, region: &Region) -> anyhow::Result<Terminal> {
         Ok(match self {
             Self::Any => Terminal::Any,
@@ -59,8 +59,8 @@ impl TerminalName {
     }
 }
 
-/// Reads the costs of crossings: one row for each zone stepped from, one number for each zone
-/// stepped to.
+/// Reads the cost matrix of crossings: the row is the zone before the crossing, the column the zone
+/// after it.
 /// Numbers are separated by commas or blanks; empty lines are ignored.
 pub(crate) fn read_costs(path: &PathBuf) -> anyhow::Result<CostMatrix> {
     let in_file = || format!("cannot read costs from '{}'", path.display());

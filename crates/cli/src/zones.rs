@@ -1,4 +1,4 @@
-//! `zones`: a path with few crossings for one layer.
+//! `zones`: finds a path with few zone crossings for one layer.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
@@ -26,6 +26,10 @@ use crate::path_file;
 use crate::terminals::{TerminalName, read_costs};
 
 /// Find a path with few zone crossings for one layer.
+///
+/// A zone is the part of a layer that consists of one material; a crossing is a step of the path
+/// from one zone to another, which costs a tool change.
+/// Flags whose help begins with the name of a method apply to that method only.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -58,8 +62,8 @@ pub(crate) struct Args {
     /// Exact: where the path ends: a cell X,Y, left, top, right, bottom or any.
     #[arg(long, value_name = "WHERE", default_value = "any")]
     end_at: TerminalName,
-    /// Exact: file with the cost of each crossing: one row per zone, one number per zone stepped
-    /// to.
+    /// Exact: file with the costs of crossings as a matrix: the row is the zone before the
+    /// crossing, the column the zone after it.
     #[arg(long, value_name = "FILE")]
     costs: Option<PathBuf>,
     /// Anneal: paper (default), short, medium, long, extra_long or fast.
@@ -75,25 +79,25 @@ pub(crate) struct Args {
     /// Fusion: maximum number of moves; 1000 by default.
     #[arg(long, value_name = "N")]
     budget: Option<usize>,
-    /// Start path: row_zigzag, column_zigzag, spiral, cover, or auto (the row zigzag where one
-    /// exists, otherwise the cover).
+    /// Start path: row_zigzag, column_zigzag, spiral, cover (few pieces, for any region), or auto
+    /// (the row zigzag where one exists, otherwise the cover).
     #[arg(long, value_name = "START", default_value = "auto")]
     start: StartChoice,
     /// Write the path as CSV: piece, x and y of each cell, in order.
     /// The JSON document always contains it.
     #[arg(long, value_name = "FILE")]
     path: Option<PathBuf>,
-    /// Draw the layer before and after.
+    /// Draw the layer with the start path and with the best path, as SVG.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
     /// Genetic: threads; 0 for one per core.
     /// The result does not depend on them.
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
-    /// Genetic: draw the crossings and the diversity of each generation.
+    /// Genetic: draw the crossings and the diversity of each generation, as SVG.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Exact: draw the steps of its first attempt.
+    /// Exact: draw the stages of the first attempt at each component, as SVG.
     #[arg(long, value_name = "FILE")]
     stages: Option<PathBuf>,
     /// Print one JSON document.
@@ -138,7 +142,7 @@ impl Args {
         if self.preset.is_some() && !matches!(method, MethodName::Anneal | MethodName::Genetic) {
             usage_error("--preset is for --method anneal and --method genetic");
         }
-        // A wrong preset is reported before any work.
+        // Reports an unknown preset before any work.
         match method {
             MethodName::Anneal => drop(self.preset(anneal::Preset::Paper)),
             MethodName::Genetic => drop(self.preset(genetic::Preset::Paper)),
@@ -146,7 +150,7 @@ impl Args {
         }
     }
 
-    /// The preset of the method that the flags name, or its default.
+    /// The preset that `--preset` names, or `default` if the flag is not given.
     fn preset<P: FromStr<Err: Display>>(&self, default: P) -> P {
         let Some(name) = &self.preset else { return default };
         name.parse().unwrap_or_else(|error: P::Err| {

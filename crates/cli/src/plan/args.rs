@@ -17,8 +17,9 @@ use clap::ValueEnum;
 ///
 /// Meshes are sliced into layers of cells one bead wide; every layer is covered by beads, and the
 /// order of beads and tools is chosen for the part as a whole.
-/// The G-code is checked from its text: it prints every cell once, with the tool of its material.
-/// What is proven optimal is so on the grid of cells: --phases and --bead-range try other grids.
+/// A lift is a break between two beads, followed by travel.
+/// The text of the G-code is checked: it prints every cell once, with the tool of its material.
+/// Proofs of optimality hold for one grid of cells; --phases and --bead-range try other grids.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -34,18 +35,18 @@ pub(crate) struct Args {
     pub(super) part: PartArgs,
     #[command(flatten)]
     pub(super) grid: GridArgs,
-    /// Objective: tools (tool changes, and lifts at the price of --lift-cost).
+    /// Objective to minimise: tools (purge volume of tool changes, plus --lift-cost for each lift).
     #[arg(long, value_name = "NAME")]
     pub(super) objective: Objective,
-    /// How layers may be printed: each the cheaper way (cheapest), without lifts wherever possible
-    /// (continuous), or tool by tool (free).
+    /// How layers are printed: in the fewest beads (continuous), tool by tool (free), or each layer
+    /// in whichever of these two ways makes the part cheaper (cheapest).
     #[arg(long, value_name = "MODE", default_value = "cheapest")]
     mode: ModeName,
     /// Cost of a lift, in mm³ of purged material.
     #[arg(long, value_name = "MM3", default_value_t = 2)]
     pub(super) lift_cost: u32,
-    /// Two tools, numbered from 0 as in the G-code: in every layer that uses both, the first one
-    /// prints first.
+    /// Print with tool A before tool B in every layer that uses both; tools are numbered from 0, as
+    /// in the G-code.
     /// Can be repeated.
     #[arg(long, value_name = "A:B")]
     before: Vec<Pair>,
@@ -55,8 +56,8 @@ pub(crate) struct Args {
     /// Use the tools in the same order in every layer.
     #[arg(long)]
     same_order: bool,
-    /// Also start each layer from the path of the layer below; of equally good paths, take the one
-    /// that shares more links with it (keep), or fewer (break).
+    /// Also start the search of each layer from the path of the layer below; of equally good paths,
+    /// take the one that repeats more of that path (keep), or less of it (break).
     #[arg(long, value_name = "RULE")]
     stacking: Option<StackingName>,
     #[command(flatten)]
@@ -65,7 +66,7 @@ pub(crate) struct Args {
     /// appended.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Draw some layers with their paths.
+    /// Draw up to six layers with their paths, as SVG.
     #[arg(long, value_name = "FILE")]
     pub(super) svg: Option<PathBuf>,
     /// Seed of all random choices.
@@ -123,12 +124,14 @@ impl FromStr for Pair {
 /// The files to write.
 pub(super) struct Files<'a> {
     pub(super) gcode: Option<&'a Path>,
-    /// Totals beside the G-code; `None` where that is a terminal or a pipe.
+    /// File for the totals, beside the G-code; `None` if the G-code goes to a terminal or a pipe.
     pub(super) totals: Option<PathBuf>,
 }
 
 impl Args {
-    /// The files to write; refuses, before any work, those that cannot be written.
+    /// The files to write.
+    ///
+    /// Reports a folder in place of a file before any work.
     pub(super) fn files(&self) -> anyhow::Result<Files<'_>> {
         let gcode = self.out.as_deref();
         let is_file = |path: &&Path| fs::metadata(path).map_or(true, |metadata| metadata.is_file());

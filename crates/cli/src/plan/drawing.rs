@@ -9,7 +9,7 @@ use beadwork_search::plan::tools::ToolPlan;
 /// Maximum number of layers drawn: two rows.
 const PANELS: usize = 6;
 
-/// Draws layers from bottom to top; equal neighbours are drawn once.
+/// Draws up to [`PANELS`] layers from bottom to top; of consecutive equal layers, only the lowest.
 pub(super) fn draw(part: &Part, plan: &ToolPlan, settings: &print::Settings) -> String {
     let layers: Vec<_> = part
         .layers

@@ -22,7 +22,7 @@ pub(crate) use args::Args;
 use args::Objective;
 use report::{Report, Seconds};
 
-/// Grids that are planned, of those that are screened.
+/// Maximum number of grids that are planned: the best ones of those that were screened.
 const PLANNED_GRIDS: usize = 4;
 
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
@@ -69,7 +69,9 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     if args.json { output::json(&document) } else { output::text(&report.summary(&files)) }
 }
 
-/// Plans the part on each of the grids; returns the first of the cheapest plans with its layers.
+/// Plans the part on each of the grids; returns the cheapest plan with its grid and its layers.
+///
+/// Of equally cheap plans, the first one wins.
 fn cheapest(
     args: &Args,
     cut: &CutPart,

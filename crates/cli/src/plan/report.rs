@@ -91,7 +91,7 @@ impl Report<'_> {
         value
     }
 
-    /// A few lines for people.
+    /// A few lines of text.
     pub(super) fn summary(&self, files: &Files<'_>) -> String {
         let mut text = String::new();
         self.write(&mut text, files).expect("writing to a string succeeds");

@@ -1,4 +1,4 @@
-//! Flags of `simulate`, and what they mean together.
+//! Flags of `simulate`, and the settings that they result in.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -65,7 +65,7 @@ pub(crate) struct Args {
     /// Without PART, the part consists of the voxels that its beads fill.
     #[arg(long, value_name = "FILE")]
     pub(super) gcode: Option<PathBuf>,
-    /// Share of the part's voxels that the program may leave out, 0 to 1; 0 by default.
+    /// Share of the part's voxels that the program may leave unprinted, 0 to 1; 0 by default.
     #[arg(
         long,
         value_name = "SHARE",
@@ -89,7 +89,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "C", allow_hyphen_values = true)]
     pub(super) nozzle_c: Option<f64>,
     /// Temperature of the build plate in °C, or none for an insulating plate; by default that of
-    /// the program, or 80, for PLA 60.
+    /// the program, or 80 for ABS and PETG, 60 for PLA.
     #[arg(long, value_name = "C", allow_hyphen_values = true)]
     pub(super) plate_c: Option<OrNone>,
     /// Temperature of the air, in °C.
@@ -111,10 +111,10 @@ pub(crate) struct Args {
     /// Continue this many seconds after the print, while it cools.
     #[arg(long, value_name = "S", value_parser = seconds, allow_hyphen_values = true)]
     pub(super) end_seconds: Option<f64>,
-    /// Write the measures of all layers as CSV.
+    /// Write the temperatures and other figures of all layers as CSV.
     #[arg(long, value_name = "FILE")]
     pub(super) csv: Option<PathBuf>,
-    /// Draw temperatures by layer, and maps of some layers at their ends.
+    /// Draw charts over the layers, and temperature maps of up to six layers at their ends, as SVG.
     #[arg(long, value_name = "FILE")]
     pub(super) svg: Option<PathBuf>,
     /// Draw the temperatures on a plane at the end: x=30 is 30 mm from the left side of the part, y
@@ -143,7 +143,7 @@ pub(crate) struct Args {
         allow_hyphen_values = true
     )]
     pub(super) probe_seconds: Option<f64>,
-    /// Report how long voxels were hotter than this temperature in °C; the glass transition of the
+    /// Report how long voxels stay above this temperature in °C; the glass transition of the
     /// material by default.
     /// Samples twice per printed second, which makes the simulation up to three times as slow.
     #[arg(
@@ -184,7 +184,7 @@ pub(super) enum MethodName {
 /// Value of `--time-above`.
 #[derive(Clone, Copy)]
 pub(super) enum Threshold {
-    /// That of the material.
+    /// The glass transition of the material.
     GlassTransition,
     /// A temperature in °C.
     Celsius(f64),
@@ -248,7 +248,7 @@ fn interval(text: &str) -> Result<f64, String> {
 }
 
 impl Args {
-    /// Refuses, before any work, flags that do not fit together and files that cannot be written.
+    /// Refuses, before any work, flags that contradict each other and folders in place of files.
     pub(super) fn check(&self) -> anyhow::Result<Option<Target>> {
         if self.accuracy.is_some() && self.method != MethodName::Fast {
             output::usage_error("--accuracy requires --method fast");
@@ -290,7 +290,8 @@ impl Args {
         }
     }
 
-    /// Process parameters: from the flags, else from the program, else the material's defaults.
+    /// Process parameters: from the flags, otherwise from the program, otherwise the material's
+    /// defaults.
     pub(super) fn process(
         &self,
         program: Temperatures,

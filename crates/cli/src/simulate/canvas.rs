@@ -1,12 +1,12 @@
-//! A picture of pixels, with rectangles and numbers.
+//! A raster picture on which rectangles and numbers are drawn.
 
-/// Size of a dot of a letter in pixels.
+/// Side of a dot of a character, in pixels.
 const DOT: usize = 3;
 
-/// Height of a letter in pixels.
+/// Height of a character, in pixels.
 pub(super) const HEIGHT: usize = 5 * DOT;
 
-/// Letters as five rows of three dots, the top row in the highest bits.
+/// Characters as five rows of three dots, with the top row in the highest bits.
 const LETTERS: [(char, u16); 15] = [
     ('0', 0b111_101_101_101_111),
     ('1', 0b010_110_010_010_111),
@@ -56,7 +56,8 @@ impl Canvas {
         }
     }
 
-    /// Writes digits, °C and signs in black from an upper left corner; other letters stay blank.
+    /// Writes text in black from its upper left corner; characters without an entry in [`LETTERS`]
+    /// stay blank.
     pub(super) fn write(&mut self, [x, y]: [usize; 2], text: &str) {
         for (number, letter) in text.chars().enumerate() {
             let dots =

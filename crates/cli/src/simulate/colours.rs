@@ -15,11 +15,13 @@ const STOPS: [[u8; 3]; 9] = [
     [240, 249, 33],
 ];
 
-/// Share of the hottest voxels that may exceed the scale: voxels just deposited are so hot that all
-/// others would look alike.
+/// Maximum share of voxels, the hottest ones, that may exceed the scale.
+/// Voxels that were just deposited are so hot that, on a scale that includes them, all others would
+/// look alike.
 const BEYOND: f64 = 0.005;
 
-/// Voxels exceed the scale only if they would make it longer by this factor.
+/// The hottest voxels exceed the scale only if including them would lengthen it by more than this
+/// factor.
 const STRETCH: f64 = 1.3;
 
 /// The range of temperatures of a colour scale, in °C.

@@ -10,7 +10,7 @@ use super::measures::LayerMeasures;
 /// Maximum number of layers drawn: two rows.
 const MAPS: usize = 6;
 
-/// The layers to draw, of `depth` layers.
+/// Numbers of the layers to draw, evenly spread over `depth` layers.
 pub(super) fn chosen(depth: usize) -> Vec<usize> {
     let count = depth.min(MAPS);
     (0..count).map(|map| if count > 1 { map * (depth - 1) / (count - 1) } else { 0 }).collect()
@@ -84,7 +84,7 @@ viewBox="0 0 {width} {whole}">
     ))
 }
 
-/// The height that an SVG states first.
+/// The height that the root element of an SVG states.
 fn height(svg: &str) -> u32 {
     let stated = svg.split_once(" height=\"").and_then(|(_, rest)| rest.split_once('"'));
     stated.and_then(|(height, _)| height.parse().ok()).expect("every SVG states its height")

@@ -1,4 +1,4 @@
-//! Temperatures on a plane as pictures.
+//! Pictures of the temperatures on a plane.
 
 use std::fmt::Write;
 

@@ -10,8 +10,9 @@ pub(super) fn size_mm(part: &Voxels) -> [f64; 3] {
     [width * frame.cell_mm, height * frame.cell_mm, depth * frame.layer_mm]
 }
 
-/// x, y and z of the voxel at a position in the bounding box, whether it belongs to the part or
-/// not; `None` outside of the box.
+/// x, y and z of the voxel at a position in the bounding box; `None` outside the box.
+///
+/// The voxel need not belong to the part.
 ///
 /// A face between two voxels belongs to the one farther right, back or up; the outer faces of the
 /// box belong to the voxels inside.

@@ -1,4 +1,4 @@
-//! Positions in a part whose temperature is recorded.
+//! Positions in a part at which the temperature is recorded.
 
 use std::fmt::{self, Write};
 use std::str::FromStr;
@@ -47,8 +47,9 @@ impl Probe {
     }
 }
 
-/// A CSV row for each sample: its time, and the temperature at each probe, empty until its voxel is
-/// deposited.
+/// CSV with a row for each sample: its time, and the temperature at each probe.
+///
+/// Temperatures are empty until the voxel of the probe is deposited.
 pub(super) fn csv(positions: &[Probe], probes: &Probes) -> String {
     let mut text = "seconds".to_owned();
     for Probe([x, y, z]) in positions {

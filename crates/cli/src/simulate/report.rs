@@ -94,8 +94,10 @@ impl Report<'_> {
         })
     }
 
-    /// A CSV row for each layer; the columns `ground_..` hold the substrate temperatures, and are
-    /// empty for layers on the plate.
+    /// CSV with a row for each layer.
+    ///
+    /// The columns `ground_..` contain the substrate temperatures; they are empty for layers on the
+    /// plate.
     pub(super) fn csv(&self) -> String {
         let mut text =
             "layer,voxels,mean_c,std_c,min_c,max_c,print_seconds,hot_spots,ground_mean_c,\
@@ -126,7 +128,7 @@ impl Report<'_> {
         text
     }
 
-    /// A table of layers, and a few lines on the whole print.
+    /// A table of layers, and a few lines about the whole print.
     pub(super) fn summary(&self) -> String {
         let mut text = String::new();
         self.write(&mut text).expect("writing to a string succeeds");

@@ -10,10 +10,12 @@ use beadwork_thermal::{DepositionEvent, Simulation, ThermalMaterial};
 use serde::Serialize;
 
 /// Seconds between samples of the warpage estimate and of the time above a temperature.
-/// Estimates with different intervals cannot be compared, so it is the same for all prints.
+/// Estimates with different intervals cannot be compared, so the interval is the same for all
+/// prints.
 const INTERVAL_S: f64 = 0.5;
 
-/// A time closer to a multiple of the interval than this share of it counts as equal.
+/// Tolerance of times, as a share of the interval: a time this close to a multiple of the interval
+/// counts as that multiple.
 const ROUNDING: f64 = 1e-9;
 
 /// The measures that sample a print.
@@ -72,8 +74,8 @@ impl Samplers {
     }
 
     /// Runs deposition events and samples them.
-    /// Without samplers they run uninterrupted, since samples cut the long steps of the fast
-    /// method.
+    /// Without samplers they run uninterrupted, because samples would cut the long steps of the
+    /// fast method and make it slower.
     pub(super) fn run(
         &mut self,
         simulation: &mut Simulation,
@@ -134,7 +136,7 @@ fn stopped() -> anyhow::Error {
 
 impl TimeAboveSummary {
     fn of(above: &TimeAbove, part: &Voxels) -> Self {
-        // It is 0 outside of the part, which changes neither the maximum nor the sum.
+        // The time is 0 outside the part, which changes neither the maximum nor the sum.
         let longest_s = above.seconds().iter().copied().fold(0.0, f64::max);
         let mean_s = above.seconds().iter().sum::<f64>() / part.count() as f64;
         Self { above_c: above.above_c(), longest_s, mean_s }

@@ -88,7 +88,9 @@ pub(super) enum Target {
 }
 
 impl Target {
-    /// The target that a flag names, for this number of sections; a usage error ends the process.
+    /// The target that `--section-out` names, for a number of sections.
+    ///
+    /// Ends the process with a usage error if the target does not fit.
     pub(super) fn new(path: &Path, sections: usize) -> Self {
         if path.is_dir() {
             return Self::Folder(path.to_owned());

@@ -160,18 +160,19 @@ fn stated_mm(program: &Program) -> [Option<f64>; 2] {
 
 fn part_of(program: &Program) -> anyhow::Result<Voxels> {
     let [Some(cell_mm), Some(layer_mm)] = stated_mm(program) else {
-        bail!("no bead width and layer height in its comments: name the part too");
+        bail!("no bead width and layer height in the comments: name the part, too");
     };
     let part = control::quiet(Threads::One, |control| {
         program_voxels(program, cell_mm, layer_mm, control)
     })??;
     match (0..part.depth).find(|&layer| part.cells(layer).next().is_none()) {
-        Some(layer) => Err(anyhow!("layer {} is empty: name the part too", layer + 1)),
+        Some(layer) => Err(anyhow!("layer {} is empty: name the part, too", layer + 1)),
         None => Ok(part),
     }
 }
 
-/// Explains an error if the program was made for other cells.
+/// Replaces an error by its cause if the program has another bead width or layer height than the
+/// part.
 fn explain(error: anyhow::Error, program: &Program, part: &Voxels) -> anyhow::Error {
     let Frame { cell_mm, layer_mm, .. } = part.frame;
     let differs = |stated: Option<f64>, given: f64| stated.filter(|mm| (mm - given).abs() > 1e-6);

@@ -1,4 +1,4 @@
-//! `train fusion`: the network that proposes moves of a layer's path.
+//! `train fusion`: trains the network that proposes moves of a layer's path.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ pub(crate) struct Args {
     /// Seed; overrides the configuration.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Device that computes.
+    /// Device to train on: cpu, or cuda for the first graphics card.
     #[arg(long, value_name = "DEVICE", default_value = "cpu", value_parser = ["cpu", "cuda"])]
     device: String,
     /// Print one JSON document at the end.
@@ -53,8 +53,7 @@ pub(crate) struct Args {
     json: bool,
 }
 
-/// Built-in configurations: one that takes seconds; that of the committed weights, which takes an
-/// hour; and the paper's with f = 48, which takes days.
+/// Names and texts of the built-in configurations.
 const PRESETS: [(&str, &str); 3] = [
     ("smoke", include_str!("../../../../configs/train/fusion-smoke.toml")),
     ("small", include_str!("../../../../configs/train/fusion-small.toml")),
@@ -163,7 +162,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         }
         if let Err(error) = log.write(event) {
             failed.get_or_insert(error);
-            // A training without logs is of little use: stop it rather than waste hours.
+            // Results of a run without logs cannot be judged, so stop early.
             cancel.cancel();
         }
     };

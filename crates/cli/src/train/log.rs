@@ -15,7 +15,8 @@ const STEPS: &str = "step,examples,loss,rate,gradient\n";
 const EVALUATIONS: &str = "step,loss,layout,examples,top_1,top_5,action\n";
 
 /// The logs of one run.
-/// Each event is in the tables when `write` returns, and so before the checkpoint that follows it.
+///
+/// An event is in the tables when `write` returns, so the tables are never behind a checkpoint.
 pub(super) struct Log {
     folder: PathBuf,
     steps: BufWriter<File>,
@@ -84,7 +85,8 @@ impl Log {
         Ok(())
     }
 
-    /// Removes the lines of steps that will be repeated, and a partial last line.
+    /// Removes a partial last line and the lines of all steps after `steps`, which the resumed run
+    /// repeats.
     fn forget_after(&mut self, steps: u64) -> anyhow::Result<()> {
         for (name, table) in
             [("steps.csv", &mut self.steps), ("evaluations.csv", &mut self.evaluations)]

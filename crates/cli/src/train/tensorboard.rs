@@ -12,7 +12,7 @@ pub(super) struct Events<W> {
 }
 
 impl<W: Write> Events<W> {
-    /// Starts a file with the version record that every file starts with.
+    /// Starts a file by writing the version record, with which every file begins.
     /// `now` is in seconds since 1970.
     pub(super) fn new(out: W, now: f64) -> io::Result<Self> {
         let mut events = Self { out };
