@@ -33,7 +33,7 @@ use strands::Strands;
 /// The bound is at least as high as the one from chessboard colours: since a path alternates
 /// between black and white cells, a component with d more black than white cells needs d pieces.
 ///
-/// Cost: that of a maximum flow, nearly linear in the grid's cells on usual parts.
+/// Takes the time of a maximum flow, which is nearly linear in the grid's cells on usual parts.
 /// Progress counts cells of the region.
 pub fn piece_bound(region: &Region, control: &Control<'_>) -> Result<u32, Interrupted> {
     let matching = TwoMatching::maximum(region, control, region.cell_count() as usize)?;
@@ -47,7 +47,7 @@ pub fn piece_bound(region: &Region, control: &Control<'_>) -> Result<u32, Interr
 /// one, but not always the minimum.
 /// The same region always gives the same path.
 ///
-/// Cost: that of [`piece_bound`], plus a random search that rewrites at most 6000 n cells of a
+/// Takes the time of [`piece_bound`], plus a random search that rewrites at most 6000 n cells of a
 /// region of n cells, and at most 64 n + 60 million: seconds on the largest regions.
 /// Progress counts cells of the matching, then cells rewritten; it jumps to the end if the search
 /// reaches the bound early.

@@ -24,7 +24,7 @@
 //! - A **crossing** is a link of a path between two zones ([`Crossings`]).
 //! - A **unit cell** is a square of 2 x 2 cells, named by its top-left cell, the **corner**.
 //! - A [`Switch`] takes two parallel links of a unit cell out of a path and puts in the other two.
-//!   It is the smallest change that leaves every cell as many links as before.
+//!   It is the smallest change that keeps the number of links of every cell.
 //! - A [`Variant`] is one of the twelve moves of Aali et al., each of which is two switches: a
 //!   **flip** of unit cells side by side, or a **transpose** of unit cells that touch at a corner.
 //!

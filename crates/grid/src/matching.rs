@@ -1,4 +1,4 @@
-//! Maximum simple 2-matchings of a region: sets of as many links as possible with at most two at
+//! Maximum simple 2-matchings of a region: sets of the maximum number of links with at most two at
 //! each cell.
 //!
 //! # What they are good for

@@ -9,9 +9,9 @@
 //! 2. The r links that are removed cut the path into r + 1 **runs** of consecutive positions.
 //!    Inside a run nothing changes, so only its two ends matter.
 //! 3. The r links that are added join ends of runs.
-//!    A switch leaves every cell as many links as it had, hence every end at a cut is joined to
-//!    exactly one other end, and only the first end of the first run and the last end of the last
-//!    run stay free.
+//!    A switch keeps the number of links of every cell, so every end at a cut is joined to exactly
+//!    one other end.
+//!    Only the first end of the first run and the last end of the last run stay free.
 //! 4. Start at the first run and follow: leave a run at one end, enter the run that this end is
 //!    joined to, leave that one at its other end, and so on, until the last run is reached.
 //!    If all runs were visited on the way, the result is one path.
