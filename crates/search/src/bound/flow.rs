@@ -20,14 +20,14 @@ pub(crate) fn cheapest(board: &Board) -> (TwoMatching<'_>, u32) {
     (matching, pieces)
 }
 
-/// Lower bound on the cost of a cover with a given number of pieces, at least as many as necessary,
-/// wherever they begin and end.
+/// Lower bound on the cost of a cover with a given number of pieces, wherever they begin and end.
+/// The number must not be below the minimum.
 pub(crate) fn min_cost(board: &Board, pieces: u32) -> u64 {
     cheapest_with_pieces(board, pieces).cost() as u64
 }
 
-/// The cheapest 2-matching with as many links as a cover with `pieces` pieces has, or the maximum
-/// number if that is lower.
+/// The cheapest 2-matching with the number of links of a cover with `pieces` pieces, or with the
+/// maximum number of links if that is lower.
 fn cheapest_with_pieces(board: &Board, pieces: u32) -> TwoMatching<'_> {
     let mut matching = TwoMatching::inside_zones(board, LadderLayout::default());
     matching.remove_links_inside(2 * pieces, |_| 0);

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | [`components`] | each zone component is visited at least once |
 //! | flow | a path is a 2-matching, and the cheapest one is a minimum-cost flow |
-//! | segments | a component that one stretch of path can't fill is visited more often |
+//! | segments | a component that one stretch of path cannot fill is visited several times |
 //! | scattering | between components that touch only a few hubs, a path crosses to a hub and back |
 //! | walk | a path visits the components one after the other, from neighbour to neighbour |
 //! | connectivity | a path needs a link that no cheapest 2-matching has |
@@ -36,8 +36,8 @@ pub fn components(region: &Region, zones: &Zones, pieces: u32) -> u32 {
     zone_components(region, zones).count().saturating_sub(pieces)
 }
 
-/// Proven lower bounds for one layer: on the pieces of any path that covers it, and on the
-/// crossings of any path with as many pieces as that.
+/// Proven lower bounds for one layer: on the number of pieces of any path that covers it, and on
+/// the crossings of any path with exactly that number of pieces.
 ///
 /// Each is a sum over the connected components of the region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,7 +45,7 @@ pub struct Bounds {
     /// Bound on the pieces: for each component half the number of links that the cells of a maximum
     /// 2-matching lack, and at least 1.
     pub pieces: u32,
-    /// Crossings of the cheapest 2-matching with as many links as a path has.
+    /// Crossings of the cheapest 2-matching with the number of links that a path has.
     pub flow: u32,
     /// Minimum number of segments, the stretches of a path inside one zone component, minus the
     /// pieces.

@@ -1,8 +1,8 @@
 //! Beam search for the best chain that begins with a given variant.
 //!
 //! All chains of one length are extended together.
-//! Of their extensions, the most promising ones are kept, the *beam*; a chain is promising if its
-//! cost is low and its last move lies near a unit cell where the cost can change.
+//! The most promising of their extensions, the *beam*, are kept; a chain is promising if its cost
+//! is low and its last move lies near a unit cell where the cost can change.
 //! Different chains often lead to the same links, for example when two independent moves are
 //! exchanged; only the first chain to reach them is extended.
 //!
@@ -71,7 +71,7 @@ impl Extent {
         overlap(self.x, other.x) && overlap(self.y, other.y)
     }
 
-    /// Extends it to all windows that can overlap that of a variant.
+    /// Extends it to all windows that can overlap the window of a variant.
     fn include_overlapping(&mut self, placed: PlacedVariant) {
         let include = |range: &mut [u16; 2], at: u16| {
             range[0] = range[0].min(at.saturating_sub(OVERLAP));
@@ -115,7 +115,7 @@ impl<'a, C: Cost> Grower<'a, C> {
     pub(super) fn grow(&self, links: &mut Links, first: PlacedVariant) -> (Option<Chain>, Extent) {
         let mut nodes = vec![self.node(first, None, 0, 0)];
         let mut front = vec![0];
-        // The hash 0 is that of the links before the chain.
+        // The links before the chain have the hash 0.
         let mut seen = HashSet::from([0, nodes[0].hash]);
         // Node, length and gain of the best chain.
         let mut best: Option<(usize, usize, i64)> = None;

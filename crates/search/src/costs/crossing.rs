@@ -61,7 +61,7 @@ impl<'a> CrossingCosts<'a> {
     }
 }
 
-/// The greatest common divisor; that of 0 and another number is the other number.
+/// The greatest common divisor, by Euclid's algorithm; if one number is 0, it is the other number.
 fn greatest_common_divisor(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }

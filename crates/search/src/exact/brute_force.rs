@@ -111,7 +111,7 @@ impl Search<'_> {
         seen.contains(&to)
     }
 
-    /// Updates the best cost by that of a complete cover, if its ends are as required.
+    /// Updates the best cost with a complete cover, if its ends are as required.
     fn finish(&mut self) {
         let Problem { zones, costs, start, end, .. } = *self.problem;
         let mut total = 0;

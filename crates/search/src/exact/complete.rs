@@ -11,7 +11,7 @@
 //! 5. [`merge_at_any_cost`]: join what is left by switches that may cost something.
 //!
 //! A 2-matching of n cells with n - p links consists of exactly p paths and any number of cycles: a
-//! path has one link less than cells, a cycle has as many.
+//! path has one link fewer than cells, a cycle has the same number of both.
 //! All steps keep the number of links, so once no cycle is left, the paths are a cover with p
 //! pieces.
 //! A cycle that is still left is cut open and costs one more piece.

@@ -9,7 +9,7 @@
 //!
 //! # Number of pieces
 //! `target` starts at the minimum, 1 or 2, and only rises.
-//! It rises when no 2-matching has as many links, or none has room at the given ends.
+//! It rises when no 2-matching has that many links, or none has room at the given ends.
 //! Both prove that more pieces are needed, unless room was missing only because of the cells chosen
 //! among several possible ends.
 //! It also rises when attempts fail to find a cover with as few pieces: after the second one if a
@@ -240,8 +240,9 @@ impl ComponentSearch<'_> {
 
     /// The cheapest 2-matching for `target` pieces that has room at one cell for the start and one
     /// for the end, where these are restricted.
-    /// If they can be chosen among several cells, also the cheapest one without that restriction,
-    /// from which the bounds start.
+    /// It is the second of the results.
+    /// The first is the cheapest 2-matching without room at ends that can be chosen among several
+    /// cells, from which the bounds start; `None` if there are no such ends.
     ///
     /// Raises `target` until there is such a 2-matching.
     /// Sets the flow bound if no bound is known yet and the board is the component's own.

@@ -105,7 +105,7 @@ pub(super) fn insert_cheapest(
         }
     }
     let Some((_, (node, dir))) = best else { return false };
-    // The path search remembers only its last path, so search again for that of the best link.
+    // The path search remembers only its last path, so find the path of the best link again.
     if !is_last {
         paths.insertion_cost(matching, node, dir, ShortestPaths::UNLIMITED);
     }

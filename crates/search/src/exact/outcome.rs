@@ -33,7 +33,8 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Whether it is proven that no path has fewer pieces, and none with as many pieces costs less.
+    /// Whether it is proven that no path has fewer pieces, and no path with the same number of
+    /// pieces costs less.
     pub fn is_optimal(&self) -> bool {
         self.pieces == self.piece_bound && self.cost <= self.bound
     }

@@ -166,9 +166,10 @@ impl Solver<'_> {
                 choice.add(self.component(number, start, end));
             }
             // The bound of each component holds for the pieces that were found for it.
-            // If these are more than proven necessary, another cover with as many pieces in all may
-            // have the surplus pieces in another component, where they could save crossings.
-            // So each component is bounded with the whole surplus.
+            // If these are more than proven necessary, another cover with the same total number of
+            // pieces may have the surplus pieces in another component, where they could save
+            // crossings.
+            // So the bound of each component allows it the whole surplus.
             let surplus = choice.pieces - choice.piece_bound;
             if surplus > 0 && self.boards.len() > 1 {
                 let max_pieces =
@@ -179,7 +180,9 @@ impl Solver<'_> {
                     .sum();
             }
             // Cutting a cover into more pieces costs nothing, so a bound for more pieces also holds
-            // for fewer, and the minimum over all choices holds for the best one.
+            // for fewer.
+            // Therefore the minimum over all choices is a bound for the best one, whatever their
+            // numbers of pieces.
             piece_bound = piece_bound.min(choice.piece_bound);
             bound = bound.min(choice.bound);
             if best

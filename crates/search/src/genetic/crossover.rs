@@ -18,7 +18,8 @@ pub enum Crossover {
     /// The genes of one parent, with a random range replaced by the genes of the other.
     TwoPoint,
     /// The moves of one parent outside a random window of the grid and those of the other inside
-    /// it, each in their own order, as many as fit.
+    /// it.
+    /// Both keep their order; moves beyond the length of an individual are dropped.
     ///
     /// Whether a variant applies depends only on the links near it, and crossings are links.
     /// So the child has the crossings of one parent inside the window and those of the other
@@ -85,8 +86,8 @@ impl Window {
         Self { left, top, columns: right - left, rows: bottom - top, width }
     }
 
-    /// Whether the first cell of a gene lies in the window: that of a variant's window, or of a
-    /// pair's first switch.
+    /// Whether a gene lies in the window, judged by one cell: the top-left cell of a variant, or
+    /// the corner of a pair's first switch.
     #[inline]
     fn contains(&self, gene: Move) -> bool {
         let (x, y) = match gene {

@@ -99,8 +99,8 @@ pub(super) struct Replay<'a, S, C> {
 }
 
 impl<'a, S: State, C: Cost> Replay<'a, S, C> {
-    /// Prepares replays of lists of `length` genes from `state`, which is that of `start`; each of
-    /// them keeps this number of snapshots.
+    /// Prepares replays of lists of `length` genes from `state`, the state of the path `start`;
+    /// each replay keeps `snapshots` snapshots.
     pub(super) fn new(
         state: &'a S,
         start: &Path,
@@ -202,8 +202,8 @@ impl<'a, S: State, C: Cost> Replay<'a, S, C> {
     }
 }
 
-/// Number of snapshots of each replay, for a population of this size: as many as fit into 256 MB,
-/// up to a maximum.
+/// Number of snapshots of each replay, for a population of this size: the number that fits into 256
+/// MB, up to a maximum.
 pub(super) fn snapshots(state: &impl State, population: usize) -> usize {
     /// The paper's crossover cuts after 60 % of the genes, which is one of these positions.
     const MAX_SNAPSHOTS: usize = 9;

@@ -17,7 +17,7 @@ use crate::random::{below, unit};
 use crate::stop::Goal;
 use crate::{Cost, Move, Stop};
 
-/// Evolves a population whose moves are replayed on `state`, which is that of `start`.
+/// Evolves a population whose moves are replayed on `state`, the state of the path `start`.
 pub(super) fn run<C: Cost + Sync, S: State>(
     state: &S,
     start: &Path,

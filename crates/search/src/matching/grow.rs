@@ -24,8 +24,9 @@
 //!     after:   B---w   b---w   b---W       One link more in all; w and b have as many as before.
 //!    ```
 //!
-//! The next phase finds longer paths only, so there are at most as many phases as different path
-//! lengths, which are small sums of costs.
+//! The next phase finds longer paths only.
+//! So the number of phases is at most the number of different path lengths, which are sums of a few
+//! costs.
 //!
 //! # Time
 //! A phase is linear in the cells, apart from the searches for its paths.

@@ -1,5 +1,5 @@
-//! Cheapest 2-matchings: sets of links with at most two at each cell, as many as required, with
-//! crossings of minimum cost.
+//! Cheapest 2-matchings: sets of a given number of links, at most two at each cell, with crossings
+//! of minimum cost.
 //!
 //! # Why
 //! A path through n cells in p pieces has n - p links, at most two at each cell.
@@ -40,7 +40,7 @@
 //! The *reduced cost* of an arc from u to v is cost + potential(u) - potential(v).
 //! Around a cycle the potentials cancel, so the reduced costs sum to the cost.
 //! If no arc has a negative reduced cost, no cycle has a negative cost, and the flow is optimal.
-//! Such potentials are the *dual certificate* of the flow.
+//! Such potentials are a *dual certificate*: a proof that the flow is optimal.
 //! They also allow shortest paths to be found by Dijkstra's method, which needs costs that are not
 //! negative.
 //!

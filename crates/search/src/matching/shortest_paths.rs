@@ -1,8 +1,8 @@
 //! Cheapest exchanges of links, found as shortest paths in the residual graph.
 //!
 //! # Problems
-//! All three change an optimal 2-matching into another that is optimal under one more condition,
-//! with as many links:
+//! All three change an optimal 2-matching into another one with the same number of links, which is
+//! optimal under one more condition:
 //!
 //! - [`ShortestPaths::insertion_cost`] and [`insert`](ShortestPaths::insert): it contains a given
 //!   link.

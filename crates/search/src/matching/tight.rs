@@ -1,7 +1,7 @@
 //! Links that occur in some cheapest 2-matching of one size.
 //!
 //! An arc of the residual graph is *tight* if its reduced cost is 0. By complementary slackness,
-//! two cheapest 2-matchings with as many links differ by cycles of tight arcs: the cycles' reduced
+//! two cheapest 2-matchings of the same size differ by cycles of tight arcs: the cycles' reduced
 //! costs sum to 0, and none is negative.
 //! Conversely, exchanging along any cycle of tight arcs gives another cheapest 2-matching.
 //! So a link occurs in some cheapest 2-matching exactly if it is in the present one, or its arc is
@@ -32,7 +32,7 @@ impl TightClasses {
         self.class[node as usize]
     }
 
-    /// Whether a cell has room in some cheapest 2-matching with as many links as this one.
+    /// Whether a cell has room in some cheapest 2-matching of the same size.
     ///
     /// A cell gets room by the arc that takes a link from it, to the source or from the sink.
     pub(crate) fn may_have_room(&self, matching: &TwoMatching<'_>, node: Node) -> bool {

@@ -8,7 +8,7 @@ use super::ladders::{LadderLayout, as_below, ladders};
 /// A set of links of a board, at most two at each cell, with a potential for each cell.
 ///
 /// Invariant: every arc of the residual graph has a reduced cost of at least 0 (see
-/// [`matching`](super)), so no 2-matching with as many links costs less.
+/// [`matching`](super)), so no 2-matching with the same number of links costs less.
 /// Two operations break it.
 /// Inserting a link that costs something leaves its arc with a negative reduced cost, until
 /// [`TwoMatching::lock`] takes that arc out of the residual graph.
@@ -150,9 +150,9 @@ impl<'a> TwoMatching<'a> {
         self.cost() + self.board.cells.iter().map(surcharge_of).sum::<i64>()
     }
 
-    /// Reduced cost of the arc from black to white along the link from a cell, of either colour, in
-    /// a direction: that of inserting the link.
-    /// Removing it costs the negative.
+    /// Reduced cost of inserting the link from a cell, of either colour, in a direction: that of
+    /// the arc from black to white.
+    /// Removing the link costs the negative.
     #[inline]
     pub(crate) fn reduced_cost(&self, node: Node, dir: Dir) -> i32 {
         let other = self.board.neighbour(node, dir);

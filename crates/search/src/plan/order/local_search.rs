@@ -139,7 +139,7 @@ fn reverse_segments(problem: &Problem, order: &mut [usize], sums: &mut Sums) -> 
     for i in 1..end {
         let mut members = Members::default();
         for l in i + 1..=end {
-            // Constraints within the segment forbid its reversal, and that of longer ones.
+            // Constraints within the segment forbid reversing it and every longer one.
             if problem.earlier[order[l - 1]].intersects(members) {
                 break;
             }

@@ -59,7 +59,9 @@ const MAX_EXACT: usize = 12;
 /// An interrupted call returns the best plan so far, with the reason in [`ToolOrder::stop`].
 /// Progress counts different sets of tools.
 /// It takes O(d 2^k k³ + l k²) steps for l layers of at most k <= 12 tools with d different sets
-/// among them, and as many again for the bounds.
+/// among them.
+/// This doubles if a detour over another tool is cheaper than a direct change, because the bound
+/// then needs tables of its own.
 /// Works on `control.threads`; the result does not depend on them.
 ///
 /// # Layers of more than 12 tools
@@ -74,7 +76,7 @@ const MAX_EXACT: usize = 12;
 /// that it takes some seconds and a few hundred MB at most.
 /// The result is then the best permutation of a local search that moves one tool at a time; it
 /// obeys all constraints, but [`ToolOrder::is_optimal`] may be false, and [`ToolOrder::once_bound`]
-/// is that of the plans without one permutation.
+/// is the bound for plans that need not follow one permutation.
 pub fn order(
     layers: &[Vec<u8>],
     costs: &CostMatrix,

@@ -14,7 +14,7 @@ pub enum PlanError {
     /// There are no layers.
     #[error("no layers to plan")]
     NoLayers,
-    /// The grid of a layer has another size than that of the first one.
+    /// The grid of a layer differs in size from the first layer's grid.
     #[error(
         "layer {layer}: grid is {} x {} cells, the first layer's is {} x {}",
         .got[0], .got[1], .expected[0], .expected[1]

@@ -32,7 +32,7 @@ use crate::plan::order::{Constraints, OrderError, Solution, fixed_order_cost, or
 /// [`ToolPlan::order`] bounds the tool costs of every plan.
 ///
 /// Progress counts layers.
-/// The time is that of [`crate::exact::solve`] for each different layer and that of
+/// Takes the time of [`crate::exact::solve`] for each different layer, plus that of
 /// [`order`](crate::plan::order()).
 /// Works on `control.threads`, which do not change the result; stacked layers wait for the layer
 /// below.
