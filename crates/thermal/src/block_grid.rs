@@ -40,7 +40,7 @@ pub(crate) struct Block {
 const LATERAL_COARSENING: usize = 2;
 
 /// Largest coarsening factor along z.
-/// Higher blocks would blur the steep vertical profile below the nozzle.
+/// Taller blocks would blur the steep vertical profile below the nozzle.
 const MAX_VERTICAL_COARSENING: usize = 8;
 
 impl BlockGrid {

@@ -57,8 +57,9 @@ pub(crate) mod face {
 ///   Together this is exactly a face without conduction.
 /// - The build plate lies half a voxel below the centres of the lowest layer.
 ///   The usual ghost value for such a Dirichlet boundary is 2 θ(plate) - θ.
-///   Its constant part, 2 θ(plate), is stored in a layer of ghost voxels; its other part, -θ, adds
-///   one more `vertical` to the diagonal, which so contains twice the vertical conductance.
+///   Its constant part, 2 θ(plate), is stored in a layer of ghost voxels.
+///   Its other part, -θ, adds a second `vertical` to the diagonal, as if the plate conducted twice
+///   as well as a neighbour.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Coefficients {
     /// Conductance to each neighbour in the same layer, 1/s.
@@ -124,7 +125,8 @@ pub(crate) struct VoxelCoefficients {
 /// Too small to change a temperature, but not 0, which would mark the voxel as inactive.
 const ISOLATED: f32 = -1e-30;
 
-/// Rounds both conductances so that every sum of those of one voxel is exact in single precision.
+/// Rounds both conductances so that every sum of conductances of one voxel is exact in single
+/// precision.
 ///
 /// Both become multiples of one power of two, chosen such that even four lateral and four vertical
 /// conductances together are at most 2²⁴ times as large: then no sum needs more than the 24 bits of
@@ -133,8 +135,8 @@ const ISOLATED: f32 = -1e-30;
 ///
 /// Without this, the diagonal of a voxel would differ in its last digit from the sum of what its
 /// neighbours receive.
-/// That is a source of heat in every voxel and every step, and over the hundred thousand steps of a
-/// print it adds up.
+/// That would be a small heat source in every voxel and every step, and over the hundred thousand
+/// steps of a print it would add up.
 fn round_for_exact_sums(conductances: [f64; 2]) -> [f64; 2] {
     let [lateral, vertical] = conductances;
     let max_sum = 4.0 * lateral + 4.0 * vertical;
@@ -197,8 +199,8 @@ impl Coefficients {
                 conduction + h * exposed
             };
             voxel.diagonal = ISOLATED.min(-decay as f32);
-            // Gershgorin's circle theorem: no eigenvalue of the Jacobian is larger than the
-            // diagonal plus the sum of the off-diagonal coefficients of some row.
+            // Gershgorin's circle theorem: no eigenvalue of the Jacobian is larger in magnitude
+            // than the maximum, over all rows, of the sum of the row's absolute coefficients.
             // The slope of radiation, 4 ε σ T³ for each area, is largest at the hottest
             // temperature.
             let loss_slope =

@@ -25,7 +25,7 @@ impl DepositionEvent {
 /// The events of a layer that is printed in a given order: one for each cell, and a pause for each
 /// travel move between cells that are not neighbours.
 ///
-/// A cell takes its width over [`ProcessParameters::print_mm_s`].
+/// Depositing a cell takes its width divided by [`ProcessParameters::print_mm_s`].
 /// Travel moves are straight lines between centres of cells, at [`ProcessParameters::travel_mm_s`].
 /// The nozzle starts at `from`, the last cell that was deposited before; with `None`, it starts at
 /// the first cell of the order.

@@ -139,7 +139,7 @@ mod tests {
     use super::*;
     use crate::testing::{half_printed, stairs};
 
-    /// Sizes of groups, rising, by a slow method: each voxel takes the smallest label of its
+    /// Sizes of groups, ascending, by a slow method: each voxel takes the smallest label of its
     /// neighbours until no label changes.
     fn slow_sizes(simulation: &Simulation, layers: Range<u32>, above_c: f64) -> Vec<usize> {
         let frame = simulation.part().frame;

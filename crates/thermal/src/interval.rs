@@ -23,7 +23,8 @@ impl Interval {
     ///
     /// Only the first of them has the birth, and only the last completes an event.
     pub(crate) fn split(self, max_s: f64) -> impl Iterator<Item = Self> {
-        // Rounding must not turn a whole number of limits into one more.
+        // The tolerance keeps rounding errors from adding an interval where `seconds` is a multiple
+        // of the limit.
         let count = (self.seconds / max_s - 1e-6).ceil().max(1.0);
         (0..count as usize).map(move |i| Self {
             born: self.born && i == 0,

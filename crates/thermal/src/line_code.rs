@@ -23,8 +23,8 @@ pub(crate) enum LineKind {
 
 impl LineCode {
     pub(crate) const EMPTY: Self = Self(0);
-    /// All neighbours but not the voxel itself: no active voxel has these bits, so the value is
-    /// free.
+    /// The bits of six active neighbours without the voxel's own active bit.
+    /// Only active voxels have bits set, so no voxel has this value.
     pub(crate) const MIXED: Self = Self(face::ALL);
 
     /// The code of a line whose voxels have these [`face`] bits.

@@ -24,7 +24,7 @@ pub(crate) struct VoxelChange {
 pub(crate) struct Occupancy {
     shape: Shape,
     faces: Vec<u8>,
-    /// The same counted in blocks.
+    /// Numbers of deposited voxels and of their faces in each block.
     block_grid: BlockGrid,
     /// Substrate temperature of each voxel: θ of the voxel below just before this one was deposited
     /// on it, K; NaN without one.
@@ -45,7 +45,7 @@ impl Occupancy {
         }
     }
 
-    /// Deposited voxels and faces, counted in blocks.
+    /// Numbers of deposited voxels and of their faces in each block.
     pub(crate) fn block_grid(&self) -> &BlockGrid {
         &self.block_grid
     }

@@ -17,15 +17,15 @@ pub struct ProcessParameters {
     pub ambient_c: f64,
     /// Convective heat transfer coefficient, W/(m² K), at least 0.
     pub convection_w_m2k: f64,
-    /// Print speed, mm/s, more than 0: a voxel takes its width over this speed.
+    /// Print speed, mm/s, more than 0: depositing a voxel takes its width divided by this speed.
     pub print_mm_s: f64,
     /// Speed of travel moves between voxels that are not neighbours, mm/s; `None` for travel that
     /// takes no time.
     pub travel_mm_s: Option<f64>,
     /// Whether heat has to cross half a voxel before it leaves the surface.
     ///
-    /// The paper's scheme, which is the default, takes the temperature at a voxel's centre for that
-    /// of its surface and so overestimates the loss.
+    /// The paper's scheme, which is the default, uses the temperature at a voxel's centre as that
+    /// of its surface, and therefore overestimates the loss.
     /// With the surface resistance, a surface at distance d from the centre passes h / (1 + h d /
     /// k) instead of h, for convection and radiation together.
     pub surface_resistance: bool,

@@ -24,7 +24,7 @@ impl LayerReport {
     /// Measures a simulation at the end of a layer that took `print_seconds`; `None` if no voxel of
     /// the layer is deposited.
     ///
-    /// Costs some passes over all deposited voxels, far less than to simulate the layer.
+    /// Costs some passes over all deposited voxels, far less than simulating the layer.
     pub fn of(
         simulation: &Simulation,
         layer: u32,

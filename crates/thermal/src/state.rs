@@ -76,7 +76,7 @@ impl OccupancyMut<'_> {
         *self.top = (*self.top).max(position[2] + 1);
     }
 
-    /// Active voxels and faces, counted in blocks.
+    /// Numbers of active voxels and of their faces in each block.
     pub(crate) fn block_grid(&self) -> &BlockGrid {
         self.occupancy.block_grid()
     }

@@ -60,8 +60,9 @@ fn cut(events: &[DepositionEvent], mut seconds: f64) -> Vec<DepositionEvent> {
     cut
 }
 
-/// An interrupted run is one that ends earlier: compares it with a run of the events up to there,
-/// and goes on.
+/// Interrupts a run, compares it with a run of the events up to the interruption, and deposits the
+/// rest.
+/// Returns false if the run ended before the interruption.
 #[track_caller]
 fn assert_valid(print: &Print, method: Method, polls: usize) -> bool {
     let mut interrupted = print.empty(method);
@@ -72,7 +73,8 @@ fn assert_valid(print: &Print, method: Method, polls: usize) -> bool {
     let total_s: f64 = print.events.iter().map(|event| event.seconds).sum();
     assert!((0.0..total_s).contains(&seconds), "{seconds}");
 
-    // Deposited are the first voxels, and none after the present time.
+    // The voxels deposited so far are the first ones of the events, and none is due after the
+    // present time.
     let deposited = |voxel| interrupted.temperature_c(voxel).is_some();
     let births: Vec<_> = print.events.iter().filter_map(|event| event.voxel).collect();
     let count = births.iter().take_while(|&&voxel| deposited(voxel)).count();

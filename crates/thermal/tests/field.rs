@@ -71,7 +71,8 @@ fn a_field_that_was_read_is_restored_to_the_bit() {
     }
 }
 
-/// The simulation stores differences from the air, which may be smaller than °C can represent.
+/// The simulation stores differences from the air temperature; very small ones are rounded when
+/// they are converted to °C.
 #[test]
 fn temperatures_near_that_of_the_air_are_restored_nearly() {
     for seed in 0..8 {

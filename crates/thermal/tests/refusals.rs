@@ -51,7 +51,7 @@ fn refused(call: impl Fn(&mut Simulation) -> DepositError, expected: &DepositErr
         assert_eq!(format!("{error:?}"), format!("{expected:?}"), "{method:?}");
         assert_eq!(bits(&simulation), bits(&untouched), "{method:?}");
         assert_eq!(simulation.seconds().to_bits(), untouched.seconds().to_bits());
-        // Nor does it show later.
+        // Later events give the same bits, too: no hidden state has changed.
         for simulation in [&mut simulation, &mut untouched] {
             run(simulation, &[born([2, 0, 0]), DepositionEvent::pause(1.0), born([2, 0, 1])]);
         }

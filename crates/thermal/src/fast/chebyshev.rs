@@ -23,8 +23,9 @@
 //! (RKC: Sommeijer, Shampine and Verwer, J. Comput. Appl. Math. 88 (1998) 315-326, which is also
 //! the source of ε = 2/13).
 //! The cost of a step therefore grows with the square root of its length.
-//! The price is accuracy for fast modes: |P| oscillates between 1/3 and 0.95 where e^z is nearly 0.
-//! A fast mode that contains much heat would take several steps to disappear, which is why shorter
+//! The price is accuracy for fast modes: where e^z nearly vanishes, P oscillates between 1/3 and
+//! 0.95 instead.
+//! A fast mode with a large amplitude would take several steps to disappear, which is why shorter
 //! steps are taken wherever heat is new (`stepper.rs`).
 //!
 //! # In factors
@@ -32,13 +33,13 @@
 //! The usual implementation of RKC is a recurrence over stages, which stores several of them.
 //! Here P is split into quadratic factors 1 + a z + b z², one for each conjugate pair of its roots,
 //! and each factor is one sweep in place ([`crate::kernel::TwoStageSweep`] with
-//! [`crate::kernel::Quadratic`]) that needs no earlier stage.
+//! [`crate::kernel::Quadratic`]), for which no earlier stage has to be stored.
 //! The DUMKA methods of Lebedev and Medovikov are products of such factors too (Medovikov, BIT 38
 //! (1998) 372-390).
 //!
 //! For the linear part of the equation the product of the factors is P itself.
-//! For radiation, which is not linear, the order stays two: there is only one condition of second
-//! order, and it is the coefficient of z².
+//! With radiation the equation is not linear, but the order stays two: an autonomous equation has
+//! only one condition of second order, the coefficient of z².
 //!
 //! The limit of this form is **internal stability**: the whole product is at most 1, but a partial
 //! product need not be.
@@ -78,9 +79,13 @@ const FITTED_STABLE_TO: f64 = 73.0;
 /// The fitted polynomial: of all second-order polynomials of degree 12 that are stable to 73, the
 /// nearest to e^z in a weighted maximum norm.
 ///
-/// The weight of a mode is how much of it is left where such a step is used, around births of a
-/// quarter of a step ago, times the number of steps for which an error lasts.
-/// `docs/bench/step_polynomial.py` computes it by Lawson's algorithm and prints these numbers.
+/// The weight of the error at z is e^(z/4) / (1 - e^z), but at least 0.1.
+/// Such a step is used where the youngest heat is a quarter of a step old, so a mode has already
+/// decayed by e^(z/4) when the step begins.
+/// An error persists for about 1 / (1 - e^z) steps.
+/// The lower limit covers steep gradients of older heat.
+/// `docs/bench/step_polynomial.py` computes the polynomial by Lawson's algorithm and prints these
+/// factors.
 /// Its weighted error is less than a fifth of that of the shifted Chebyshev polynomial that is
 /// stable equally far.
 const FITTED: [Factor; 6] = [
@@ -126,8 +131,9 @@ impl Polynomial {
         }
         let s = stages as f64;
         let w0 = 1.0 + EPSILON / (s * s);
-        // T(w) = cosh(s u) with w = cosh u, for w > 1; hence T'(w) = s sinh(s u) / sinh u, and so
-        // on.
+        // For w > 1, T(w) = cosh(s u) with w = cosh u.
+        // Its derivatives follow: T'(w) = s sinh(s u) / sinh u, and T''(w) by differentiating once
+        // more.
         let u = libm::acosh(w0);
         let (sinh_u, cosh_u) = (libm::sinh(u), libm::cosh(u));
         let value = libm::cosh(s * u);
@@ -151,15 +157,17 @@ impl Polynomial {
                 Factor { a: -2.0 * re / square, b: 1.0 / square }
             })
             .collect();
-        // The order of the factors.
-        // They are sorted by now: the roots of the first are nearest to 0, so it damps slow modes
-        // and lets fast ones grow most; the roots of the last are at the far end of the stable
-        // range, so it damps the fastest modes.
-        // Factors from the far end alternate with those from the near end, so that modes that one
-        // of them lets grow are damped by the next.
-        // The first factor comes last: by then, little is left of the modes that it lets grow.
-        // Otherwise temperatures in between would be so high that radiation, a cubic polynomial,
-        // diverges.
+        // Choose the order of the factors.
+        // At this point they are sorted by their roots.
+        // The roots of the first factor are nearest to 0: it damps slow modes and amplifies fast
+        // ones more than any other factor.
+        // The roots of the last factor are at the far end of the stable range: it damps the fastest
+        // modes.
+        // Factors from the far end alternate with those from the near end, so that a factor damps
+        // the modes that its neighbours amplify.
+        // The first factor is applied last, when little is left of the modes that it amplifies.
+        // With it earlier, intermediate temperatures would be so high that radiation, a cubic
+        // polynomial, diverges.
         let last = factors.remove(0);
         let fast = factors.split_off(factors.len().div_ceil(2));
         let mut mixed = Vec::with_capacity(stages / 2);

@@ -22,10 +22,10 @@ use super::nested::{HaloSource, NestedPatch};
 use super::stepper::FastStepper;
 use super::window::Window;
 
-/// Length of the blocks' partial steps, in the longest steps on voxels.
+/// Maximum length of a substep of the blocks, in longest steps of the level below.
 ///
-/// The fluxes across the border are constant within one of them.
-const VOXEL_STEPS_PER_PART: f64 = 2.0;
+/// The fluxes across the border are constant within a substep.
+const VOXEL_STEPS_PER_SUBSTEP: f64 = 2.0;
 
 impl FastStepper {
     /// Steps the whole part through intervals that fit into one step of a level on blocks.
@@ -54,11 +54,11 @@ impl FastStepper {
         near.copy_window(region.window(block_grid, whole.patch.shape), whole.patch);
         far.add_change(1.0, &mut near, region, block_grid, coefficients);
         let halo = FluxHalo::close(&mut near, whole.patch, region, block_grid, coefficients);
-        let part_s = VOXEL_STEPS_PER_PART * self.levels[level - 1].seconds;
-        let parts = (seconds / part_s).ceil() as usize;
+        let substep_s = VOXEL_STEPS_PER_SUBSTEP * self.levels[level - 1].seconds;
+        let substeps = (seconds / substep_s).ceil() as usize;
         let fluxes =
-            step_blocks(far, intervals, seconds, parts, region, block_grid, coefficients, top);
-        let source = HaloSource::Fluxes { halo: &halo, parts: &fluxes };
+            step_blocks(far, intervals, seconds, substeps, region, block_grid, coefficients, top);
+        let source = HaloSource::Fluxes { halo: &halo, substeps: &fluxes };
         let mut finer = NestedPatch::new(&mut near, whole.applied, source, seconds);
         self.advance(&mut finer, occupancy, coefficients, level - 1, intervals)
             .expect("a window is not interrupted");
@@ -66,7 +66,8 @@ impl FastStepper {
         whole.apply(&self.buffers.changes, coefficients);
         // The halo holds fluxes, which must not be summed up as temperatures.
         halo.clear(&mut near);
-        // Births have changed the block grid; new blocks start without a pending change.
+        // Births have changed the block grid.
+        // A block that gets its first voxels here starts without a pending change.
         let (block_grid, far) = (occupancy.block_grid(), &mut self.buffers.far);
         far.restrict(&near, region, block_grid, coefficients, occupancy.top());
         far.add_change(-1.0, &mut near, region, block_grid, coefficients);
@@ -86,27 +87,28 @@ impl FastStepper {
     }
 }
 
-/// Steps the blocks through some intervals, which take `seconds` together, in equal parts, and
-/// returns the fluxes across a region's border in each part.
+/// Steps the blocks through some intervals, which take `seconds` together, in equal substeps, and
+/// returns the fluxes across a region's border in each of them.
 #[expect(clippy::too_many_arguments, reason = "the step, and what all steps on blocks need")]
 fn step_blocks(
     far: &mut FarField,
     mut intervals: &[Interval],
     seconds: f64,
-    parts: usize,
+    substeps: usize,
     region: Region,
     block_grid: &BlockGrid,
     coefficients: &Coefficients,
     top: usize,
 ) -> Vec<BorderFluxes> {
     let border: Vec<_> = region.border(block_grid).collect();
-    let part_s = seconds / parts as f64;
+    let substep_s = seconds / substeps as f64;
     let mut time = 0.0;
-    let mut step_part = |end: usize| {
-        // An interval belongs to the part that contains its midpoint, even if it is longer.
+    let mut take_substep = |end: usize| {
+        // An interval belongs to the substep that contains its midpoint, even if it is longer than
+        // that.
         let now = intervals.iter().take_while(|interval| {
             let midpoint = time + interval.seconds / 2.0;
-            let within = end == parts || midpoint < end as f64 * part_s;
+            let within = end == substeps || midpoint < end as f64 * substep_s;
             time += if within { interval.seconds } else { 0.0 };
             within
         });
@@ -114,18 +116,18 @@ fn step_blocks(
         intervals = later;
         let births = now.iter().filter(|interval| interval.born);
         let sources: Vec<_> = births
-            .filter_map(|birth| birth_source(far, birth, part_s, block_grid, coefficients))
+            .filter_map(|birth| birth_source(far, birth, substep_s, block_grid, coefficients))
             .collect();
         sources.iter().for_each(|&(block, rate)| far.add_source(block, rate));
-        let fluxes = far.step(part_s, &border, block_grid, coefficients, top);
+        let fluxes = far.step(substep_s, &border, block_grid, coefficients, top);
         sources.iter().for_each(|&(block, rate)| far.add_source(block, -rate));
         fluxes
     };
-    (1..=parts).map(&mut step_part).collect()
+    (1..=substeps).map(&mut take_substep).collect()
 }
 
-/// The source of heat that a birth is to the blocks: which block, and its rate over a time, K
-/// voxels/s.
+/// Heat source that stands for a birth in a step of the blocks: the flat index of the block, and
+/// the rate, K voxels/s, when the heat is spread over `seconds`.
 ///
 /// The block is the voxel's own, or the one below if its own has no voxels yet.
 /// `None` if neither has voxels, as on the empty plate.
@@ -142,8 +144,9 @@ fn birth_source(
         .filter(|&z| z > 0)
         .map(|z| block_grid.block_of([x, y, z]))
         .find_map(|block| Some((block, far.mean_theta(block)?)))?;
-    // A held voxel gives heat without getting colder: during the interval about its conductance to
-    // the voxel below and to one or two neighbours in the layer, in addition to its own heat.
+    // The nozzle holds the voxel at its birth temperature, so the part gains more than the voxel's
+    // own heat: also what the voxel conducts, during the interval, to the voxel below and to one or
+    // two neighbours in the layer (1.5 on average).
     let conductance = coefficients.vertical + 1.5 * coefficients.lateral;
     let held = 1.0 + conductance * birth.seconds as f32;
     Some((block, held * (coefficients.birth_theta - theta) / seconds as f32))
@@ -184,7 +187,7 @@ mod tests {
             vec![pause(seconds)],
             [&[pause(0.1 * seconds)], &many[..20], &[pause(0.7 * seconds)]].concat(),
         ];
-        for parts in 1..=5 {
+        for substeps in 1..=5 {
             let ends = [&many].into_iter().chain(&cases).map(|intervals| {
                 let mut far = FarField::default();
                 far.begin(patch, block_grid, &coefficients, top);
@@ -192,18 +195,18 @@ mod tests {
                     &mut far,
                     intervals,
                     seconds,
-                    parts,
+                    substeps,
                     region,
                     block_grid,
                     &coefficients,
                     top,
                 );
-                assert_eq!(fluxes.len(), parts);
+                assert_eq!(fluxes.len(), substeps);
                 let blocks = 0..block_grid.shape.len();
                 blocks.map(|block| far.mean_theta(block)).collect::<Vec<_>>()
             });
             let ends: Vec<_> = ends.collect();
-            assert!(ends.iter().all(|end| *end == ends[0]), "in {parts} parts");
+            assert!(ends.iter().all(|end| *end == ends[0]), "in {substeps} substeps");
         }
     }
 }

@@ -31,11 +31,12 @@ pub(super) struct Level {
     pub(super) method: StepMethod,
     /// Length of the longest step, s.
     pub(super) seconds: f64,
-    /// Shorter steps are taken around all voxels that were born within this time before the step,
-    /// s, or are born in it, ...
+    /// Age up to which births count as recent, s: shorter steps are needed around all voxels that
+    /// were born within this time before the step, or are born in it.
     pub(super) age_s: f64,
-    /// ... in a box with this margin in voxels, in x and y, and in z.
-    /// On blocks at least two, so that births do not change the voxels at the border.
+    /// Margins of the box around these voxels in which shorter steps are taken, in voxels: in x and
+    /// y, and in z.
+    /// At least two for steps on blocks, so that births do not change the voxels at the border.
     pub(super) margins: [usize; 2],
 }
 
@@ -54,10 +55,10 @@ const BLOCK_STAGES: f64 = 1.0;
 impl Level {
     /// Age up to which births count as recent in a pause, s: at least two of the longest steps.
     ///
-    /// While voxels are deposited, each new birth keeps a window around those shortly before it, so
-    /// a short age suffices.
-    /// In a pause nothing does, and the first long step would meet differences of temperature that
-    /// it hardly damps.
+    /// While voxels are deposited, the window of each new birth also covers those shortly before
+    /// it, so a short age suffices.
+    /// In a pause there are no new births, and the first long step would meet steep temperature
+    /// differences, which it hardly damps.
     pub(super) fn pause_age_s(&self) -> f64 {
         self.age_s.max(2.0 * self.seconds)
     }
@@ -70,7 +71,7 @@ impl Level {
         }
     }
 
-    /// Cost of a second in steps of full length, in sweeps over the voxels.
+    /// Cost of simulating one second in steps of full length, in sweeps over the voxels.
     pub(super) fn stages_per_second(&self) -> f64 {
         self.stages() / self.seconds
     }

@@ -4,8 +4,8 @@
 //!
 //! Behind the nozzle temperatures change within milliseconds, a few millimetres away within
 //! seconds, and farther away within minutes.
-//! The naive scheme takes the shortest step everywhere; this stepper takes, at each place, steps as
-//! long as the changes there allow.
+//! The naive scheme takes the shortest step everywhere; this stepper takes longer steps wherever
+//! temperatures change slowly.
 //! It combines four methods:
 //!
 //! - **Local time stepping** (multi-rate integration) on nested boxes, as in adaptive mesh
@@ -24,20 +24,23 @@
 //! Every kind of step is second order in its length, and so is the interpolation at the borders of
 //! windows.
 //! Two approximations remain.
-//! Outside its window, a long step does not know of the births that happen in it, so the first heat
-//! that would cross the border is late; **margins** make that heat small.
+//! A long step does not know of the births within it, so outside its window the first heat of these
+//! births arrives one step late.
+//! Wide **margins** around the births keep that heat small.
 //! Heat that is older than the **age** of a level counts as smooth enough for its long step.
 //! Both are chosen for maximum errors of 1 to 2 K (RMS 0.03 K), or of 0.3 to 0.5 K (RMS 0.01 K)
 //! ([`Accuracy`]).
 //!
-//! What is late at the border of a window is lost: about 0.02 % of the heat moved in a print
-//! (`tests/energy.rs` allows 0.1 %).
+//! The heat of births that reaches the border of a window within a step is lost: about 0.02 % of
+//! the heat moved in a print (`tests/energy.rs` allows 0.1 %).
 //! The border of a far-field region loses nothing.
 //!
 //! # Cost
 //!
-//! Per birth, about that of the region around the births of the last ten seconds, whatever the size
-//! of the part; plus a few per cent for the blocks.
+//! On a large part, a birth costs about as much as the region around recent births, whatever the
+//! size of the part, plus a few per cent for the blocks.
+//! Recent births are those of about the last three steps on blocks, half a minute for the paper's
+//! ABS.
 //! An order that jumps about has larger windows and costs more, but is as accurate.
 
 mod chebyshev;

@@ -10,23 +10,24 @@ use crate::run_control::RunControl;
 
 use super::far::{BorderFluxes, FluxHalo};
 
-/// A patch somewhere within a step of what is around it.
+/// A patch that has been stepped through a fraction of a longer step of its surroundings.
 ///
 /// Its halo is the boundary condition of its shorter steps.
 /// Where the surroundings are a patch that has taken the long step already, the halo is
-/// interpolated linearly between both ends of that step (coarse-fine interface of local time
-/// stepping), and for each shorter step it stands at the step's midpoint.
-/// That is second order in time, like the steps themselves.
+/// interpolated linearly in time between both ends of that step (coarse-fine interface of local
+/// time stepping).
+/// Each shorter step uses the halo at its midpoint, which is second order in time, like the steps
+/// themselves.
 pub(super) struct NestedPatch<'a> {
     pub(super) patch: &'a mut Patch,
     /// Number of the run's changes that are applied to the patch.
     pub(super) applied: usize,
     source: HaloSource<'a>,
-    /// Length of the step of the surroundings, s, ...
+    /// Length of the step of the surroundings, s.
     outer_s: f64,
-    /// ... and how much of it the patch has been stepped through.
+    /// Time within that step up to which the patch has been stepped, s.
     done_s: f64,
-    /// Position in that step at which the halo stands, from 0 to 1.
+    /// Time to which the halo is interpolated, as a fraction of that step.
     halo_at: f64,
     /// Control of the call, if the patch is the whole part.
     run: Option<&'a RunControl<'a>>,
@@ -37,10 +38,10 @@ pub(super) struct NestedPatch<'a> {
 pub(super) enum HaloSource<'a> {
     /// The halo is constant: that of the whole part.
     Constant,
-    /// The temperatures of the patch around, which is at the end of its step.
+    /// The temperatures of the surrounding patch, which is at the end of its step.
     Patch(&'a Patch),
-    /// Fluxes across a closed border: one for each of several equal parts of the step.
-    Fluxes { halo: &'a FluxHalo, parts: &'a [BorderFluxes] },
+    /// Fluxes across a closed border, one set for each of several equal substeps.
+    Fluxes { halo: &'a FluxHalo, substeps: &'a [BorderFluxes] },
 }
 
 impl<'a> NestedPatch<'a> {
@@ -62,8 +63,8 @@ impl<'a> NestedPatch<'a> {
     /// Returns an error if the call should end before a step of `stages` stages; rows of the part
     /// from `top` on are empty.
     ///
-    /// Never returns one for a window: while a window is stepped, the rest of the part is ahead of
-    /// it, so the part is not in a state that could be kept.
+    /// Never returns an error for a window: while a window is stepped, the rest of the part is
+    /// ahead of it in time, which is not a valid state to stop in.
     pub(super) fn poll(&self, stages: usize, top: usize) -> Result<(), Interrupted> {
         let updates = stages * self.patch.shape.row_len * self.patch.shape.planes * top;
         self.run.map_or(Ok(()), |run| run.poll(updates))
@@ -79,8 +80,8 @@ impl<'a> NestedPatch<'a> {
         }
     }
 
-    /// Moves the halo to the midpoint of the next step, which takes `seconds`; the next call is for
-    /// the step after that.
+    /// Moves the halo to the midpoint of the next step, which takes `seconds`.
+    /// Must be called once for each step, in order.
     /// Rows of the part from `top` on are empty.
     pub(super) fn advance_halo(&mut self, seconds: f64, top: usize) {
         let to = (self.done_s + seconds / 2.0) / self.outer_s;
@@ -88,15 +89,15 @@ impl<'a> NestedPatch<'a> {
         match self.source {
             HaloSource::Constant => {}
             HaloSource::Patch(outer) => {
-                // The halo holds h = old + p (new - old) at position p, and is to hold the same at
-                // position q.
-                // That is h + (q - p) / (1 - p) (new - h), so the old values are not needed.
+                // At time p, the halo holds h = old + p (new - old).
+                // At time q it must hold old + q (new - old), which equals h + (new - h) (q - p) /
+                // (1 - p): the old values are not needed.
                 let fraction = (to - self.halo_at) / (1.0 - self.halo_at);
                 self.patch.advance_halo(outer, fraction as f32, top);
             }
-            HaloSource::Fluxes { halo, parts } => {
-                let part = (to * parts.len() as f64) as usize;
-                halo.set(self.patch, &parts[part.min(parts.len() - 1)]);
+            HaloSource::Fluxes { halo, substeps } => {
+                let substep = (to * substeps.len() as f64) as usize;
+                halo.set(self.patch, &substeps[substep.min(substeps.len() - 1)]);
             }
         }
         self.halo_at = to;

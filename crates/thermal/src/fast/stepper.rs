@@ -1,10 +1,10 @@
 //! The recursion over levels of time steps.
 //!
-//! Each level divides a time into groups of births that fit into one of its steps, and takes for
-//! each group, on a given patch:
+//! Each level divides a span of time into groups of births that fit into one of its steps.
+//! For each group, on a given patch:
 //!
-//! 1. The **window** around all births of the group, and around recent ones that are still too
-//!    sharp for this step, is copied.
+//! 1. The **window** around all births of the group, and around recent ones whose heat is still too
+//!    concentrated for this step, is copied.
 //! 2. The **long step** is taken on the whole patch, as if nothing were born in it.
 //!    Far from all births this is accurate; inside the window it is not.
 //! 3. The copy is taken through the same time by the **next lower level**, in shorter steps, while
@@ -19,12 +19,12 @@
 //! ```
 //!
 //! A window that would not save time is left out: the level below then steps the whole patch.
-//! So every order of births is computed with the same steps near the nozzle, and only the cost
-//! depends on how far apart they are.
+//! So the steps near the nozzle are the same for every order of births; only the cost depends on
+//! how far apart consecutive births are.
 //!
-//! Patches learn of births by a list of changes, from which each applies what it does not have yet
+//! Births are recorded in a list of changes, and each patch applies those that it does not have yet
 //! (`crate::occupancy`).
-//! A patch around a window applies them after its long step.
+//! The patch around a window applies them after its long step.
 
 use beadwork_base::Interrupted;
 
@@ -41,21 +41,22 @@ use super::level::{Accuracy, Level, StepMethod, levels};
 use super::nested::{HaloSource, NestedPatch};
 use super::window::Window;
 
-/// Most intervals that share one list of changes, which bounds its length.
+/// Maximum number of intervals that share one list of changes, which bounds its length.
 const INTERVALS_PER_RUN: usize = 4096;
 
 /// Cost of copying a window and writing it back, in sweeps over its voxels.
 const COPY_STAGES: f64 = 3.0;
 
-/// The same for a region of the far field, whose blocks have to be restricted and interpolated too.
+/// Cost of copying a region of the far field and writing it back, in sweeps over its voxels: its
+/// blocks have to be restricted and interpolated, too.
 const REGION_STAGES: f64 = 20.0;
 
-/// Fewest voxels, halo included, for which steps on blocks are worth their error: for smaller parts
-/// they save a negligible time.
+/// Minimum number of voxels, halo included, for steps on blocks: on smaller parts, the time they
+/// save is not worth their error.
 const MIN_BLOCK_VOXELS: usize = 1 << 18;
 
-/// Fraction of the time without a window that the time with it must stay below: each window costs
-/// some accuracy.
+/// Maximum cost of a step with a window, relative to that without: each window costs some accuracy,
+/// so it must save at least 20 % of the time.
 const MAX_WINDOW_COST: f64 = 0.8;
 
 /// Steps a part in several levels of time steps.
@@ -69,7 +70,7 @@ pub(crate) struct FastStepper {
     history: Vec<([usize; 3], f64)>,
     /// Time since the stepper was created, s.
     pub(super) now: f64,
-    /// Voxels, halo included, from which on steps on blocks are taken.
+    /// Minimum number of voxels, halo included, for steps on blocks.
     pub(super) min_block_voxels: usize,
     pub(super) buffers: Buffers,
 }
@@ -217,7 +218,7 @@ impl FastStepper {
         });
         nested.advance_halo(seconds, occupancy.top());
         self.step(nested.patch, occupancy, coefficients, level, seconds, None);
-        // Only one of the two advances `now`: the recursion does it at its lowest level.
+        // With a window, the lowest level of the recursion advances `now`.
         if let Some(mut inner) = inner {
             let source = HaloSource::Patch(&*nested.patch);
             let mut finer = NestedPatch::new(&mut inner, nested.applied, source, seconds);
@@ -243,7 +244,7 @@ impl FastStepper {
         intervals: &[Interval],
     ) -> Result<(), Interrupted> {
         let seconds = interval::total_seconds(intervals);
-        // Once for all of them: within these few births, the halo hardly changes.
+        // Once for all intervals: during these few births, the halo hardly changes.
         nested.advance_halo(seconds, occupancy.top());
         for interval in intervals {
             nested.poll(self.levels[0].stages() as usize, occupancy.top())?;
@@ -276,8 +277,8 @@ impl FastStepper {
         held: Option<usize>,
     ) {
         // The first empty row, counted in this patch.
-        // A window around the first birth of a layer may lie above all that is printed so far, if
-        // that birth has nothing below it.
+        // If the first birth of a layer has nothing below it, its window may lie above everything
+        // printed so far: hence the lower limit.
         let top = occupancy.top().saturating_sub(patch.origin[2]).clamp(1, patch.shape.rows - 1);
         let StepMethod::Voxels(polynomial) = &self.levels[level].method else {
             unreachable!("steps on blocks are taken by `step_composite`")
@@ -292,9 +293,9 @@ impl FastStepper {
         }
     }
 
-    /// The window of a patch that has to be stepped in shorter steps than one of a level through
-    /// some intervals, which take `seconds` together; `None` if the long step is accurate
-    /// everywhere.
+    /// The window of a patch in which one step of a level, through `intervals`, is not accurate;
+    /// `None` if it is accurate everywhere.
+    /// The intervals take `seconds` together.
     fn window(
         &self,
         patch: &Patch,
@@ -314,8 +315,8 @@ impl FastStepper {
         Window::around(births, level.margins, patch, top)
     }
 
-    /// Whether a long step of a patch and shorter ones of a window cost less than shorter ones of
-    /// the whole patch, in voxels times sweeps.
+    /// Whether a long step of a patch with shorter steps in a window costs sufficiently less than
+    /// shorter steps of the whole patch, in voxels times sweeps.
     fn saves_time(&self, window: Window, patch: &Patch, level: usize, seconds: f64) -> bool {
         let (long, short) =
             (&self.levels[level], self.levels[level - 1].stages_per_second() * seconds);

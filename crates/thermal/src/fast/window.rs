@@ -2,8 +2,8 @@
 //!
 //! A window is a rectangular box, aligned to cache lines in x, so that copies and sweeps work on
 //! whole lines.
-//! Its outermost voxels are its halo: they keep the temperatures of the patch around it, and are
-//! moved along with them ([`Patch::advance_halo`]).
+//! Its outermost voxels are its halo: they hold temperatures of the surrounding patch, interpolated
+//! in time ([`Patch::advance_halo`]).
 
 #![expect(
     clippy::inline_always,
@@ -102,8 +102,10 @@ impl Patch {
 
     /// Turns this patch into a copy of a window of another one.
     ///
-    /// The halo gets temperatures only: its coefficients are unspecified in rows that are halo as a
-    /// whole, which sweeps skip, and mark the ends of the other rows as inactive.
+    /// The halo gets temperatures only.
+    /// Rows that lie in the halo as a whole are skipped by sweeps, so their coefficients are
+    /// unspecified.
+    /// At the ends of all other rows, the coefficients mark the halo voxels as inactive.
     pub(super) fn copy_window(&mut self, window: Window, outer: &Self) {
         let Window { origin, shape } = window;
         let (row_len, len) = (shape.row_len, shape.len());
@@ -194,7 +196,7 @@ impl WithSimd for AdvanceHalo<'_> {
                     *own = s.mul_add_f32s(fractions, s.sub_f32s(outer, *own), *own);
                 }
             } else {
-                // Fused like the vectors above, for the same bits.
+                // A fused multiply-add, as in the vectors above, so that both give the same bits.
                 for i in [0, row_len - 1] {
                     own[i] = fraction.mul_add(outer[i] - own[i], own[i]);
                 }

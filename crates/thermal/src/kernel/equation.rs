@@ -117,8 +117,8 @@ impl<'a, S: Simd> Stencil<'a, S> {
 
 /// Loss to the air by convection and radiation.
 ///
-/// Whether surfaces have a resistance is a constant parameter, so that the common case pays neither
-/// for the branch nor for the two divisions.
+/// Whether surfaces have a resistance is a const generic parameter, so that the common case pays
+/// neither for the branch nor for the two divisions.
 struct SurfaceLoss<'a, S: Simd, const RESISTANCE: bool> {
     simd: S,
     radiation: [S::f32s; 4],
@@ -181,8 +181,9 @@ impl<'a, S: Simd, const RESISTANCE: bool> SurfaceLoss<'a, S, RESISTANCE> {
             return s.negate_mul_add_f32s(radiated, exposed_area, diagonal);
         }
         // h / (1 + h d / k) for sides, and for top and bottom.
-        // In the linearised equation this puts the slope of h in place of h, which is not the exact
-        // derivative of the fraction; h d / k is a few per cent.
+        // In the linearised equation, `h` is the derivative of h(θ) θ instead of h.
+        // That is not the exact derivative of the fraction, but the difference is small, because h
+        // d / k is a few per cent.
         let [side, top_bottom] = self.resistance;
         let h = s.add_f32s(radiated, self.convection);
         let one = s.splat_f32s(1.0);
@@ -256,7 +257,7 @@ impl<'a, S: Simd, const RESISTANCE: bool> HeatEquation<'a, S, RESISTANCE> {
         self.stencil.simd.sub_f32s(self.stencil.lateral, self.stencil.lateral)
     }
 
-    /// The coefficients that all voxels with the given [`crate::coefficients::face`] bits share.
+    /// The coefficients of voxels with the given [`crate::coefficients::face`] bits, in all lanes.
     #[inline(always)]
     pub(super) fn uniform_coefficients(&self, faces: u8) -> [S::f32s; 3] {
         let VoxelCoefficients { diagonal, exposed_area, top_bottom_area } =

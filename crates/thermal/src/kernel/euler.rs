@@ -21,7 +21,7 @@ pub(crate) struct EulerSweep<'a> {
     pub(crate) arrays: &'a CoefficientArrays,
     pub(crate) from: &'a [f32],
     pub(crate) to: &'a mut [f32],
-    /// First row of each plane without a voxel: rows from here on are left alone.
+    /// First row of each plane without a voxel: rows from here on are not changed.
     pub(crate) top: usize,
     /// Length of the step, s.
     pub(crate) seconds: f32,

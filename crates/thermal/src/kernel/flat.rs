@@ -9,8 +9,8 @@ use super::stages::{SweepParameters, TwoStageScheme};
 use crate::aligned::AlignedBuffer;
 use crate::shape::Shape;
 
-/// Most elements of a patch that is swept like this: together with their intermediate values they
-/// fit into the first-level cache.
+/// Maximum number of elements of a patch that is swept as one flat range: together with their
+/// intermediate values they fit into the first-level cache.
 pub(super) const MAX_FLAT_LEN: usize = 1 << 12;
 
 /// A two-stage sweep that runs each stage over the whole patch.
@@ -19,9 +19,9 @@ pub(super) const MAX_FLAT_LEN: usize = 1 << 12;
 /// There, starting a plane or a run of lines takes longer than computing its voxels, so this sweep
 /// has neither: the intermediate values of all planes are stored, and all lines are treated as
 /// mixed.
-/// The result has the same bits as that of [`super::slab::Slab`]: the coefficients in memory are
-/// those that a uniform line shares, an exposed area of 0 takes exactly 0 off the diagonal, and
-/// masks do not change active voxels.
+/// The result has the same bits as that of [`super::slab::Slab`], for three reasons: the
+/// coefficients in memory equal those that a uniform line shares, an exposed area of 0 subtracts
+/// exactly 0 from the diagonal, and masks do not change active voxels.
 pub(super) struct FlatSweep<'a, T> {
     pub(super) parameters: SweepParameters<'a, T>,
     pub(super) theta: &'a mut [f32],
@@ -33,7 +33,7 @@ pub(super) struct FlatSweep<'a, T> {
 #[derive(Debug, Default)]
 pub(super) struct FlatBuffer {
     intermediate: AlignedBuffer,
-    /// For which shape, first empty row and ghost value the halo is set up.
+    /// Shape, first empty row and ghost value for which the halo is set up.
     prepared_for: (Shape, usize, f32),
 }
 
@@ -41,9 +41,9 @@ impl FlatBuffer {
     /// Intermediate values for a patch, with a valid halo: the ghost value in row 0 of each plane,
     /// 0 elsewhere.
     ///
-    /// Sweeps never write the halo, so as long as the patch keeps its size nothing needs to be
-    /// done.
-    /// They do write the voxels, but compute them before they read them.
+    /// Sweeps never write the halo, so it stays valid until one of the arguments changes.
+    /// Old values of voxels do no harm: the first stage overwrites them before the second reads
+    /// them.
     pub(super) fn prepare(&mut self, shape: Shape, top: usize, ghost: f32) -> &mut [f32] {
         if self.prepared_for != (shape, top, ghost) {
             self.intermediate.reset(shape.len());

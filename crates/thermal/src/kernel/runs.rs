@@ -2,7 +2,7 @@
 //!
 //! Each cache line of 16 voxels has a code ([`LineCode`]) for the loop that can process it.
 //! A sweep looks up how many lines with the same code follow each other and runs one tight loop
-//! over them, instead of a decision for each line.
+//! over them, instead of choosing a loop for each line.
 
 use pulp::Simd;
 
@@ -46,8 +46,8 @@ impl Iterator for LineRuns<'_> {
 
 /// Computes the intermediate values of one range from its temperatures: the first stage.
 ///
-/// In empty lines there is nothing to compute.
-/// `clear` sets them to 0 all the same, for buffers that may hold the values of another plane.
+/// Empty lines need no computation.
+/// With `clear` they are set to 0, for buffers that may hold the values of another plane.
 #[inline(always)]
 pub(super) fn first_stage<S: Simd, const RESISTANCE: bool>(
     s: S,

@@ -41,9 +41,9 @@ pub(super) struct Slab<'a, T> {
     pub(super) before: &'a [f32],
     /// Temperatures of the slab, updated in place.
     pub(super) own: &'a mut [f32],
-    /// The same after the slab.
+    /// Old temperatures of the planes after the slab, likewise one or two planes.
     pub(super) after: &'a [f32],
-    /// y of its first plane.
+    /// y of the slab's first plane in the patch.
     pub(super) first: usize,
     /// From [`prepare_ring`].
     pub(super) ring: &'a mut [f32],

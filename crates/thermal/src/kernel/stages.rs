@@ -51,7 +51,8 @@ pub(crate) struct Quadratic {
 impl TwoStageScheme for Quadratic {
     const LINEARIZED: bool = true;
 
-    // What is held constant has the rate 0: the voxel under the nozzle, and the plate.
+    // The voxel under the nozzle and the plate are held at constant temperatures, so their rates
+    // are 0.
 
     fn held_intermediate(_: &Coefficients) -> f32 {
         0.0
@@ -128,6 +129,6 @@ pub(super) struct SweepParameters<'a, T> {
     pub(super) scheme: T,
     /// Flat index of a voxel that is held at its birth temperature.
     pub(super) held: Option<usize>,
-    /// First row of each plane without a voxel: rows from here on are left alone.
+    /// First row of each plane without a voxel: rows from here on are not changed.
     pub(super) top: usize,
 }

@@ -10,7 +10,7 @@ use crate::aligned::AlignedBuffer;
 use crate::coefficients::Coefficients;
 use crate::patch::Patch;
 
-/// Fewest elements that are worth a thread of their own.
+/// Minimum number of elements per thread: with fewer, starting a thread costs more than it saves.
 const MIN_THREAD_LEN: usize = 1 << 15;
 
 /// Two stages of an explicit method for all voxels of a patch, in place.
@@ -20,7 +20,7 @@ pub(crate) struct TwoStageSweep<'a, T> {
     pub(crate) scheme: T,
     /// Flat index of a voxel that is held at its birth temperature.
     pub(crate) held: Option<usize>,
-    /// First row of each plane without a voxel: rows from here on are left alone.
+    /// First row of each plane without a voxel: rows from here on are not changed.
     pub(crate) top: usize,
 }
 

@@ -15,8 +15,9 @@
 //! | corner | 3.18 | 1.38 | 0.861 | | |
 //! | corner, with surface resistance | 1.57 | 0.617 | 0.177 | | |
 //!
-//! The errors fall with the square of the voxel size, except where the temperature at a voxel's
-//! centre is taken for that of its surface.
+//! The errors fall with the square of the voxel size, except in the bodies that lose heat to the
+//! air without surface resistance: there, the temperature at a voxel's centre stands for that of
+//! its surface, a first-order error.
 //!
 //! Formulas: Carslaw and Jaeger, *Conduction of Heat in Solids*, 2nd edition 1959, sections 2.4,
 //! 2.7, 3.4 and 3.11.
@@ -105,7 +106,7 @@ impl Body {
             part.cells(z).map(move |cell| [cell % frame.width, cell / frame.width, z as u32])
         };
         let voxels: Vec<[u32; 3]> = (0..part.depth).flat_map(layer).collect();
-        // So fast that no heat flows in between.
+        // Deposited so fast that practically no heat flows meanwhile.
         let birth = |&voxel: &[u32; 3]| DepositionEvent { voxel: Some(voxel), seconds: 1e-9 };
         let births: Vec<DepositionEvent> = voxels.iter().map(birth).collect();
         let control = Control::default();

@@ -180,7 +180,7 @@ impl ScalarSolver {
     /// The number of equal intervals, no longer than a deposition, that a time is split into.
     fn intervals(&self, seconds: f64) -> u32 {
         let birth_s = self.part.frame.cell_mm / self.process.print_mm_s;
-        // Rounding must not turn a whole number of intervals into one more.
+        // The tolerance keeps rounding errors from adding an interval.
         (seconds / birth_s - 1e-6).ceil().max(1.0) as u32
     }
 

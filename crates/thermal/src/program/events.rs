@@ -72,8 +72,8 @@ pub enum ProgramError {
 
 /// Finds out when a program deposits each voxel of a part.
 ///
-/// A bead deposits a voxel when the nozzle enters its cell, in the height of the cell's layer, on a
-/// path that passes within half a cell of the cell's centre.
+/// A bead deposits a voxel when the nozzle enters the voxel's cell, at the height of its layer, on
+/// a path that passes within half a cell of the cell's centre.
 /// The event lasts until the nozzle leaves the cell, at the speed that acceleration and corners
 /// allow.
 /// Everything else is a pause: travel, retraction, beads next to the part (prime tower, skirt,

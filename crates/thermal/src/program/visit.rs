@@ -3,8 +3,9 @@
 use beadwork_gcode::Motion;
 use beadwork_part::Frame;
 
-/// A path through a cell that is shorter than `ROUNDING_MM` + `ROUNDING` times the cell's side is
-/// no visit: coordinates in files are rounded, so that a motion may end a little beyond a side.
+/// Minimum length of a visit: a path through a cell counts as a visit only if it is longer than
+/// `ROUNDING_MM` + `ROUNDING` times the cell's side.
+/// Coordinates in files are rounded, so a motion may end a little beyond the side of a cell.
 const ROUNDING_MM: f64 = 0.002;
 const ROUNDING: f64 = 0.02;
 

@@ -153,7 +153,8 @@ fn bounds(
     if top_mm <= 0.0 {
         return Err(VoxelsError::Nothing);
     }
-    // Coordinates are rounded to three decimals: a hundredth of a cell is not a cell more.
+    // Coordinates are rounded to three decimals, so an excess of up to a hundredth of a cell does
+    // not add a cell.
     let cells = |axis: usize| ((max[axis] - min[axis]) / cell_mm - 0.01).ceil().max(1.0);
     let (width, height, depth) = (cells(0), cells(1), (top_mm / layer_mm).round().max(1.0));
     let fits = width.max(height) <= MAX_SIDE && width * height * depth <= MAX_VOXELS;

@@ -160,7 +160,8 @@ impl Simulation {
     ) -> Result<(), Interrupted> {
         run.restart_clock();
         let Self { state, stepper, coefficients, .. } = self;
-        // A mutable reference, as a shared one could not be sent to the threads of a pool.
+        // `RunControl` is not `Sync`, so a shared reference to it could not be sent to a thread of
+        // the pool; a mutable one can.
         let run_here = &mut *run;
         let mut step = move |threads| {
             let (state, run) = (state.make_mut(), &*run_here);

@@ -75,13 +75,16 @@ impl Simulation {
     /// Recorded substrate temperatures, time and the set of deposited voxels stay as they are.
     ///
     /// Setting a field that [`Simulation::temperatures_c`] has returned restores the same bits.
-    /// Only voxels within 10⁻⁶ K of the ambient temperature may change, by up to 10⁻¹³ K: the
-    /// simulation stores differences from the ambient temperature, whose small values °C in double
-    /// precision cannot represent.
+    /// The exception are voxels within 10⁻⁶ K of the ambient temperature: they may change by up to
+    /// 10⁻¹³ K by rounding.
+    /// The simulation stores each temperature as its difference from the ambient temperature, in
+    /// single precision.
+    /// If the difference is that small, adding the ambient temperature rounds it, even in double
+    /// precision.
     ///
     /// [`Method::Fast`](super::Method::Fast) takes long steps away from recently deposited voxels
-    /// and assumes that temperatures are smooth there, as those of a print are: sharp steps in a
-    /// field are smoothed with less accuracy.
+    /// and assumes that temperatures are smooth there, as they are in a print: the decay of sharp
+    /// steps in the field is computed less accurately.
     /// Temperatures far above those of nozzle and plate make radiation so strong that explicit
     /// steps may become unstable.
     pub fn set_temperatures_c(&mut self, celsius: ArrayView3<'_, f64>) -> Result<(), FieldError> {

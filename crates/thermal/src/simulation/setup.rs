@@ -146,8 +146,8 @@ impl Simulation {
         self.seconds
     }
 
-    /// The longest step, in s, for which the explicit scheme is stable: two over the largest decay
-    /// rate that a difference of temperatures can have, by Gershgorin's bound on the eigenvalues.
+    /// The longest step for which forward Euler is certainly stable, s: 2 divided by Gershgorin's
+    /// bound on the decay rates of the heat equation.
     pub fn max_stable_step_s(&self) -> f64 {
         self.max_stable_step_s
     }
@@ -172,7 +172,7 @@ impl Simulation {
         (!theta.is_nan()).then(|| f64::from(theta) + self.coefficients.ambient_c)
     }
 
-    /// The deposited cells of a layer by rising number, each with its temperature, °C.
+    /// The deposited cells of a layer in ascending order, each with its temperature, °C.
     pub fn cell_temperatures_c(&self, layer: u32) -> impl Iterator<Item = (Cell, f64)> {
         let width = self.part.frame.width;
         self.cells(layer).filter_map(move |cell| {

@@ -41,8 +41,8 @@ const VOXELS_PER_POLL: usize = 1 << 12;
 /// When it cools below Tg, it **locks**: it then has the length of the column below it, without
 /// stress.
 /// From then on it shrinks by α (Tg - T).
-/// The column below has cooled in part before, so it has less shrinkage left, and the upper layers
-/// pull the edges up once the part is taken off the plate.
+/// The column below has already shrunk in part, so it shrinks less from then on, and the upper
+/// layers pull the edges up once the part is taken off the plate.
 /// Each column of voxels is computed on its own.
 /// With θ = min(T, Tg), and c the stress-free strain of a voxel minus αθ:
 ///
@@ -105,7 +105,7 @@ pub struct WarpageEstimate {
     /// Height difference between the highest and the lowest point, mm: more than the lift if the
     /// centre rises.
     pub flatness_mm: f64,
-    /// Width and height of a block of columns, in voxels: 1 for parts up to 96 voxels wide.
+    /// Width and height of a block of columns, in voxels: 1 for parts of up to 96 x 96 voxels.
     pub block: usize,
     /// The shape, one number per block, with the axes `[y, x]`: height above the best-fitting
     /// plane, mm; NaN outside the part.
@@ -128,10 +128,10 @@ impl WarpageEstimator {
         }
     }
 
-    /// Locks the voxels that are below the glass transition now and were not at the last sample.
+    /// Locks all deposited voxels that are at or below the glass transition and not locked yet.
     ///
-    /// Call it at regular times ([`Simulation::run_sampled`]), as the temperatures at the sample
-    /// stand for those at the moment of locking.
+    /// Call it at regular times ([`Simulation::run_sampled`]): the temperatures at the sample are
+    /// used as those at the moment of locking.
     /// On a block of ABS of 30 x 20 mm, lifts with a sampling interval of 0.5 s were 10 to 15 %
     /// above those with 0.02 s, and with 0.1 s 2 to 4 %; seven patterns ranked the same with all of
     /// them.
@@ -139,8 +139,9 @@ impl WarpageEstimator {
     /// differently.
     /// Compare plans with the same sampling interval only.
     ///
-    /// The locks of a layer together cost the part's voxels up to that layer; each sample costs the
-    /// layers with voxels that are not locked.
+    /// Locking all voxels of a layer costs the part's voxels up to that layer.
+    /// In addition, each sample visits all layers from the lowest one that has a voxel to be
+    /// locked.
     ///
     /// # Panics
     /// If the simulation is of another part, or lacks voxels that were deposited at an earlier
@@ -152,8 +153,8 @@ impl WarpageEstimator {
 
     /// Locks all deposited voxels that are not locked yet, and computes how the part bends.
     ///
-    /// Costs the part's voxels, and its columns times the square of its shorter side; parts wider
-    /// than 96 columns are first coarsened to that.
+    /// Costs the part's voxels, and its columns times the square of its shorter side; parts with
+    /// more than 96 columns along a side are first coarsened to at most that.
     /// Progress counts the blocks of columns.
     ///
     /// # Panics
@@ -167,7 +168,7 @@ impl WarpageEstimator {
         self.estimate(control)
     }
 
-    /// Locks the deposited voxels up to a temperature.
+    /// Locks the deposited voxels that are not hotter than `max_c`.
     fn lock(
         &mut self,
         simulation: &Simulation,

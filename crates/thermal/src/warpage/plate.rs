@@ -55,7 +55,8 @@ impl Plate {
         (0..).zip(&sorted).for_each(|(number, &[x, y])| numbers[y * self.width + x] = number);
         let terms: Vec<Term> = self.terms(&cells, &numbers).collect();
         let bandwidth = terms.iter().map(Term::bandwidth).max().unwrap_or(0);
-        // The normal equations of the least-squares problem that the energy is.
+        // The energy is a sum of squares, so its minimum is the solution of a least-squares
+        // problem: these are the normal equations.
         let mut system = BandedMatrix::zero(cells.len(), bandwidth);
         let mut right = vec![0.0; cells.len()];
         for (number, &[x, y]) in sorted.iter().enumerate() {
@@ -130,8 +131,8 @@ impl Plate {
         };
         let (xy, xw, yw) =
             (moment(&|x, y, _| x * y), moment(&|x, _, w| x * w), moment(&|_, y, w| y * w));
-        // A single row of cells has no slope across it, and a singular matrix: a little more on the
-        // diagonal makes that slope 0.
+        // For a single row of cells, the slope across the row is undetermined and the matrix
+        // singular: a small addition to the diagonal makes that slope 0.
         let more = 1e-12 * moment(&|x, y, _| x * x + y * y) + f64::MIN_POSITIVE;
         let (xx, yy) = (moment(&|x, _, _| x * x) + more, moment(&|_, y, _| y * y) + more);
         let determinant = xx * yy - xy * xy;
@@ -143,7 +144,7 @@ impl Plate {
     }
 }
 
-/// A term weight (Σ factor w - target)² of the energy.
+/// A term of the energy: weight (Σ factor w - target)².
 struct Term {
     /// Numbers of cells, each with its factor.
     entries: [(usize, f64); 4],
@@ -184,8 +185,9 @@ impl BandedMatrix {
 
     /// Solves a system by Cholesky decomposition, in place of its right side.
     ///
-    /// Row i of the factor L needs the rows before it, and row i of L y = `right` only row i of L,
-    /// so both are computed in one loop; a second loop solves Lᵀ x = y.
+    /// The system is L Lᵀ x = `right`.
+    /// One loop computes the rows of L and, row by row, solves L y = `right`, which needs only the
+    /// rows of L up to the present one; a second loop solves Lᵀ x = y.
     fn solve(mut self, right: &mut [f64], control: &Control<'_>) -> Result<(), Interrupted> {
         let (band, stride) = (self.band, self.band + 1);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();

@@ -52,9 +52,9 @@ pub(super) struct BorderFlow {
 pub(super) struct BlockStepper {
     /// Rates of change, K/s: a ring buffer of three planes for each factor.
     rates: AlignedBuffer,
-    /// Indices of the flows, sorted by the lower plane of the two that each touches, ...
+    /// Indices of the flows, sorted by the lower plane of the two that each touches.
     order: Vec<usize>,
-    /// ... and where those of each plane begin.
+    /// For each plane, the position in `order` of its first flow.
     starts: Vec<usize>,
 }
 
@@ -84,8 +84,8 @@ impl BlockStepper {
         let (row_len, plane_len, planes) = (shape.row_len, shape.plane_len(), shape.planes - 2);
         self.sort(flows, block_grid);
         let Self { rates, order, starts } = self;
-        // Old values in the ring buffers do no harm: where a stage reads a plane that was not
-        // written in this step, it multiplies by the conductance to a halo block, which is 0.
+        // Old values in the ring buffers do no harm: a stage reads a plane that was not written in
+        // this step only where that plane is halo, and the conductance to a halo block is 0.
         rates.resize(3 * plane_len * factors.len());
         let blocks = row_len..(layers + 1) * row_len;
         let delay = 2 * (factors.len() - 1);
@@ -119,9 +119,9 @@ impl BlockStepper {
                 if y > 1 {
                     // Second stage, one plane behind: θ = θ + b J rate + a rate.
                     let start = (y - 1) * plane_len;
-                    // What crosses in this factor is the link times the difference of a θ + b rate
-                    // between its blocks: exactly what this link contributes to the change of θ
-                    // below.
+                    // In this factor, a link carries its conductance times the difference of a θ +
+                    // b rate between its blocks: exactly what the link contributes to the change of
+                    // θ below.
                     // Both blocks lie in this plane or the next, whose temperatures this factor has
                     // not changed yet.
                     let rate = |i: usize| match i - start {
@@ -156,8 +156,8 @@ impl BlockStepper {
     fn sort(&mut self, flows: &[BorderFlow], block_grid: &BlockGrid) {
         let Self { order, starts, .. } = self;
         let plane = |flow: &BorderFlow| flow.from.min(flow.to) / block_grid.shape.plane_len();
-        // First the number of flows of each plane, then, as cumulative sums, where they end.
-        // Filling them in from the back moves each end to the start.
+        // `starts` first counts the flows of each plane; cumulative sums turn the counts into ends.
+        // Filling in the flows from the back moves each end down to the start.
         starts.clear();
         starts.resize(block_grid.shape.planes + 1, 0);
         flows.iter().for_each(|flow| starts[plane(flow)] += 1);
@@ -245,7 +245,7 @@ mod tests {
     use super::super::testing::{positions, random_region, random_state};
     use super::*;
 
-    /// The same without wavefront blocking: each stage of all blocks after the other.
+    /// A step without wavefront blocking: one stage after the other, each for all blocks.
     fn advance_stage_by_stage(
         conductances: &BlockConductances,
         theta: &mut [f32],

@@ -10,14 +10,16 @@ use crate::coefficients::Coefficients;
 
 use super::region::Region;
 
-/// Mean thickness of a block's voxels behind some of its faces along an axis, in voxels.
+/// Mean thickness of a block along an axis, in voxels: the mean number of its voxels behind each of
+/// the given number of faces.
 fn thickness(block: &Block, faces: u16, axis: usize, block_grid: &BlockGrid) -> f32 {
     let max = block_grid.coarsening[axis] as f32;
     (f32::from(block.voxels) / f32::from(faces)).clamp(1.0, max)
 }
 
-/// Conductance between a block and the next along an axis, voxels/s: that of their shared faces
-/// over the distance of their centres.
+/// Conductance between a block and the next along an axis, voxels/s: that of their shared faces,
+/// divided by the distance between the blocks' centres.
+/// A block that is partly filled is thinner, so its centre is closer.
 fn link(
     block: &Block,
     next: &Block,

@@ -16,9 +16,10 @@ use super::restriction::BlockSums;
 ///
 /// Invariant, while the far field is active: the temperature of a voxel of the part is what its
 /// patch stores, plus the interpolation of `theta` - `reference`.
-/// The reference of a block is fixed when its voxels are first restricted and does not move
-/// afterwards, not even when a window puts its voxels back: the pending change is subtracted from
-/// these first.
+/// The reference of a block is fixed when its voxels are first restricted, and does not change
+/// afterwards.
+/// When a window writes its voxels back, the pending change is subtracted from them, instead of
+/// moving the reference.
 /// So the pending change has no jumps at the borders of earlier regions, which interpolation would
 /// blur.
 #[derive(Debug, Default)]
@@ -28,13 +29,13 @@ pub(crate) struct FarField {
     pub(super) conductances: BlockConductances,
     stepper: BlockStepper,
     sums: BlockSums,
-    /// Mean temperatures of the blocks above the air, U, K.
+    /// Mean temperature of each block, relative to the air, U, K.
     pub(super) theta: AlignedBuffer,
-    /// Mean temperatures that the stored voxels stand for, K.
+    /// Mean temperature of each block that its pending change is counted from, K.
     reference: AlignedBuffer,
     /// Constant part of the blocks' rates of change, s, K/s.
     sources: AlignedBuffer,
-    /// Whether a block has voxels that have been restricted.
+    /// Whether each block had voxels at its last restriction.
     known: Vec<bool>,
     /// Pending change, K; recomputed wherever it is needed.
     change: AlignedBuffer,
@@ -80,8 +81,8 @@ impl FarField {
         }
     }
 
-    /// Sets the blocks of a region from its voxels, which are the inside of a patch without a
-    /// pending change.
+    /// Recomputes the blocks of a region from its voxels, which are the inside of `patch`.
+    /// They must be current: the pending change has been added to them.
     pub(crate) fn restrict(
         &mut self,
         patch: &Patch,
@@ -99,15 +100,16 @@ impl FarField {
             }
         }
         conductances.update(region, block_grid, coefficients, theta);
-        // Linearised around the present mean: s - losses U equals the gains of the voxels now.
+        // Linearised around the present mean: s is chosen such that s - losses U equals the present
+        // gains of the voxels.
         for i in region.blocks(block_grid) {
             sources[i] = conductances.inverse_voxels[i]
                 * (sums.gains[i] + conductances.losses[i] * theta[i]);
         }
     }
 
-    /// Adds a source of heat to a block in the steps to come, in K voxels/s; a negative rate takes
-    /// it away again.
+    /// Adds a heat source of `rate` K voxels/s to a block for all later steps; adding the negative
+    /// rate removes it.
     pub(crate) fn add_source(&mut self, block: usize, rate: f32) {
         self.sources[block] += rate * self.conductances.inverse_voxels[block];
     }
@@ -142,7 +144,7 @@ impl FarField {
 
     /// Adds the pending change, times a factor, to the voxels of a region, which are the inside of
     /// a patch.
-    /// The factor 1 makes the voxels current, -1 turns them back into what the part stores.
+    /// With factor 1 the voxels become current; with -1 current voxels become what the part stores.
     pub(crate) fn add_change(
         &mut self,
         factor: f32,

@@ -12,8 +12,8 @@ use super::region::{BorderPair, Region};
 /// A voxel at the border loses the term of its outer neighbour from its diagonal, so it conducts
 /// nothing to it.
 /// But the stencil still adds the conductance times the value of that neighbour.
-/// Setting this halo value to flux / conductance makes it add exactly the flux: a Neumann boundary
-/// condition without a change to the sweeps.
+/// With flux / conductance as this halo value, the stencil adds exactly the flux: a Neumann
+/// boundary condition without a change to the sweeps.
 #[derive(Debug, Default)]
 pub(crate) struct FluxHalo {
     /// For each halo voxel with an active voxel on both sides of the border: its flat index in the
@@ -41,7 +41,7 @@ impl BorderFluxes {
                 0.0
             } else {
                 let conductance = coefficients.conductance(pair.axis);
-                // What leaves the inside is negative for the voxels of the window.
+                // Heat that leaves the region is a loss for the window's voxels: hence the sign.
                 -crossed / (seconds as f32 * f32::from(faces) * conductance)
             }
         };

@@ -1,8 +1,8 @@
-//! Prolongation: from a number per block to a number per voxel.
+//! Prolongation: from one value per block to one value per voxel.
 //!
 //! The interpolation is trilinear between the centres of blocks.
-//! Then each block's voxels are shifted by one common amount, such that their mean is the block's
-//! number: linear interpolation alone would make or lose heat in blocks whose voxels are not
+//! Then all voxels of a block are shifted by the same amount, such that their mean is the block's
+//! value: linear interpolation alone would create or lose heat in blocks whose voxels are not
 //! distributed evenly.
 //! Linear functions are reproduced exactly where all neighbouring blocks are full.
 
@@ -25,23 +25,24 @@ use super::region::Region;
 /// Memory for the interpolation within one row of blocks.
 #[derive(Debug, Default)]
 pub(super) struct RowBuffers {
-    /// Numbers interpolated in y and z, for each block of the row.
+    /// Values interpolated in y and z, for each block of the row.
     blended: Vec<f32>,
-    /// The same, once for each voxel of a block along x.
+    /// The values of `blended`, repeated for each voxel of a block along x.
     repeated: Vec<f32>,
-    /// Interpolated numbers of each row of voxels in the row of blocks.
+    /// Interpolated values of each row of voxels in the row of blocks.
     rows: Vec<f32>,
-    /// Their sums over y and z, and later the correction of each block, voxel by voxel along x.
+    /// Sums of `rows` over y and z; later the correction of each block, repeated for each of its
+    /// voxels along x.
     sums: Vec<f32>,
 }
 
-/// Numbers of all blocks, to be interpolated.
+/// Values of all blocks, to be interpolated.
 #[derive(Clone, Copy)]
 pub(super) struct Prolongation<'a> {
     pub(super) blocks: &'a [f32],
     /// 1 over the number of voxels; 0 for blocks without any.
     pub(super) inverse_voxels: &'a [f32],
-    /// Factor by which the numbers are multiplied.
+    /// Factor by which the values are multiplied.
     pub(super) factor: f32,
 }
 
@@ -54,7 +55,7 @@ fn weight(within: usize, block_len: usize) -> (f32, bool) {
 }
 
 impl Prolongation<'_> {
-    /// Adds the interpolated numbers to the temperatures of a region's voxels, which are the whole
+    /// Adds the interpolated values to the temperatures of a region's voxels, which are the whole
     /// inside of a patch.
     pub(super) fn add(
         self,
@@ -118,7 +119,8 @@ impl WithSimd for AddProlongation<'_> {
                 repeat(repeated, blended);
                 interpolate_x(line, repeated, diagonal, sums);
             }
-            // What each block lacks to its number, per voxel.
+            // Correction of each block, per voxel: its value minus the mean of the interpolated
+            // values.
             let start = coarse.index([first_x + 1, y, z]);
             let targets = numbers[start..].iter().zip(&inverse_voxels[start..]);
             let in_blocks = sums[1..row_len - 1].chunks_exact_mut(width);
@@ -152,7 +154,7 @@ fn blend(
     }
 }
 
-/// Writes the number of each block twice, once for each of its two voxels along x.
+/// Writes the value of each block twice, once for each of its two voxels along x.
 #[inline(always)]
 fn repeat(repeated: &mut [f32], blocks: &[f32]) {
     for (voxels, &block) in repeated.chunks_exact_mut(2).zip(blocks) {
@@ -162,10 +164,12 @@ fn repeat(repeated: &mut [f32], blocks: &[f32]) {
 
 /// Interpolates along x, and adds the result to the sums; inactive voxels get 0.
 ///
-/// In `repeated` each block's number stands twice, and the voxel at `i` of the row at `i + 1`.
-/// Of a voxel's two neighbours there, one is its own block, so the weights 1/4, 1/2, 1/4 amount to
-/// 3/4 of its own block and 1/4 of the next: linear interpolation for a coarsening factor of two,
-/// without a case for the left and the right voxel.
+/// `repeated` holds each block's value twice, once for each of its voxels; element `i + 1` belongs
+/// to voxel `i` of the row.
+/// One of the two elements next to it belongs to the same block.
+/// So the weights 1/4, 1/2, 1/4 amount to 3/4 of the voxel's own block and 1/4 of the nearest other
+/// block: linear interpolation for a coarsening factor of two, without separate cases for the left
+/// and the right voxel.
 #[inline(always)]
 fn interpolate_x(line: &mut [f32], repeated: &[f32], diagonal: &[f32], sums: &mut [f32]) {
     let n = line.len();
@@ -178,7 +182,7 @@ fn interpolate_x(line: &mut [f32], repeated: &[f32], diagonal: &[f32], sums: &mu
     }
 }
 
-/// Adds a row's numbers and the corrections of its blocks, times a factor, to the active voxels.
+/// Adds a row's values and the corrections of its blocks, times a factor, to the active voxels.
 #[inline(always)]
 fn add_corrected(
     theta: &mut [f32],
@@ -194,14 +198,14 @@ fn add_corrected(
     }
 }
 
-/// Extrapolates to blocks without voxels, in a region and around it, so that there is a number to
-/// interpolate towards next to every block.
+/// Extrapolates to blocks without voxels, in a region and around it, so that interpolation finds a
+/// value next to every block.
 ///
 /// Each of three passes gives unknown blocks the mean of their known neighbours: the first reaches
 /// neighbours across faces, the second those across edges, the third those across corners.
-/// Below the build plate, which keeps its temperature, the number is the negative of that above:
+/// Below the build plate, which keeps its temperature, the value is the negative of that above:
 /// then the interpolated change is 0 at the plate's surface.
-/// `known` is the same afterwards.
+/// On return, `known` is as before.
 pub(super) fn extend(
     blocks: &mut [f32],
     known: &mut [bool],
@@ -232,7 +236,7 @@ pub(super) fn extend(
                 }
             }
         }
-        // Only after the pass, so that a pass does not read its own results.
+        // Written only after the pass, so that a pass does not read its own results.
         for &(i, number) in &all[begin..] {
             blocks[i] = number;
             known[i] = true;
@@ -303,7 +307,7 @@ mod tests {
             let (mut extended, mut after) = (numbers.clone(), known.clone());
             extend(&mut extended, &mut after, region, block_grid, &coefficients);
             assert_eq!(after, known);
-            // The same by a search of all blocks in every pass.
+            // Extrapolation by a search of all blocks in every pass.
             let (mut slow, mut known) = (numbers, known);
             let around = |position: &[usize; 3]| {
                 (0..3).all(|axis| {

@@ -41,7 +41,7 @@ impl Region {
         Self { low: [1; 3], high: [x, y, z.min(block_grid.layers_below(top) + 1)] }
     }
 
-    /// The region of all blocks that lie, at least in part, inside the halo of a window.
+    /// The region of all blocks that lie, at least in part, within a window, its halo excluded.
     pub(crate) fn around(window: Window, block_grid: &BlockGrid) -> Self {
         let (sizes, ends) = (window.shape.sizes(), ends(block_grid));
         let (mut low, mut high) = ([0; 3], [0; 3]);
@@ -111,7 +111,7 @@ impl Region {
         })
     }
 
-    /// All pairs of neighbouring blocks across the border: side by side in the order of
+    /// All pairs of neighbouring blocks across the border, one side after the other in the order of
     /// [`Region::sides`], and on each side in the order of [`Region::blocks`].
     pub(crate) fn border(self, block_grid: &BlockGrid) -> impl Iterator<Item = BorderPair> {
         let strides = block_grid.strides();

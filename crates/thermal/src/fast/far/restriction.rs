@@ -25,7 +25,7 @@ pub(super) struct BlockSums {
     pub(super) theta: Vec<f32>,
     /// Heat gained from plate and air, K voxels/s; negative where more is lost.
     pub(super) gains: Vec<f32>,
-    /// Sums of temperatures and of gains over the rows of a row of blocks, for each x.
+    /// Buffers for one row of blocks: sums of temperatures, and of gains, over y and z, for each x.
     columns: [Vec<f32>; 2],
 }
 
@@ -56,8 +56,9 @@ impl BlockSums {
 ///
 /// The loops are plain ones over slices of one length, which the compiler vectorises for the
 /// instruction set that is enabled in `with_simd`.
-/// They add whole rows first and the voxels of a block along x last: sums across neighbouring
-/// elements do not vectorise.
+/// Whole rows of voxels are added up first, element by element, which vectorises.
+/// Only at the end are neighbouring elements, the voxels of a block along x, added to each other,
+/// which does not.
 struct Restrict<'a> {
     sums: &'a mut BlockSums,
     patch: &'a Patch,
@@ -113,7 +114,8 @@ fn add(sums: &mut [f32], numbers: &[f32]) {
     sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number);
 }
 
-/// Subtracts what the voxels of a row lose to the air, in the cache lines that may have a surface.
+/// Subtracts the heat that the voxels of a row lose to the air.
+/// Skips cache lines that cannot have a surface.
 #[inline(always)]
 fn add_surface_loss(
     gains: &mut [f32],
@@ -152,7 +154,7 @@ fn add_line_loss(
     }
 }
 
-/// Adds what the voxels of a row on the build plate gain from it.
+/// Adds the heat that the voxels of a row in layer 0 gain from the build plate.
 #[inline(always)]
 fn add_plate(gains: &mut [f32], theta: &[f32], diagonal: &[f32], coefficients: &Coefficients) {
     let n = gains.len();
