@@ -23,10 +23,10 @@ pub(crate) const MAX_BYTES: usize = 1 << 26;
 
 /// Limit on the bytes that bincode counts for one value.
 ///
-/// bincode counts a variable-length integer at its full width, up to 16 bytes for a byte of input,
-/// so a valid value may count 16 times its encoded length.
-/// It allocates a string before it checks that the input is long enough; the limit bounds what a
-/// damaged length can allocate.
+/// bincode counts a variable-length integer at its full width, up to 16 bytes for one byte of
+/// input, so the count of a valid value may be 16 times its encoded length.
+/// It allocates memory for a string before it checks that the input is long enough; the limit
+/// bounds how much a damaged length can allocate.
 const MAX_COUNTED: usize = 16 * MAX_BYTES;
 
 /// Why a value cannot be encoded or decoded.

@@ -29,14 +29,14 @@ pub struct Factory {
     fingerprint: u64,
 }
 
-/// Maximum number of further attempts to draw an instance whose islands found no room.
+/// Maximum number of further attempts to draw an instance, if its islands did not fit.
 const MAX_REDRAWS: u32 = 100;
 
 impl Factory {
     /// Takes a configuration, and the pictures of its folder if it names one: names of the files
     /// without extension, and their bytes.
     ///
-    /// Draws one instance of every combination, so that an impossible combination is found now
+    /// Draws one instance of every combination, so that an impossible combination is reported now
     /// rather than after hours of work.
     /// No progress is reported.
     pub fn new(
@@ -103,8 +103,8 @@ impl Factory {
         &self.resolved
     }
 
-    /// Hash of the resolved configuration and this crate's version, by which shards of another
-    /// dataset are recognised.
+    /// Hash of the resolved configuration and this crate's version: it distinguishes shards of
+    /// different datasets.
     pub fn fingerprint(&self) -> u64 {
         self.fingerprint
     }
@@ -145,7 +145,7 @@ impl Factory {
         let mut redraws = 0;
         let (instance, region, zones) = loop {
             match stratum.draw(instance_seed) {
-                // A crowded layout has room for its islands with some seeds only.
+                // On a crowded grid, whether all islands fit depends on the seed.
                 Err(FactoryError::Draw {
                     cause: DrawError::Layout(LayoutError::NoRoom { .. }),
                     ..

@@ -1,5 +1,5 @@
-//! Atomic writing of files: a crash of the program or the machine leaves the old file or the new
-//! one, never a part.
+//! Atomic writing of files: after a crash of the program or the machine, either the old or the new
+//! file exists, never a part of one.
 
 use std::ffi::OsString;
 use std::fs::{self, File};

@@ -74,7 +74,7 @@ pub enum ManifestError {
     /// The file cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
-    /// The manifest has a format of another version.
+    /// The manifest has another format version.
     #[error(
         "'{path}' has format version {got}, this build reads version {expected}",
         path = path.display()
@@ -122,7 +122,7 @@ pub(crate) fn fingerprint(version: &str, config: &serde_json::Value) -> u64 {
     digest.iter().take(8).fold(0, |sum, &byte| sum << 8 | u64::from(byte))
 }
 
-/// The version, which is read first: another version may have other fields.
+/// The format version, which is parsed before all else: another version may have other fields.
 #[derive(Deserialize)]
 struct Versioned {
     format_version: u64,

@@ -66,8 +66,8 @@ impl FromStr for PresetName {
     }
 }
 
-/// A search in a record: an annealer by its preset's name (`paper`), another search by a prefix and
-/// its preset's name (`genetic_paper`, `chains_plain`).
+/// A search with its preset, as named in records: an annealer by its preset's name (`paper`), any
+/// other search by a prefix and its preset's name (`genetic_paper`, `chains_plain`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Search {
     /// Simulated annealing.

@@ -1,4 +1,4 @@
-//! The start path that a configuration asks for.
+//! The start path in a configuration.
 
 use std::fmt;
 use std::str::FromStr;
@@ -21,8 +21,8 @@ impl StartChoice {
     /// The start that is used on a region, and its path.
     ///
     /// `cover` returns the region's path cover.
-    /// It is called only if needed: a cover takes longer than the other starts, and the caller may
-    /// have stored it.
+    /// It is called only if needed: computing a cover takes longer than the other starts, and the
+    /// caller may have stored one.
     pub fn path(
         self,
         region: &Region,

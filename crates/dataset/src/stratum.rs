@@ -161,7 +161,7 @@ impl Stratum {
         })
     }
 
-    /// Searches from a path, until the proven bound or the end of the search.
+    /// Searches from a path until the crossings reach the proven lower bound or the search ends.
     pub(crate) fn run(
         &self,
         path: &Path,
@@ -191,7 +191,8 @@ impl Stratum {
                 (outcome.stop, outcome.initial, outcome.cost, outcome.moves)
             }
         };
-        // The best path so far depends on when the search was interrupted: it is not recorded.
+        // The best path of an interrupted search depends on the time of the interruption, so it is
+        // not recorded.
         match stop {
             Stop::Cancelled => Err(Interrupted::Cancelled),
             Stop::TimeUp => Err(Interrupted::TimeUp),

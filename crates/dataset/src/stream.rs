@@ -63,7 +63,8 @@ struct BlockId {
     block: u32,
 }
 
-/// The shard that was read last, with its number: it stays open for further blocks.
+/// The shard that was read last, with its number; it stays open because the next block is often in
+/// the same shard.
 type LastShard = Option<(usize, ShardReader<File>)>;
 
 impl Dataset {

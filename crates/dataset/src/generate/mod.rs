@@ -4,8 +4,8 @@
 //! manifest is written when all shards are there.
 //! So the bytes of a finished dataset do not depend on interruptions, on the number of threads, or
 //! on how its shards were divided among runs.
-//! The times of the searches do differ: they are in files beside the shards, `shard-NNNNN.ms.csv`,
-//! which are not part of the dataset.
+//! The times of the searches differ from run to run: they are in files beside the shards,
+//! `shard-NNNNN.ms.csv`, which are not part of the dataset.
 
 mod error;
 mod run;

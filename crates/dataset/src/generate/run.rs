@@ -45,7 +45,7 @@ pub struct Outcome {
 /// an interruption of this run.
 /// While the searches of a shard run on the threads of `control`, one more thread writes the
 /// previous shard.
-/// Memory: two shards.
+/// At most two shards are in memory.
 ///
 /// Progress counts the trajectories of the shard range.
 /// The first report, before the first search, counts the trajectories of earlier runs.
@@ -96,7 +96,7 @@ pub fn generate(
                 Err(error) => return Err(error),
             };
             if sender.send(packed).is_err() {
-                // Only if the writer has failed; its error is returned below.
+                // The writer has failed; its error is returned below.
                 break;
             }
         }

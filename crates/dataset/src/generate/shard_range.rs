@@ -6,8 +6,8 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-/// One of several contiguous ranges that a dataset's shards are divided into, all of the same size
-/// up to one shard.
+/// One of several contiguous ranges that a dataset's shards are divided into; their sizes differ by
+/// at most one shard.
 /// Written "2/5": the second of five.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShardRange {

@@ -24,12 +24,13 @@ use crate::trajectory::Trajectory;
 /// to shuffle well.
 const PER_BLOCK: usize = 32;
 
-/// Approximate size in bytes at which a block takes no further trajectory: blocks of large pictures
-/// would exceed the format's limit.
+/// Approximate size in bytes from which a block takes no further trajectory: with large pictures,
+/// [`PER_BLOCK`] trajectories would exceed the format's limit.
 pub(super) const BLOCK_BYTES: usize = 8 << 20;
 
-/// Level of compression.
-/// The searches take a hundred times as long as packing; higher levels save a few per cent.
+/// Compression level.
+/// The searches take a hundred times as long as packing, but higher levels save only a few per
+/// cent.
 const LEVEL: i32 = Block::DEFAULT_LEVEL;
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -89,7 +90,8 @@ impl<'a> Shards<'a> {
         }
     }
 
-    /// Refuses a folder whose manifest belongs to another dataset.
+    /// Returns an error if the folder has the manifest of another dataset, or one that cannot be
+    /// read.
     pub(super) fn check_manifest(&self) -> Result<(), GenerateError> {
         match Manifest::load(self.folder) {
             Ok(manifest)
@@ -197,7 +199,8 @@ impl<'a> Shards<'a> {
 
     /// Writes the manifest and removes the temporary files of killed runs.
     ///
-    /// Two runs that finish at the same time take turns by a lock on the first shard.
+    /// A lock on the first shard keeps two runs that finish at the same time from doing this
+    /// together.
     pub(super) fn store(&self, manifest: &Manifest) -> Result<(), FileError> {
         let first = self.path(0);
         let lock = File::open(&first).and_then(|file| file.lock().map(|()| file));

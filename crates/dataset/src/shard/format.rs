@@ -48,7 +48,7 @@ pub struct ShardSummary {
     pub sha256: String,
 }
 
-/// An entry of the index: position, length and checksum of a block.
+/// An entry of the index: position, lengths, records and checksum of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct BlockEntry {
     pub(crate) offset: u64,
@@ -62,9 +62,9 @@ pub(crate) struct BlockEntry {
 /// Header and index of a shard.
 ///
 /// Invariant: the first block follows the header, and each block follows the previous one without a
-/// gap; so do the numbers of their records.
-/// The bytes of header, index and footer are determined by the fields, so a reader can hash the
-/// file without reading these parts again.
+/// gap, in the file and in the numbers of its records.
+/// The fields determine all bytes of header, index and footer, so a reader can hash the file
+/// without reading these parts again.
 #[derive(Clone, Debug)]
 pub(crate) struct Outline {
     pub(crate) header: ShardHeader,
@@ -207,7 +207,8 @@ pub(crate) fn parse_footer(mut bytes: &[u8]) -> Footer {
     }
 }
 
-/// Takes the first `N` bytes off; callers pass parts of constant lengths.
+/// Removes and returns the first `N` bytes; callers pass parts whose fixed lengths cover all
+/// fields.
 fn take<const N: usize>(bytes: &mut &[u8]) -> [u8; N] {
     let (first, rest) = bytes.split_first_chunk().expect("the parts have fixed lengths");
     *bytes = rest;

@@ -48,8 +48,8 @@ pub enum ShardError {
         /// Number of the block, from 0.
         block: u32,
     },
-    /// A block is undamaged, but its records have other fields than the requested type: the fields
-    /// were changed without a new schema kind.
+    /// A block is undamaged, but its records cannot be decoded as the requested type: fields were
+    /// changed without a new schema kind.
     #[error("block {block} holds records of another type: {cause}")]
     Foreign {
         /// Number of the block, from 0.

@@ -230,8 +230,9 @@ fn reseal(bytes: &mut [u8]) {
 fn a_wrong_index_with_a_valid_checksum_is_refused() {
     let (bytes, _) = small_shard();
     let footer = footer_at(&bytes);
-    // Every field of the index, the first record and the number of records: all fields except the
-    // index's position and length, which the checksum covers a range by.
+    // All fields of the index, the number of the first record, and the number of records.
+    // The position and the length of the index are left out: they determine the range that the
+    // checksum covers.
     let fields = (footer - 3 * ENTRY_BYTES..footer).chain(24..32).chain(footer + 8..footer + 16);
     for at in fields {
         let mut bad = bytes.clone();

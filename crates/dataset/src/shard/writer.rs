@@ -10,9 +10,9 @@ use crate::codec::{self, CodecError};
 
 /// Records that are encoded and compressed together.
 ///
-/// A block is read as a whole, and a shuffled stream holds several blocks in memory; some hundred
-/// kilobytes of uncompressed bytes are a good size.
-/// The bytes depend on the records, the level and the zstd version alone.
+/// A block is read as a whole, and a shuffled stream holds several blocks in memory, so a block
+/// should have some hundred kilobytes before compression.
+/// The compressed bytes depend on the records, the level and the zstd version alone.
 #[derive(Clone, Debug)]
 pub struct Block {
     kind: u16,
@@ -38,9 +38,9 @@ pub enum PackError {
 }
 
 impl Block {
-    /// The recommended level.
-    /// Moves are dense: higher levels save a few per cent of the file and take twice the time or
-    /// more; level 1 halves the time and makes the file a tenth larger.
+    /// The recommended compression level.
+    /// Moves contain little redundancy: higher levels save a few per cent of the file and take
+    /// twice the time or more; level 1 halves the time and makes the file a tenth larger.
     pub const DEFAULT_LEVEL: i32 = 3;
 
     /// Encodes and compresses records.
@@ -55,7 +55,8 @@ impl Block {
         }
         let raw = codec::encode(records)?;
         let mut bytes = zstd::bulk::compress(&raw, level).map_err(PackError::Compress)?;
-        // The buffer was allocated for uncompressible data; blocks may stay in memory for a while.
+        // The buffer was allocated for incompressible data, and all blocks of a shard are in memory
+        // at once.
         bytes.shrink_to_fit();
         Ok(Self {
             kind: R::KIND,
@@ -100,8 +101,8 @@ impl<W: Write> ShardWriter<W> {
     /// Appends a block.
     ///
     /// # Panics
-    /// If the block's schema kind differs from the header's, or the number of records exceeds 64
-    /// bits or the number of blocks 32 bits.
+    /// If the block's schema kind differs from the header's, if the number of records exceeds 64
+    /// bits, or if the number of blocks exceeds 32 bits.
     pub fn block(&mut self, block: &Block) -> io::Result<()> {
         assert_eq!(
             block.kind, self.outline.header.kind,

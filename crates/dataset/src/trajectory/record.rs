@@ -43,7 +43,7 @@ pub struct Trajectory {
     pub initial: u32,
     /// Crossings of the best path, which the moves lead to.
     pub best: u32,
-    /// A proven lower bound of the crossings of any path with as many pieces, if one is known.
+    /// A proven lower bound on the crossings of any path with as many pieces, if one is known.
     pub bound: Option<u32>,
     /// The accepted moves up to the best path.
     pub moves: Moves,
@@ -226,7 +226,7 @@ impl Trajectory {
         self.instance.draw(u32::from(self.width), u32::from(self.height))
     }
 
-    /// Estimate of its encoded length in bytes, from above.
+    /// Upper estimate of the encoded length in bytes.
     pub(crate) fn size_hint(&self) -> usize {
         let ids = match &self.instance {
             Instance::Layout { .. } => 0,
