@@ -9,7 +9,7 @@ pub(crate) fn link() {
     println!("cargo::rerun-if-env-changed=LIBTORCH");
     let Some(libtorch) = std::env::var_os("LIBTORCH") else { return };
     let lib = Path::new(&libtorch).join("lib");
-    // `.libtorch` in the checkout is a symbolic link, which may point elsewhere later.
+    // `.libtorch` in the checkout is a symbolic link that may later point elsewhere.
     let lib = lib.canonicalize().unwrap_or(lib);
     println!("cargo::rustc-link-arg=-Wl,-rpath,{}", lib.display());
     if lib.join("libtorch_cuda.so").exists() {

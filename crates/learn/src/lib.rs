@@ -12,7 +12,7 @@
 //! # Terms
 //! A **state** is a layer, a path through all of its cells, and the moves that led to that path.
 //! An **example** is a state of a recorded search with the move that was applied next.
-//! **Negatives** are the positions that the recorded one is to score above.
+//! **Negatives** are the positions above which the recorded position should score.
 //! A **proposal** is a move with a score.
 //! A **walk** applies proposals until its path has few enough crossings.
 //!

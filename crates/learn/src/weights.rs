@@ -57,8 +57,8 @@ pub enum WeightsError {
 
 /// Writes all parameters of a network, rounded to half precision, and replaces the file as a whole.
 ///
-/// Rounding halves the file and changes each parameter by at most 1 part in 2000, less than the
-/// last steps of training do.
+/// Rounding halves the file's size and changes each parameter by at most 1 part in 2000, less than
+/// the last training steps change it.
 pub fn save(variables: &VarStore, path: &Path) -> Result<(), WeightsError> {
     let mut named = named(variables);
     named.iter_mut().for_each(|(_, parameter)| *parameter = parameter.to_kind(Kind::Half));

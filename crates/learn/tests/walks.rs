@@ -61,7 +61,8 @@ fn walks_improve_paths_and_count_every_move() {
             );
         }
     }
-    // At this temperature e^(-d / T) underflows to 0 for every d > 0; a move is drawn nevertheless.
+    // At this temperature e^(-d / T) underflows to 0 for every d > 0; a move must be drawn
+    // nevertheless.
     let cold = Settings { budget: 150, patience: 0, temperature: 1e-9, ..Settings::default() };
     let outcomes = walk::solve(&tasks, &mut AllMoves { seed: 0 }, &cold, &Control::default());
     assert!(outcomes.iter().all(|outcome| outcome.total_moves > 0));

@@ -4,22 +4,23 @@ use beadwork_grid::PlacedVariant;
 
 use super::layer::State;
 
-/// Probability that a predictor without a network finds the recorded move of an example, or the sum
-/// of such probabilities over several examples.
+/// Probabilities that predictors without a network find the recorded move of an example, or their
+/// sums over several examples.
 ///
 /// The *chance* predictor draws from all moves that apply, uniformly.
 /// The *greedy* predictor draws from the positions of the moves that lower the crossings most.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Baseline {
-    /// A random position where a move applies is the recorded one.
+    /// That a random position where a move applies is the recorded one.
     pub chance_top_1: f64,
-    /// The recorded position is among five random ones where a move applies.
+    /// That the recorded position is among five random ones where a move applies.
     pub chance_top_5: f64,
-    /// A random variant among those that apply at the recorded position is the recorded one.
+    /// That a random variant among those that apply at the recorded position is the recorded one.
     pub chance_action: f64,
-    /// A random position among those of the best moves is the recorded one.
+    /// That a random position among those of the best moves is the recorded one.
     pub greedy_top_1: f64,
-    /// The recorded position is among five: those of the best moves first, then the others.
+    /// That the recorded position is among five, drawn from those of the best moves first, then
+    /// from the others.
     pub greedy_top_5: f64,
 }
 
@@ -28,8 +29,8 @@ impl Baseline {
     /// Linear in the cells of the grid.
     pub fn new(state: &State<'_>, recorded: PlacedVariant) -> Self {
         let recorded_position = (recorded.x, recorded.y);
-        // Each position with the lowest change of crossings there; moves are visited position by
-        // position.
+        // Each position where a move applies, with the lowest change of crossings there.
+        // All moves of a position are visited in succession.
         let mut positions: Vec<((u16, u16), i32)> = Vec::new();
         let mut variants = 0;
         state.links.for_each_variant(|placed| {

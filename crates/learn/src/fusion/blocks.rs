@@ -8,8 +8,8 @@ use super::config::KIND;
 /// A convolution whose output has the size of its input.
 ///
 /// It computes in the precision of its input.
-/// Its parameters stay in single precision: the small updates of training would be rounded away in
-/// bfloat16.
+/// Its parameters stay in single precision: in bfloat16, rounding would swallow the small updates
+/// of training.
 #[derive(Debug)]
 pub(super) struct Conv {
     weight: Tensor,
@@ -46,7 +46,8 @@ pub(super) fn readout(vs: &Path<'_>, from: i64, to: i64) -> Conv {
     Conv::new(vs, from, to, 1, true)
 }
 
-/// A group norm with eight groups, or one group a channel where there are fewer than eight.
+/// A group norm with eight groups, or with one group per channel if there are fewer than eight
+/// channels.
 ///
 /// # Panics
 /// If the channels cannot be divided into groups of equal size.
@@ -115,7 +116,7 @@ impl Down {
 pub(super) struct Up(Down);
 
 impl Up {
-    /// `from` is the number of channels of both inputs together.
+    /// Creates the level; `from` is the total number of channels of its two inputs.
     pub(super) fn new(vs: &Path<'_>, from: i64, to: i64) -> Self {
         Self(Down::new(vs, from, to))
     }
@@ -129,7 +130,7 @@ impl Up {
 
 /// Self-attention among all cells, with four heads, a residual connection and a layer norm.
 ///
-/// Always in single precision.
+/// Computes in single precision, whatever the precision of its input.
 #[derive(Debug)]
 pub(super) struct Attention {
     in_weight: Tensor,
@@ -146,8 +147,8 @@ impl Attention {
     pub(super) fn new(vs: &Path<'_>, channels: i64) -> Self {
         assert!(channels % HEADS == 0, "{channels} channels cannot form {HEADS} equal heads");
         let inner = vs / "attn";
-        // As PyTorch initialises it: Xavier's range for query, key and value as one matrix of 3 c
-        // rows and c columns, and biases of 0.
+        // Initialised as in PyTorch: Xavier-uniform, with query, key and value as one matrix of 3 c
+        // rows and c columns, so the bound is √(6 / (3 c + c)); biases are 0.
         let bound = (6.0 / (4 * channels) as f64).sqrt();
         let start = nn::Init::Uniform { lo: -bound, up: bound };
         let out =

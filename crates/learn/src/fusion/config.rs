@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 use tch::Kind;
 
-/// Channels of the image of a layer's state, in this order:
+/// Number of channels of the image of a layer's state.
+///
+/// They are, in this order:
 ///
 /// 0. the cell's zone, divided by the highest zone number (at least 1);
 /// 1. 1 where the path links the cell with its right neighbour;
@@ -88,8 +90,9 @@ impl Config {
     }
 }
 
-/// The precision of convolutions.
-/// Parameters, gradients and everything else stay in single precision.
+/// The precision of the image's features, in convolutions, norms and `FiLM`.
+/// Parameters and their gradients, the history encoder, self-attention and the outputs stay in
+/// single precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Precision {

@@ -14,11 +14,11 @@ use super::training_config::TrainingConfig;
 /// Loss and accuracy of a network.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Evaluation {
-    /// Mean loss of the batches.
+    /// Mean loss of the batches, each with the same weight, whatever its size.
     pub loss: f64,
     /// Accuracy on all examples.
     pub all: Hits,
-    /// Accuracy on the examples of each layout, and of predictors without a network.
+    /// Accuracy on the examples of each layout, and the baselines of these examples, added up.
     pub by_layout: BTreeMap<String, (Hits, Baseline)>,
 }
 
@@ -29,7 +29,7 @@ pub struct Hits {
     pub count: u64,
     /// Examples whose recorded position scores above all negatives.
     pub top_1: u64,
-    /// Examples whose recorded position is among the five highest scores.
+    /// Examples for which at most four negatives score at least as high as the recorded position.
     pub top_5: u64,
     /// Examples whose recorded variant is the most likely one at the recorded position.
     pub action: u64,
@@ -37,10 +37,11 @@ pub struct Hits {
 
 /// Evaluates a network on batches, without changing it.
 ///
-/// The result counts each example once and each batch's loss once, whatever its size.
+/// The accuracy counts each example once.
+/// The loss is a mean over batches, so examples in small batches weigh more.
 ///
 /// Progress counts batches.
-/// Of `control`, the threads are not used: libtorch has its own.
+/// The threads of `control` are not used: libtorch has its own.
 pub fn evaluate(
     network: &FusionNet,
     batches: &[Batch],

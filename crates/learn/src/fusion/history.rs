@@ -25,7 +25,7 @@ pub struct History {
     pub mask: Tensor,
 }
 
-/// Features that each of the five properties of a move is embedded in.
+/// Number of features in which each of the five properties of a move is embedded.
 const EMBEDDED: i64 = 16;
 
 /// Stacked recurrent layers.
@@ -39,7 +39,7 @@ pub(super) struct HistoryEncoder {
     x: nn::Embedding,
     before: nn::Linear,
     after: nn::Linear,
-    /// For each layer: weights of its input and of its state, then their biases.
+    /// For each layer: weights of its input, weights of its state, and the biases of both.
     gru: Vec<Tensor>,
     hidden: i64,
 }

@@ -1,7 +1,7 @@
 //! The network's inputs: an image of each state and its last moves.
 //!
-//! Inputs are kept as plain arrays: [`Inputs::image`] and [`Inputs::history`] give `ndarray` views
-//! of them, [`Inputs::tensors`] copies them to a device of libtorch.
+//! Inputs are stored as plain arrays: [`Inputs::image`] and [`Inputs::history`] return `ndarray`
+//! views of them, [`Inputs::tensors`] copies them to a device of libtorch.
 
 use beadwork_grid::{Symmetry, Zones};
 use ndarray::{ArrayView2, ArrayView4};
@@ -59,7 +59,7 @@ pub struct Inputs {
 /// The last moves before each state of a batch: arrays with the axes `[example, move]`.
 ///
 /// The moves of a state start at index 0, oldest first; the rest of its row is padding.
-/// Moves are seen after the same symmetry as the image.
+/// Moves are transformed by the same symmetry as the image.
 #[derive(Clone, Copy, Debug)]
 pub struct HistoryArrays<'a> {
     /// Variant of the move, 0 to 11.
@@ -108,7 +108,7 @@ impl Inputs {
         self.count == 0
     }
 
-    /// Appends a state, seen after a symmetry.
+    /// Appends a state, transformed by a symmetry.
     /// Linear in the cells of the canvas.
     ///
     /// # Panics

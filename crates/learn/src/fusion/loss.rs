@@ -31,7 +31,7 @@ pub struct Settings {
     pub position: PositionLoss,
     /// Ranking: the margin by which the recorded position should score above each negative.
     pub margin: f64,
-    /// Ranking: number of negatives that count, those with the highest scores.
+    /// Ranking: number of negatives per example that enter the loss, those with the highest scores.
     pub hardest: i64,
     /// Label smoothing of the action at the recorded position, 0..=1.
     pub smoothing: f64,
@@ -60,8 +60,8 @@ pub fn fusion_loss(proposals: &Proposals, targets: &Targets, settings: &Settings
 }
 
 fn position_loss(proposals: &Proposals, targets: &Targets, settings: &Settings) -> Tensor {
-    /// Below any score that the network gives, and far enough from the smallest number that sums
-    /// with it stay finite.
+    /// Lower than any score that the network gives, but small enough in magnitude that sums with it
+    /// stay finite.
     const MASKED: f64 = -1e4;
     let scores = proposals.position.flatten(1, -1);
     let target = scores.gather(1, &targets.position.unsqueeze(1), false);

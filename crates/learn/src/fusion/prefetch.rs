@@ -7,7 +7,7 @@ use beadwork_dataset::Dataset;
 
 use super::samples::{Batch, Batches, SampleError, Settings, Split};
 
-/// Training batches of epoch after epoch, without end.
+/// An endless stream of training batches, one epoch after the other.
 ///
 /// The thread that makes them ends soon after the prefetcher is dropped.
 pub(super) struct Prefetcher {
@@ -23,7 +23,7 @@ pub(super) struct Prefetched {
     pub(super) batch: Batch,
 }
 
-/// Batches that are kept ready.
+/// Maximum number of batches that wait in the channel.
 const CAPACITY: usize = 4;
 
 impl Prefetcher {
@@ -45,7 +45,7 @@ impl Prefetcher {
     }
 
     /// Waits for the next batch.
-    /// Not to be called again after an error.
+    /// Must not be called again after an error, which ends the thread.
     pub(super) fn next(&self) -> Result<Prefetched, SampleError> {
         self.receiver.recv().expect("the thread sends until it fails")
     }

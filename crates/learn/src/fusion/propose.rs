@@ -25,7 +25,7 @@ pub struct Proposal {
 
 /// A source of proposals.
 pub trait Proposer {
-    /// Returns proposals for each state, sorted by falling score.
+    /// Returns proposals for each state, in descending order of score.
     /// All proposed moves apply.
     ///
     /// # Panics
@@ -69,8 +69,8 @@ pub struct NetworkProposer<'a> {
     pub device: Device,
     /// Precision of convolutions.
     pub precision: Precision,
-    /// Number of positions whose moves are proposed, at least 1: those with the highest scores of
-    /// the positions where a move applies.
+    /// Number of positions whose moves are proposed, at least 1: of all positions where a move
+    /// applies, those with the highest scores.
     pub positions: usize,
     /// Maximum number of cells of all images in one forward pass, which bounds the memory.
     pub max_cells: usize,
@@ -107,8 +107,8 @@ impl<'a> NetworkProposer<'a> {
 
     /// The moves at the positions with the highest scores.
     ///
-    /// A move's score is its position's score plus its log probability among the variants that
-    /// apply there: variants that do not apply take no probability.
+    /// A move's score is its position's score plus its log probability: a softmax over the logits
+    /// of only those variants that apply there.
     fn choose(
         &self,
         state: &State<'_>,
@@ -164,7 +164,7 @@ impl Proposer for NetworkProposer<'_> {
     }
 }
 
-/// Sorts by falling score; proposals with equal scores keep their order.
+/// Sorts by descending score; proposals with equal scores keep their order.
 fn sort_by_score(proposals: &mut [Proposal]) {
     proposals.sort_by(|a, b| b.score.total_cmp(&a.score));
 }

@@ -65,7 +65,7 @@ pub enum TrainError {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// The run started, or resumed from a checkpoint.
-    /// Events of later steps that were logged before will be repeated.
+    /// Events of later steps, if the interrupted run has logged any, will be repeated.
     Started {
         /// Steps completed; 0 for a new run.
         steps: u64,
@@ -142,7 +142,7 @@ pub fn last_checkpoint(out: &Path) -> PathBuf {
 ///
 /// With f = 32, a step on 64 examples of 32 x 32 cells takes about 0.35 s on two cores, and its
 /// features take 1 GB of memory.
-/// The dataset is streamed.
+/// The dataset is streamed from disk, not loaded into memory.
 ///
 /// Progress counts steps.
 /// When `control` interrupts the run, it completes the current step and its evaluation, writes a
@@ -172,7 +172,7 @@ pub fn train(
     let mut optimiser = AdamW::new(parameters, settings);
 
     // Resume from the checkpoint, or write the first one.
-    // The first one comes before all other files: a run killed at any time can be resumed.
+    // It is written before all other files, so that a run killed at any time can be resumed.
     let (resolved, origin) = (config.resolved(), Origin::of(dataset).to_toml());
     let checkpoint = Checkpoint::new(
         &last_checkpoint(out),
@@ -192,7 +192,8 @@ pub fn train(
         return Ok(End::Early);
     }
 
-    // Examples: the same ones in each evaluation; training batches are made on a second thread.
+    // Validation examples are drawn once and are the same in each evaluation; training batches are
+    // made on a second thread.
     let held_out = config.held_out(config.valid_per_trajectory);
     let validation: Vec<Batch> =
         Batches::new(dataset, Split::Valid, &held_out, 0).collect::<Result<_, _>>()?;
@@ -230,7 +231,7 @@ pub fn train(
             }
 
             // Evaluation, early stopping, checkpoint.
-            // Not interrupted: the checkpoint of a step must include its evaluation.
+            // The evaluation cannot be interrupted: the checkpoint of a step must include it.
             let evaluation = evaluate(&network, &validation, config, device, &Control::default())
                 .expect("a default control never interrupts");
             let best = evaluation.loss < state.best_loss;

@@ -11,7 +11,8 @@ use super::samples::{Negatives, Settings};
 
 /// Training configuration.
 ///
-/// A run's results depend on it, on the dataset, and on the machine's rounding.
+/// A run's results depend on the configuration, the dataset, and rounding, which differs between
+/// machines and numbers of threads.
 /// Construct it with `..TrainingConfig::default()`: fields may be added.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -41,7 +42,7 @@ pub struct TrainingConfig {
     pub balance: f64,
     /// Size of the shuffle buffer of each canvas, in batches.
     pub pool: usize,
-    /// The positions that the recorded position is to score above.
+    /// Which positions are negatives.
     #[serde(alias = "rivals")]
     pub negatives: Negatives,
     /// Weights and margins of the loss.
@@ -67,7 +68,7 @@ pub struct TrainingConfig {
     pub valid_per_trajectory: usize,
     /// Evaluations without a lower validation loss after which training stops early, at least 1.
     pub patience: u64,
-    /// Threads of libtorch; 0 for one thread a core.
+    /// Number of threads of libtorch; 0 for one thread per core.
     pub threads: usize,
 }
 
@@ -119,8 +120,7 @@ pub enum TrainingConfigError {
     },
 }
 
-/// Lines that earlier versions wrote to resolved configurations, and what replaces them.
-/// A line is matched from its beginning.
+/// Beginnings of lines in resolved configurations of earlier versions, and their replacements.
 const RENAMED: [(&str, &str); 7] = [
     ("without = \"nothing\"", "ablation = \"none\""),
     ("without = ", "ablation = "),

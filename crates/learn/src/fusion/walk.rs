@@ -1,12 +1,14 @@
 //! Walks that follow proposals to better paths (Aali et al., section FusionNet, inference).
 //!
 //! A walk is an iterated local search with a tabu list:
-//! - Each step applies the proposed move that lowers the crossings most, the one with the highest
-//!   score among equals, but never one that returns to a state visited before.
+//! - Each step applies the proposed move with the lowest change of crossings, even if that is an
+//!   increase; among equals, the one with the highest score.
+//!   Moves that return to a state visited before are excluded.
 //! - After [`Settings::patience`] moves without a new best, or when no proposal is left, the walk
-//!   returns to its best path (or stays, if its present path is as good) and applies some random
-//!   moves, accepted as by an annealer at a fixed temperature; more each time, until a new best is
-//!   found.
+//!   is perturbed.
+//!   It returns to its best path, unless its present path is as good, and applies some random
+//!   moves, accepted as by an annealer at a fixed temperature.
+//!   The number of random moves grows with each perturbation until a new best is found.
 //!
 //! All applied moves count towards the budget.
 //! Several layers are walked in lockstep, so that the network sees them in batches.
@@ -31,20 +33,20 @@ use super::propose::{Proposal, Proposer};
 pub struct Settings<'a> {
     /// Maximum number of moves of a walk, random ones included.
     pub budget: usize,
-    /// Moves without a new best after which random moves follow; with 0, all moves are random.
+    /// Moves without a new best after which the walk is perturbed; with 0, all moves are random.
     pub patience: usize,
-    /// Whether random moves start from the best path so far (the last of equal ones) rather than
-    /// from the present path.
+    /// Whether a perturbation starts from the best path so far, rather than from the present path.
+    /// If the present path is as good as the best one, it replaces it.
     pub returns: bool,
-    /// Number of random moves of the first perturbation; 0 counts as 1.
+    /// Number of random moves of the first perturbation after a new best; 0 counts as 1.
     pub perturbation: usize,
     /// Growth limit: the n-th perturbation since the last new best has n times as many moves, but
     /// at most `escalation` times as many; 0 counts as 1.
     pub escalation: usize,
     /// Temperature at which random moves are accepted, in crossings; positive.
     pub temperature: f64,
-    /// Called before each forward pass and at the end, with the state of all walks.
-    /// An observer of this method; progress is reported to [`Control::progress`].
+    /// Called before each forward pass and at the end, with the status of all walks.
+    /// It also receives the crossings, which [`Control::progress`] does not.
     pub observer: Option<&'a dyn Fn(Status)>,
 }
 
@@ -95,9 +97,9 @@ pub struct Outcome {
     pub crossings: u32,
     /// The moves from the start path to the best path.
     pub moves: Vec<Move>,
-    /// Number of moves applied in all, those that led nowhere included.
+    /// Number of all moves applied, including those that do not lead to the best path.
     pub total_moves: usize,
-    /// Number of random moves among them.
+    /// Number of random moves among all moves applied.
     pub random_moves: usize,
     /// [`Stop::TargetReached`]; [`Stop::Done`] if the budget is spent or no move applies;
     /// [`Stop::Cancelled`] or [`Stop::TimeUp`] if the walk was interrupted.
@@ -161,9 +163,9 @@ struct Walk<'a> {
     best: u32,
     /// The moves from the start path to the present path.
     moves: Vec<AppliedMove>,
-    /// Number of these that lead to the best path.
+    /// Number of the first `moves` that lead to the best path.
     moves_to_best: usize,
-    /// Number of moves applied in all.
+    /// Number of all moves applied, including those that were taken back.
     total_moves: usize,
     /// `total_moves` at the last new best or after the last perturbation.
     last_reset: usize,
@@ -235,7 +237,8 @@ impl<'a> Walk<'a> {
     fn perturb(&mut self, settings: &Settings<'_>) {
         if settings.returns {
             if self.crossings == self.best {
-                // The present path is as good as the best one, from which the search has failed.
+                // The present path is as good as the recorded best path, from which no better path
+                // was found: it becomes the recorded one.
                 self.moves_to_best = self.moves.len();
             } else {
                 self.return_to_best();
@@ -260,9 +263,10 @@ impl<'a> Walk<'a> {
     /// Draws a move as an annealer would accept it: rejection-free Metropolis sampling.
     /// `None` if no move applies.
     ///
-    /// An annealer proposes moves uniformly and accepts one that adds d crossings with probability
-    /// min(1, e^(-d / T)), so the accepted move is distributed in proportion to that.
-    /// Drawing from this distribution directly avoids the rejections.
+    /// An annealer proposes moves uniformly and accepts a move that adds d crossings with
+    /// probability min(1, e^(-d / T)).
+    /// So the probability that a move is the accepted one is proportional to that, and drawing from
+    /// this distribution directly avoids the rejections.
     fn draw_move(&mut self, temperature: f64) -> Option<(PlacedVariant, i32)> {
         let mut moves = Vec::new();
         let layer = self.task.layer;
@@ -277,7 +281,7 @@ impl<'a> Walk<'a> {
         Some(moves[distribution.sample(&mut self.rng)])
     }
 
-    /// Restores the best path by replaying its moves; this does not count as moves.
+    /// Restores the best path by replaying its moves, which are not counted again.
     fn return_to_best(&mut self) {
         self.moves.truncate(self.moves_to_best);
         self.links = Links::new(self.task.start);

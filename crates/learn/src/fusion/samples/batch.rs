@@ -12,7 +12,7 @@ use crate::fusion::episode::Episode;
 use crate::fusion::inputs::{Canvas, Inputs};
 use crate::fusion::layer::State;
 
-/// The positions that the recorded position is to score above.
+/// Which positions are negatives: the recorded position should score above each of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Negatives {
@@ -41,8 +41,8 @@ pub struct Batch {
     pub negatives: Array3<bool>,
     /// Name of each example's layout, or of its picture.
     pub layouts: Vec<String>,
-    /// Accuracy without a network on each example; zeros unless the settings ask for held-out
-    /// examples.
+    /// Baseline of each example; zeros unless [`Settings::held_out`](super::Settings::held_out) is
+    /// set.
     pub baselines: Vec<Baseline>,
 }
 
@@ -57,7 +57,7 @@ pub struct Targets {
     pub negatives: Tensor,
 }
 
-/// A needed move of an episode, and the symmetry it is seen after.
+/// A needed move of an episode, and the symmetry that transforms the example.
 pub(super) struct Example {
     pub(super) episode: Arc<Episode>,
     pub(super) layout: Arc<str>,
@@ -66,7 +66,7 @@ pub(super) struct Example {
 }
 
 impl Batch {
-    /// Makes arrays of examples, whose layers must fit on `canvas`.
+    /// Turns examples, whose layers must fit on `canvas`, into arrays.
     /// Linear in the cells of all canvases and in the moves before each example.
     pub(super) fn new(
         canvas: Canvas,

@@ -1,7 +1,7 @@
 //! Batches of examples, streamed from a dataset.
 //!
 //! An example is a state of a recorded search, the moves before it, and the needed move that
-//! followed, all seen after one of the eight symmetries of the grid.
+//! followed, all transformed by one of the eight symmetries of the grid.
 //! [`Batches`] reads trajectories in random order, draws some examples of each into a shuffle
 //! buffer for each canvas, and draws batches from these buffers.
 //! The batches depend on the dataset, the settings and the epoch alone.

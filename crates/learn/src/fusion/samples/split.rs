@@ -8,10 +8,10 @@ use beadwork_dataset::{Instance, Trajectory};
 /// All trajectories of one instance are in the same part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Split {
-    /// Training: eight of ten instances, and all instances of layouts that are not random.
+    /// Training: eight of ten instances, and all pictures and layouts that are not random.
     Train,
-    /// Validation: one of ten instances; training stops early by its loss and keeps the best
-    /// weights.
+    /// Validation: one of ten instances; their loss decides which weights are saved and when
+    /// training stops early.
     Valid,
     /// Test: one of ten instances, which training never reads.
     Test,
@@ -20,9 +20,11 @@ pub enum Split {
 impl Split {
     /// The part that a trajectory belongs to, in a dataset of `strata` combinations.
     ///
-    /// Of each combination, trajectory number 10 k + 8 is for validation and 10 k + 9 for tests;
-    /// the instances of a random layout all differ.
-    /// A layout that is not random has only one instance, which is used for training.
+    /// Within each combination, trajectories 10 k + 8 are for validation and 10 k + 9 for tests.
+    /// That separates instances, because each trajectory of a random layout has an instance of its
+    /// own.
+    /// A picture, or a layout that is not random, has only one instance, which is used for
+    /// training.
     pub fn of(trajectory: &Trajectory, strata: u64) -> Self {
         let is_random = match &trajectory.instance {
             Instance::Layout { layout, .. } => layout.is_random(),

@@ -23,7 +23,7 @@ pub struct Settings {
     /// Seed of all random choices.
     pub seed: u64,
     /// Examples in a batch on a canvas of 32 x 32 cells.
-    /// Larger canvases have proportionally fewer, but at least 8.
+    /// Batches on larger canvases have proportionally fewer, but at least 8.
     pub batch: usize,
     /// Examples drawn from a trajectory on a canvas of 32 x 32 cells.
     /// Larger canvases have proportionally fewer, because an example costs more there, unless
@@ -33,14 +33,15 @@ pub struct Settings {
     /// to its centre.
     /// The others are drawn evenly from all needed moves, most of which are near the sides.
     pub balance: f64,
-    /// Size of a canvas's shuffle buffer, in batches: a batch is drawn once that many are waiting.
+    /// Size of a canvas's shuffle buffer, in batches: a batch is drawn from it whenever it is full.
     pub pool: usize,
     /// Moves of the history, K.
     pub history: usize,
-    /// The positions that the recorded position is to score above.
+    /// Which positions are negatives.
     pub negatives: Negatives,
-    /// Whether the examples are for evaluation: without symmetry, the same number from trajectories
-    /// of all sizes, and with [`Batch::baselines`], which doubles the cost.
+    /// Whether the examples are for evaluation.
+    /// They are then not transformed by a symmetry, trajectories of all sizes have the same number
+    /// of examples, and [`Batch::baselines`] are computed, which doubles the cost.
     pub held_out: bool,
 }
 
@@ -122,8 +123,8 @@ fn hint(split: Split) -> &'static str {
     }
 }
 
-/// Batches of one epoch, an iterator.
-/// Each epoch has other examples in another order.
+/// Iterator over the batches of one epoch.
+/// Each epoch draws different examples in a different order.
 pub struct Batches<'a> {
     settings: &'a Settings,
     split: Split,
@@ -155,7 +156,7 @@ impl<'a> Batches<'a> {
         }
     }
 
-    /// Skips batches without making their arrays, which costs less.
+    /// Skips batches; costs less than iterating over them, because their arrays are not made.
     /// Returns the number skipped, less than `count` if the epoch ends.
     pub fn skip_batches(&mut self, count: u64) -> Result<u64, SampleError> {
         for skipped in 0..count {
@@ -189,8 +190,9 @@ impl<'a> Batches<'a> {
         }
     }
 
-    /// A canvas that a batch can be drawn for: one whose buffer is full, or, once all trajectories
-    /// have been read, holds a whole batch; then any with examples.
+    /// A canvas from whose shuffle buffer the next batch can be drawn.
+    /// While there are trajectories to read, its buffer must be full.
+    /// After that, a buffer with a whole batch is preferred to one with fewer examples.
     fn ready_canvas(&self) -> Option<Canvas> {
         let batches = if self.ended { 1 } else { self.settings.pool.max(1) };
         let is_full = |(canvas, buffer): &(&Canvas, &Vec<Example>)| {
