@@ -96,7 +96,8 @@ pub(crate) struct Coefficients {
 
 /// Thermal resistance between a voxel's centre and its surfaces: distance over conductivity d / k.
 ///
-/// A surface with the heat transfer coefficient h then passes h / (1 + h d / k).
+/// A surface with the heat transfer coefficient h then has the effective coefficient h / (1 + h d /
+/// k).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SurfaceResistance {
     /// For the four sides, m² K/W.
@@ -264,7 +265,7 @@ impl Coefficients {
         if axis == 2 { self.vertical } else { self.lateral }
     }
 
-    /// The diagonal of a voxel after one of its neighbours along an axis is taken away.
+    /// The diagonal of a voxel without the conduction to one of its neighbours along an axis.
     pub(crate) fn without_neighbour(&self, diagonal: f32, axis: usize) -> f32 {
         (diagonal + self.conductance(axis)).min(ISOLATED)
     }

@@ -26,8 +26,9 @@ pub struct ProcessParameters {
     ///
     /// The paper's scheme, which is the default, uses the temperature at a voxel's centre as that
     /// of its surface, and therefore overestimates the loss.
-    /// With the surface resistance, a surface at distance d from the centre passes h / (1 + h d /
-    /// k) instead of h, for convection and radiation together.
+    /// With the surface resistance, a surface at distance d from the centre has the heat transfer
+    /// coefficient h / (1 + h d / k) instead of h, where h is that of convection and radiation
+    /// together and k the conductivity.
     pub surface_resistance: bool,
 }
 

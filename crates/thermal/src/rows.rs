@@ -8,7 +8,7 @@ use crate::simulation::Simulation;
 /// A row of voxels along x.
 ///
 /// Element `i` of both slices belongs to the voxel at x = `i` - 1: the first element and those
-/// behind the part's width are halo, which has no voxels.
+/// beyond the part's width are halo, which has no voxels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row<'a> {
     pub(crate) y: u32,

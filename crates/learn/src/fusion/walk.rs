@@ -36,7 +36,7 @@ pub struct Settings<'a> {
     /// Moves without a new best after which the walk is perturbed; with 0, all moves are random.
     pub patience: usize,
     /// Whether a perturbation starts from the best path so far, rather than from the present path.
-    /// If the present path is as good as the best one, it replaces it.
+    /// A present path that is as good as the best one replaces it.
     pub returns: bool,
     /// Number of random moves of the first perturbation after a new best; 0 counts as 1.
     pub perturbation: usize,

@@ -41,10 +41,10 @@
 //! With radiation the equation is not linear, but the order stays two: an autonomous equation has
 //! only one condition of second order, the coefficient of z².
 //!
-//! The limit of this form is **internal stability**: the whole product is at most 1, but a partial
-//! product need not be.
-//! Partial products from the left let temperatures grow in between, partial products from the right
-//! amplify rounding errors (about 1e-5 K).
+//! The limit of this form is **internal stability**: the product of all factors is at most 1, but
+//! products of some of them need not be.
+//! The factors that have been applied may amplify intermediate temperatures, and the factors that
+//! follow may amplify the rounding errors made so far (about 1e-5 K).
 //! The order of the factors keeps both small for the degrees that are used here, up to 12; from 16
 //! stages on, rounding reaches 0.1 K.
 

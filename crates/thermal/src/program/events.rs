@@ -52,7 +52,7 @@ pub enum ProgramError {
     Trace(#[from] TraceError),
     /// The program leaves out more of the part than is tolerated.
     #[error(
-        "the program leaves out {missed} of {voxels} voxels of the part, first that at {voxel:?} \
+        "the program leaves out {missed} of {voxels} voxels of the part, the first at {voxel:?} \
          in layer {layer}"
     )]
     Missed {

@@ -40,7 +40,7 @@
 //! Outside the region, changes of the differences *within* a block are not resolved; the region is
 //! large enough that these differences have decayed (`fast/level.rs` has its margins and ages).
 //!
-//! Heat per block is measured in K voxels: one of these warms one voxel by one kelvin.
+//! Heat per block is measured in K voxels: a heat of 1 K voxel warms one voxel by one kelvin.
 
 mod block_stepper;
 mod conductances;
