@@ -128,7 +128,7 @@ impl Factory {
 
     /// Runs the search of one trajectory.
     ///
-    /// Costs what the search costs: 1 to 20 ms with the paper's annealers and sizes, seconds with
+    /// Takes as long as the search: 1 to 20 ms with the paper's annealers and sizes, seconds with
     /// the genetic algorithm.
     /// Works on the calling thread and reports no progress; call it from several threads to make
     /// trajectories in parallel.

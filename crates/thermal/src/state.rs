@@ -42,7 +42,7 @@ impl State {
         }
     }
 
-    /// Mutable access; copies first what is shared with other states.
+    /// Mutable access; first copies the arrays that are shared with other states.
     pub(crate) fn make_mut(&mut self) -> StateMut<'_> {
         StateMut {
             patch: Arc::make_mut(&mut self.patch),

@@ -114,8 +114,8 @@ impl FastStepper {
     /// Steps a state through some intervals.
     ///
     /// Sweeps may use `threads` threads of the current pool.
-    /// The call can be interrupted whenever all voxels of the part have reached the same time; the
-    /// state is then that at this time.
+    /// The call can be interrupted whenever all voxels of the part have reached the same time, so
+    /// the state it leaves is valid.
     pub(crate) fn run(
         &mut self,
         state: StateMut<'_>,
@@ -193,7 +193,8 @@ impl FastStepper {
         level: usize,
         intervals: &[Interval],
     ) -> Result<(), Interrupted> {
-        // A step on blocks does much less work than this counts, but is long enough to poll.
+        // For a step on blocks, this counts far more updates than it makes; but such a step takes
+        // long enough to poll each time.
         nested.poll(self.levels[level].stages() as usize, occupancy.top())?;
         let on_blocks = matches!(self.levels[level].method, StepMethod::Blocks);
         let seconds = interval::total_seconds(intervals);
@@ -307,7 +308,8 @@ impl FastStepper {
         let level = &self.levels[level];
         let coming = intervals.iter().filter_map(|interval| interval.held);
         let births_s = interval::total_seconds(intervals.iter().filter(|interval| interval.born));
-        // Short travel moves between births do not make a pause.
+        // A step counts as a pause if births take less than 90 % of it: short travel moves between
+        // births are not enough.
         let pause = births_s < 0.9 * seconds;
         let since_s = self.now - if pause { level.pause_age_s() } else { level.age_s };
         let recent = self.history.iter().rev().take_while(|&&(_, time)| time > since_s);

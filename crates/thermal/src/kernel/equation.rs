@@ -100,7 +100,8 @@ impl<'a, S: Simd> Stencil<'a, S> {
         n
     }
 
-    /// Heat conducted from the six neighbours, K/s, without what the voxel itself gives away.
+    /// Heat conducted from the six neighbours, K/s; the heat conducted to them is part of the
+    /// diagonal.
     ///
     /// Opposite neighbours are added first, then x and y.
     /// Addition commutes but does not associate in floating point: with this order, mirroring the

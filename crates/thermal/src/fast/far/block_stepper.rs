@@ -224,8 +224,9 @@ impl WithSimd for PlaneSweep<'_> {
         let losses = &conductances.losses[start..][..n];
         let inverse_voxels = &conductances.inverse_voxels[start..][..n];
         for i in 0..n {
-            // Differences times links, so that a link to an empty block, which is 0, adds nothing
-            // whatever its field says, and both sides of a link see the same flow.
+            // Differences are multiplied by links, for two reasons: a link to an empty block is 0
+            // and adds nothing, whatever value the block has; and both sides of a link see the same
+            // flow.
             let own = here[i];
             let in_x = to_left[i] * (left[i] - own) + to_right[i] * (right[i] - own);
             let in_y = to_back[i] * (back[i] - own) + to_front[i] * (front[i] - own);

@@ -82,7 +82,8 @@ impl FluxHalo {
                     let inside = shape.index([x, y, z]);
                     let halo = beyond(inside, strides);
                     theta[halo] = 0.0;
-                    // The code of a uniform line would stand for the old diagonal.
+                    // With the code of a uniform line, sweeps would use the shared diagonal instead
+                    // of the changed one.
                     let line = &mut arrays.lines[inside / LINE_LEN];
                     *line = line.not_uniform();
                     let in_part = [
