@@ -52,7 +52,7 @@ fn first_build(learns: bool) -> bool {
     !binary.exists() || learns && !has_libtorch()
 }
 
-/// Whether a command needs the feature `learn`, which takes minutes longer to build the first time.
+/// Whether a command needs the feature `learn`, whose first build takes minutes longer.
 fn needs_libtorch(words: &[OsString]) -> bool {
     let word = |at: usize| words.get(at).and_then(|word| word.to_str()).unwrap_or_default();
     match word(0) {

@@ -29,8 +29,8 @@ Checks:
   tidy         check module docs, manifests, banned words, wide lines, leftovers
 
 Set-up:
-  setup        download libtorch for networks, once per user; checks LIBTORCH instead if it is set;
-               with --cuda a libtorch that also computes on graphics cards
+    setup        download libtorch for networks, once per user; if LIBTORCH is set, only check it;
+                 with --cuda, a libtorch that also computes on graphics cards
 
 Work: builds the binary `beadwork` in release and runs it
   gen-data     write training data
@@ -38,9 +38,9 @@ Work: builds the binary `beadwork` in release and runs it
   zones        find a path with few zone crossings for one layer
   plan         plan a part and write its G-code
   simulate     simulate the temperatures of a part while it is printed
-  train        train a network; the first time, downloads and builds libtorch, which takes minutes
+    train        train a network; the first run downloads libtorch and builds for minutes
   eval         compare results with the papers' figures, and make tables of whole parts
-  bench        measure rates on this machine
+    bench        measure run times, rates and memory on this machine
   doctor       report what is installed, what is missing, and how to get it
   completions  print a script that completes commands and flags in a shell
   Any other command goes to the binary too. `cargo xtask COMMAND --help` lists its arguments.

@@ -24,8 +24,9 @@ const VERSION: &str = "2.13.0";
 type Wheel = (&'static str, &'static str, &'static str);
 
 /// Wheels that every build needs.
-/// The wheel of torch for Python 3.12 serves all Python versions: its libraries are the same.
-/// libtorch links the other two even on machines without a graphics card.
+///
+/// The libraries in the wheel of torch are the same for all Python versions; the wheel for 3.12 is
+/// used. libtorch links the other two wheels even on machines without a graphics card.
 const WHEELS: [Wheel; 3] = [
     ("torch", VERSION, "796633c4cdf0fe2cdced72d8f88f22e73dbcfce83132763162f6d4bff13b820b"),
     (
@@ -175,8 +176,8 @@ pub(crate) fn provide_any() -> Result<()> {
     if user_folder(&link).is_none() && check(&link).is_ok() { Ok(()) } else { run(Target::Cpu) }
 }
 
-/// The folder that the user has set LIBTORCH to.
-/// Cargo sets the variable too, to the link in the checkout; that does not count.
+/// The folder to which the user has set LIBTORCH.
+/// `.cargo/config.toml` sets the variable to the link in the checkout; that does not count.
 fn user_folder(link: &Path) -> Option<PathBuf> {
     std::env::var_os("LIBTORCH").map(PathBuf::from).filter(|own| own != link)
 }

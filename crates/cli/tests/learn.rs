@@ -101,7 +101,7 @@ fn network_is_trained_and_walks() {
         ["eval", "fusion", "--model", model, "--sizes", "30x30", "--seeds", "1", "--runs", "2"];
     let output = json(&[&table[..], &["--budget", "40", "--data", text(&data)]].concat());
     assert_eq!(output["rows"].as_array().unwrap().len(), 2, "a seed of two layouts: {output}");
-    // Four trajectories of each layout are in the test split; up to 20 moves of each count.
+    // Four trajectories of each layout are in the test split; each contributes up to 20 moves.
     assert!(
         (4..=80).contains(&output["held_out"]["islands"]["examples"].as_u64().unwrap()),
         "{output}"
