@@ -52,9 +52,9 @@ pub(crate) struct Args {
 #[derive(clap::Args)]
 #[group(required = true, multiple = false)]
 struct ConfigSource {
-    /// Built-in configuration: smoke (takes seconds), paper (22,111 trajectories), genetic (240
-    /// solutions of the genetic algorithm), chains (training data of FusionNet), pictures (a folder
-    /// of PNG files).
+    /// Built-in configuration: smoke (takes seconds), paper (22,111 trajectories, as in Aali et
+    /// al.), genetic (240 solutions of the genetic algorithm), chains (training data of FusionNet),
+    /// pictures (a folder of PNG files).
     #[arg(
         long,
         value_name = "NAME",

@@ -77,8 +77,8 @@ pub(crate) struct Args {
     /// Material of the part.
     #[arg(long, value_name = "NAME", default_value = "abs")]
     pub(super) material: MaterialName,
-    /// Time stepping of the heat equation: the paper's explicit scheme (naive), a second-order
-    /// scheme with four steps per voxel (reference), or local time stepping (fast).
+    /// Time stepping of the heat equation: the explicit scheme of Kim et al. 2026 (naive), a
+    /// second-order scheme with four steps per voxel (reference), or local time stepping (fast).
     #[arg(long, value_name = "NAME", default_value = "fast")]
     pub(super) method: MethodName,
     /// Accuracy of the fast method; standard by default.
@@ -104,8 +104,7 @@ pub(crate) struct Args {
     /// Travel speed of a pattern, in mm/s, or none for travel that takes no time; 150 by default.
     #[arg(long, value_name = "MM_S", conflicts_with = "gcode", allow_hyphen_values = true)]
     pub(super) travel_mm_s: Option<OrNone>,
-    /// Include the thermal resistance of half a voxel at surfaces, which the paper's scheme
-    /// neglects.
+    /// Include the thermal resistance of half a voxel at surfaces, which Kim et al. 2026 neglect.
     #[arg(long)]
     pub(super) surface_resistance: bool,
     /// Continue this many seconds after the print, while it cools.
