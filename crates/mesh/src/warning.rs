@@ -21,4 +21,12 @@ pub enum ReadWarning {
         /// A noun phrase in the plural, such as "texture coordinates".
         what: String,
     },
+    /// Data that the model contains, but not exactly.
+    #[error("{what}: {how}")]
+    Approximated {
+        /// A noun phrase in the plural, such as "colour gradients".
+        what: String,
+        /// What the model contains instead, as a sentence without a full stop.
+        how: String,
+    },
 }

@@ -1,16 +1,15 @@
 //! One XML document of a 3MF archive: objects, materials, and build items.
 
-use std::borrow::Cow;
 use std::collections::HashMap;
 use std::io::BufRead;
 
-use quick_xml::events::BytesStart;
-
-use super::xml::{Element, attribute, each_attribute, each_element, integer};
-use crate::mesh::drop_unused_vertices;
-use crate::model::Material;
+use super::mesh::{MeshReader, Surface, vertex};
+use super::namespace::Namespace;
+use super::notes::Notes;
+use super::properties::{Group, Property};
+use super::xml::{Element, Tag, each_element};
 use crate::read::error::{ReadError, ReadLimits};
-use crate::read::text::number;
+use crate::read::text::{number, shown};
 use crate::transform::Transform;
 
 /// Names are cut to this many characters, because every instance of an object gets a copy.
@@ -24,33 +23,37 @@ pub(super) struct Document {
     /// Objects by their id.
     pub(super) objects: HashMap<u32, Object>,
     /// Materials and colours by the id of their group.
-    pub(super) groups: HashMap<u32, Vec<Material>>,
-    /// The objects to print.
-    pub(super) items: Vec<Reference>,
+    pub(super) groups: HashMap<u32, Group>,
+    /// The objects to print; `None` if the document has no build.
+    pub(super) items: Option<Vec<Item>>,
+    /// Whether facets are painted with filaments.
+    pub(super) is_painted: bool,
+    /// What is not used.
+    pub(super) notes: Notes,
 }
 
 pub(super) struct Object {
     pub(super) name: String,
-    /// Whether it is printed: false for support and other auxiliary objects.
-    pub(super) is_model: bool,
+    /// The type, unless it is one that is printed as a solid.
+    pub(super) auxiliary: Option<&'static str>,
     pub(super) property: Option<Property>,
     pub(super) content: Content,
+    /// The extension that part of the content belongs to, which is not supported.
+    pub(super) extension: Option<String>,
+    /// Why the mesh is not what is to be printed, as the end of a sentence about the object.
+    pub(super) refusal: Option<String>,
 }
 
-/// A reference to a material: the id of its group, and its index in the group.
-pub(super) type Property = (u32, u32);
-
 pub(super) enum Content {
-    Mesh {
-        vertices: Vec<[f64; 3]>,
-        triangles: Vec<[u32; 3]>,
-        /// For each triangle an index into `properties`; empty if all are 0.
-        paint: Vec<u16>,
-        /// The properties that triangles have; the first one is `None`.
-        properties: Vec<Option<Property>>,
-    },
+    Mesh(Surface),
     /// The object is composed of other objects.
     Components(Vec<Reference>),
+}
+
+/// An object to print.
+pub(super) struct Item {
+    pub(super) reference: Reference,
+    pub(super) is_printable: bool,
 }
 
 /// An object, possibly in another document, and where it is.
@@ -72,18 +75,24 @@ impl Document {
             object: None,
             in_mesh: false,
             group: None,
-            property_numbers: HashMap::new(),
+            mesh: MeshReader::default(),
             triangles: 0,
             max_triangles: limits.triangles,
         };
         let mut is_model = false;
         each_element(entry, source, |element| match element {
-            Element::Start(start) => {
-                is_model |= start.local_name().as_ref() == "model";
-                reader.start(start)
+            Element::Start(tag) => {
+                if tag.depth == 0 && tag.name() == "model" {
+                    if tag.namespace != Namespace::Core {
+                        let name = tag.extension();
+                        return Err(format!("<model> is not a 3MF model, but of the {name}"));
+                    }
+                    is_model = true;
+                }
+                reader.start(tag)
             }
-            Element::End(name) => {
-                reader.end(name);
+            Element::End(namespace, name) => {
+                reader.end(namespace, name);
                 Ok(())
             }
         })?;
@@ -104,78 +113,173 @@ struct DocumentReader {
     /// The object that is being read, and its id.
     object: Option<(u32, Object)>,
     in_mesh: bool,
-    /// The group of materials that is being read.
-    group: Option<u32>,
-    /// Indices into the object's `properties`.
-    property_numbers: HashMap<Property, usize>,
+    /// The group of materials that is being read, and its id.
+    group: Option<(u32, Group)>,
+    /// What is known of the mesh of the object.
+    mesh: MeshReader,
     triangles: usize,
     max_triangles: usize,
 }
 
 impl DocumentReader {
-    fn start(&mut self, start: &BytesStart<'_>) -> Result<(), String> {
-        match (start.local_name().as_ref(), &mut self.object) {
-            ("vertex", Some((_, Object { content: Content::Mesh { vertices, .. }, .. })))
+    fn start(&mut self, tag: &Tag<'_>) -> Result<(), String> {
+        match tag.namespace {
+            Namespace::Core => self.start_core(tag),
+            Namespace::Materials => {
+                if let Some((_, group)) = &mut self.group {
+                    return group.add(tag);
+                }
+                self.start_group(tag)
+            }
+            Namespace::Other => {
+                self.start_foreign(tag);
+                Ok(())
+            }
+            // Names of sets of triangles, other models of the same object, and the like.
+            _ => Ok(()),
+        }
+    }
+
+    fn start_core(&mut self, tag: &Tag<'_>) -> Result<(), String> {
+        let notes = &mut self.document.notes;
+        match (tag.name(), &mut self.object) {
+            ("vertex", Some((_, Object { content: Content::Mesh(surface), .. })))
                 if self.in_mesh =>
             {
-                vertices.push(vertex(start)?);
+                surface.vertices.push(vertex(tag, notes)?);
             }
             ("triangle", Some((_, object))) if self.in_mesh => {
                 // Triangles beyond the limit are counted, but not stored.
                 self.triangles += 1;
-                if self.triangles <= self.max_triangles {
-                    add_triangle(start, object, &mut self.property_numbers)?;
+                let group = object.property.map(|(group, _)| group);
+                if self.triangles <= self.max_triangles
+                    && let Content::Mesh(surface) = &mut object.content
+                {
+                    self.mesh.triangle(tag, surface, group, notes)?;
                 }
             }
             ("mesh", Some(_)) => self.in_mesh = true,
-            ("component", Some((_, Object { content, .. }))) => {
-                if !matches!(content, Content::Components(_)) {
+            ("component", Some((id, Object { content, .. }))) => {
+                if matches!(content, Content::Mesh(surface) if surface.triangles.is_empty()) {
                     *content = Content::Components(Vec::new());
                 }
-                if let Content::Components(components) = content {
-                    components.push(reference(start)?);
-                }
+                let Content::Components(components) = content else {
+                    return Err(format!("object {id} has both a mesh and components"));
+                };
+                components.push(reference(tag)?);
             }
             ("object", None) => {
-                self.property_numbers.clear();
-                self.object = Some(object(start)?);
+                let (id, object) = object(tag, notes)?;
+                if self.document.objects.contains_key(&id) {
+                    return Err(format!("id {id} is used by two objects"));
+                }
+                self.mesh = MeshReader::default();
+                self.object = Some((id, object));
             }
-            ("item", None) => self.document.items.push(reference(start)?),
-            ("basematerials" | "colorgroup", None) => {
-                let id = integer(start, "id")?.ok_or("material group has no id")?;
-                self.document.groups.insert(id, Vec::new());
-                self.group = Some(id);
+            ("build", None) => self.document.items = Some(Vec::new()),
+            ("item", None) => {
+                let printable = tag.attribute("printable")?;
+                let is_printable =
+                    !printable.is_some_and(|value| matches!(value.trim(), "0" | "false"));
+                let reference = reference(tag)?;
+                let items = self.document.items.get_or_insert_default();
+                items.push(Item { reference, is_printable });
             }
-            ("base" | "color", None) => {
-                let group = self.group.and_then(|id| self.document.groups.get_mut(&id));
-                if let Some(group) = group {
-                    group.push(material(start)?);
+            ("basematerials", None) => self.start_group(tag)?,
+            ("base", None) => {
+                if let Some((_, group)) = &mut self.group {
+                    group.add(tag)?;
                 }
             }
-            ("model", None) => {
-                if let Some(unit) = attribute(start, "unit")? {
-                    self.document.unit_mm =
-                        unit_mm(&unit).ok_or_else(|| format!("unknown unit '{unit}'"))?;
-                }
-            }
+            ("model", None) => self.start_model(tag)?,
             _ => {}
         }
         Ok(())
     }
 
-    fn end(&mut self, name: &str) {
-        match name {
-            "mesh" => self.in_mesh = false,
-            "object" => {
-                if let Some((id, mut object)) = self.object.take() {
-                    if let Content::Mesh { vertices, triangles, .. } = &mut object.content {
-                        drop_unused_vertices(vertices, triangles);
-                    }
-                    self.document.objects.insert(id, object);
+    fn start_model(&mut self, tag: &Tag<'_>) -> Result<(), String> {
+        if let Some(unit) = tag.attribute("unit")? {
+            self.document.unit_mm =
+                unit_mm(&unit).ok_or_else(|| format!("unknown unit '{}'", shown(&unit)))?;
+        }
+        if let Some(required) = tag.attribute("requiredextensions")? {
+            for prefix in required.split_ascii_whitespace() {
+                if tag.scope.namespace(prefix) == Namespace::Other {
+                    let name = tag.scope.extension(prefix);
+                    return Err(format!("file requires the {name}, which is not supported"));
                 }
-                self.in_mesh = false;
             }
-            "basematerials" | "colorgroup" => self.group = None,
+        }
+        if let Some(recommended) = tag.attribute("recommendedextensions")? {
+            for prefix in recommended.split_ascii_whitespace() {
+                if tag.scope.namespace(prefix) == Namespace::Other {
+                    self.note_extension(&tag.scope.extension(prefix));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn start_group(&mut self, tag: &Tag<'_>) -> Result<(), String> {
+        if tag.name() == "texture2d" {
+            self.document.notes.ignored("textures");
+        }
+        let Some(group) = Group::start(tag)? else { return Ok(()) };
+        let id = tag.integer("id")?.ok_or("material group has no id")?;
+        if self.document.groups.contains_key(&id) {
+            return Err(format!("id {id} is used by two material groups"));
+        }
+        self.group = Some((id, group));
+        Ok(())
+    }
+
+    /// An element of an extension that is not supported.
+    fn start_foreign(&mut self, tag: &Tag<'_>) {
+        let name = tag.extension();
+        self.note_extension(&name);
+        let Some((_, object)) = &mut self.object else { return };
+        // The mesh of such objects is not their shape, or only part of it.
+        let is_shape = matches!(
+            tag.name(),
+            "booleanshape" | "boolean" | "beamlattice" | "displacementmesh" | "levelset"
+        );
+        if is_shape && object.refusal.is_none() {
+            object.refusal = Some(format!("needs the {name}, which is not supported"));
+        }
+        object.extension.get_or_insert(name);
+    }
+
+    fn note_extension(&mut self, name: &str) {
+        self.document.notes.ignored(&format!("data of the {name}"));
+    }
+
+    fn end(&mut self, namespace: Namespace, name: &str) {
+        match (namespace, name) {
+            (Namespace::Core, "mesh") => self.in_mesh = false,
+            (Namespace::Core, "object") => {
+                self.in_mesh = false;
+                let Some((id, mut object)) = self.object.take() else { return };
+                if let Content::Mesh(surface) = &mut object.content {
+                    let mesh = std::mem::take(&mut self.mesh);
+                    self.document.is_painted |= mesh.is_painted;
+                    let before = surface.triangles.len();
+                    let is_complete = mesh.finish(surface, self.max_triangles);
+                    self.triangles += surface.triangles.len().saturating_sub(before);
+                    if !is_complete {
+                        self.triangles = self.max_triangles + 1;
+                    }
+                }
+                self.document.objects.insert(id, object);
+            }
+            (
+                Namespace::Core | Namespace::Materials,
+                "basematerials" | "colorgroup" | "compositematerials" | "multiproperties"
+                | "texture2dgroup",
+            ) => {
+                if let Some((id, group)) = self.group.take() {
+                    self.document.groups.insert(id, group);
+                }
+            }
             _ => {}
         }
     }
@@ -194,120 +298,49 @@ fn unit_mm(unit: &str) -> Option<f64> {
     })
 }
 
-fn object(start: &BytesStart<'_>) -> Result<(u32, Object), String> {
-    let id = integer(start, "id")?.ok_or("object has no id")?;
-    let property = match integer(start, "pid")? {
-        Some(group) => Some((group, integer(start, "pindex")?.unwrap_or(0))),
+fn object(tag: &Tag<'_>, notes: &mut Notes) -> Result<(u32, Object), String> {
+    let id = tag.integer("id")?.ok_or("object has no id")?;
+    let property = match tag.integer("pid")? {
+        Some(group) => Some((group, tag.integer("pindex")?.unwrap_or(0))),
         None => None,
     };
-    let kind = attribute(start, "type")?;
-    let name = attribute(start, "name")?
+    let kind = tag.attribute("type")?;
+    let auxiliary = match kind.as_deref() {
+        None | Some("model" | "solidsupport") => None,
+        Some("support") => Some("support"),
+        Some("surface") => Some("surface"),
+        Some("other") => Some("other"),
+        Some(kind) => return Err(format!("object {id} has the unknown type '{}'", shown(kind))),
+    };
+    let name = tag
+        .attribute("name")?
         .map_or_else(String::new, |name| name.chars().take(MAX_NAME_CHARS).collect());
-    let object = Object {
-        name,
-        is_model: kind.is_none_or(|kind| kind == "model" || kind == "solidsupport"),
-        property,
-        content: Content::Mesh {
-            vertices: Vec::new(),
-            triangles: Vec::new(),
-            paint: Vec::new(),
-            properties: vec![None],
-        },
-    };
-    Ok((id, object))
-}
-
-/// A `base` material, or a `color` of a colour group, which is named after its value.
-fn material(start: &BytesStart<'_>) -> Result<Material, String> {
-    let shown = attribute(start, "displaycolor")?.or(attribute(start, "color")?);
-    let name = attribute(start, "name")?.or(shown.clone()).map(Cow::into_owned);
-    let colour = shown.and_then(|text| colour(&text));
-    Ok(Material { name: name.unwrap_or_default(), colour })
-}
-
-fn vertex(start: &BytesStart<'_>) -> Result<[f64; 3], String> {
-    let mut point = [None; 3];
-    each_attribute(start, |name, value| {
-        let axis = match name {
-            "x" => 0,
-            "y" => 1,
-            "z" => 2,
-            _ => return Ok(()),
-        };
-        point[axis] = Some(number(value.trim())?);
-        Ok(())
-    })?;
-    match point {
-        [Some(x), Some(y), Some(z)] => Ok([x, y, z]),
-        _ => Err("vertex must have x, y and z".into()),
+    let mut refusal = None;
+    if let Some(resolution) = tag.attribute_in(Namespace::Alternatives, "modelresolution")?
+        && resolution != "fullres"
+    {
+        let resolution = shown(&resolution);
+        refusal = Some(format!("is only the {resolution} model of an object; expected fullres"));
     }
-}
-
-fn add_triangle(
-    start: &BytesStart<'_>,
-    object: &mut Object,
-    numbers: &mut HashMap<Property, usize>,
-) -> Result<(), String> {
-    let mut corners = [None; 3];
-    let (mut group, mut index) = (None, None);
-    each_attribute(start, |name, value| {
-        let target = match name {
-            "v1" => &mut corners[0],
-            "v2" => &mut corners[1],
-            "v3" => &mut corners[2],
-            "pid" => &mut group,
-            "p1" => &mut index,
-            _ => return Ok(()),
-        };
-        let number: u32 = value
-            .trim()
-            .parse()
-            .map_err(|_| format!("{name} of a triangle is '{value}', expected an integer"))?;
-        *target = Some(number);
-        Ok(())
-    })?;
-    let [Some(a), Some(b), Some(c)] = corners else {
-        return Err("triangle must have v1, v2 and v3".into());
-    };
-    let own = object.property.map(|(group, _)| group);
-    let Content::Mesh { triangles, paint, properties, .. } = &mut object.content else {
-        return Ok(());
-    };
-    triangles.push([a, b, c]);
-    // An index without a group refers to the group of the object.
-    let property = group.or(own).and_then(|group| Some((group, index?)));
-    let number = match property {
-        None => 0,
-        Some(property) => {
-            let next = properties.len();
-            let number = *numbers.entry(property).or_insert(next);
-            if number == next {
-                properties.push(Some(property));
-            }
-            u16::try_from(number).map_err(|_| "object has more than 65,535 materials")?
+    let slices = tag.attribute_in(Namespace::Other, "slicestackid")?;
+    if slices.is_some() {
+        notes.ignored("slices of objects with a mesh");
+        if tag.attribute_in(Namespace::Other, "meshresolution")?.is_some_and(|it| it == "lowres") {
+            let reason = "is only a low-resolution mesh; its slices are not supported";
+            refusal = Some(reason.into());
         }
-    };
-    if number != 0 && paint.is_empty() {
-        paint.resize(triangles.len() - 1, 0);
     }
-    if number != 0 || !paint.is_empty() {
-        paint.push(number);
-    }
-    Ok(())
+    let extension = slices.map(|_| "slice extension".to_owned());
+    let content = Content::Mesh(Surface::default());
+    Ok((id, Object { name, auxiliary, property, content, extension, refusal }))
 }
 
 /// A component of an object, or an item to print.
-fn reference(start: &BytesStart<'_>) -> Result<Reference, String> {
-    let object = integer(start, "objectid")?.ok_or("reference to an object has no objectid")?;
-    let mut entry = None;
-    for attribute in start.attributes().with_checks(false) {
-        let attribute = attribute.map_err(|error| error.to_string())?;
-        // `p:path` of the production extension, whatever its prefix is.
-        if attribute.key.local_name().as_ref() == "path" {
-            entry = Some(attribute.value.into_owned());
-        }
-    }
-    let transform = match attribute(start, "transform")? {
+fn reference(tag: &Tag<'_>) -> Result<Reference, String> {
+    let object = tag.integer("objectid")?.ok_or("reference to an object has no objectid")?;
+    let entry = tag.attribute_in(Namespace::Production, "path")?;
+    let entry = entry.map(|entry| entry.trim_start_matches('/').to_owned());
+    let transform = match tag.attribute("transform")? {
         None => Transform::IDENTITY,
         Some(text) => {
             let values =
@@ -320,13 +353,4 @@ fn reference(start: &BytesStart<'_>) -> Result<Reference, String> {
         }
     };
     Ok(Reference { entry, object, transform })
-}
-
-/// Reads a colour: `#RRGGBB` or `#RRGGBBAA`.
-fn colour(text: &str) -> Option<[u8; 3]> {
-    let digits = text
-        .strip_prefix('#')
-        .filter(|digits| matches!(digits.len(), 6 | 8) && digits.is_ascii())?;
-    let channel = |index: usize| u8::from_str_radix(&digits[index..index + 2], 16).ok();
-    Some([channel(0)?, channel(2)?, channel(4)?])
 }

@@ -10,6 +10,9 @@ use zip::write::SimpleFileOptions;
 use super::*;
 use crate::{Format, MaterialRule};
 
+mod projects;
+mod specification;
+
 const TETRA: &str = r#"<mesh><vertices>
     <vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>
     <vertex x="0" y="1" z="0"/><vertex x="0" y="0" z="1"/>
@@ -17,6 +20,9 @@ const TETRA: &str = r#"<mesh><vertices>
     <triangle v1="0" v2="2" v3="1"/><triangle v1="0" v2="1" v3="3"/>
     <triangle v1="0" v2="3" v3="2"/><triangle v1="1" v2="2" v3="3" p1="1"/>
     </triangles></mesh>"#;
+
+const PRODUCTION: &str = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
+const MATERIALS: &str = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02";
 
 fn archive(entries: &[(&str, &str)]) -> Vec<u8> {
     let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
@@ -29,7 +35,7 @@ fn archive(entries: &[(&str, &str)]) -> Vec<u8> {
 
 fn model(resources: &str, build: &str) -> String {
     format!(
-        r#"<?xml version="1.0"?><model unit="inch" xmlns:p="prod" xmlns:m="mat">
+        r#"<?xml version="1.0"?><model unit="inch" xmlns:p="{PRODUCTION}" xmlns:m="{MATERIALS}">
         <resources>{resources}</resources><build>{build}</build></model>"#
     )
 }
@@ -40,6 +46,11 @@ fn read_entries(entries: &[(&str, &str)]) -> Result<Model, ReadError> {
 
 fn read_model(resources: &str, build: &str) -> Result<Model, ReadError> {
     read_entries(&[("3D/3dmodel.model", &model(resources, build))])
+}
+
+/// The warnings about a model.
+fn warnings(model: &Model) -> Vec<String> {
+    model.warnings.iter().map(ToString::to_string).collect()
 }
 
 fn refused(resources: &str, build: &str) -> String {
@@ -66,8 +77,12 @@ fn units_transforms_and_components_are_applied() {
     model.assign_materials(MaterialRule::Stated);
     assert_eq!(
         model.bodies.iter().map(|body| body.material).collect::<Vec<_>>(),
-        [Some(0), Some(1), Some(2)]
+        // Copies of one mesh.
+        [Some(0), Some(0), Some(0)]
     );
+    assert_eq!(model.bodies.iter().map(|body| body.object).collect::<Vec<_>>(), [0, 0, 1]);
+    let lines: Vec<_> = model.warnings.iter().map(ToString::to_string).collect();
+    assert_eq!(lines, ["objects of type support (object 3): not used"]);
     model.assign_materials(MaterialRule::Single);
     assert_eq!(model.materials.len(), 1);
 }
@@ -112,9 +127,9 @@ fn objects_may_be_in_other_documents() {
     .unwrap();
     assert_eq!(read.triangle_count(), 4);
     let error = read_entries(&[("_rels/.rels", list), ("odd/place.model", &root)]).unwrap_err();
-    assert_eq!(error.to_string(), "archive has no entry /3D/other.model");
+    assert_eq!(error.to_string(), "archive has no entry 3D/other.model");
     let error = read_entries(&[("_rels/.rels", list)]).unwrap_err();
-    assert_eq!(error.to_string(), "archive has no entry /odd/place.model");
+    assert_eq!(error.to_string(), "archive has no entry odd/place.model");
 }
 
 #[test]
@@ -125,7 +140,11 @@ fn errors_state_their_location() {
         refused(&object, r#"<item objectid="9"/>"#),
         "3D/3dmodel.model: object 9 does not exist"
     );
-    assert_eq!(refused(&object, ""), "file contains no triangles");
+    assert_eq!(
+        refused(&object, ""),
+        "3D/3dmodel.model: build is empty: the file has an object, but does not list it for \
+         printing"
+    );
     assert!(
         refused(&object.replace("x=\"1\"", "x=\"one\""), item).ends_with(": 'one' is not a number")
     );

@@ -6,13 +6,25 @@ use std::io::BufRead;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 
+use super::namespace::{Namespace, Scope};
 use crate::read::error::ReadError;
 
 /// The start or the end of an element.
 pub(super) enum Element<'a> {
-    Start(&'a BytesStart<'a>),
-    /// Its name, without a prefix.
-    End(&'a str),
+    Start(&'a Tag<'a>),
+    /// Its namespace, and its name without a prefix.
+    End(Namespace, &'a str),
+}
+
+/// The start of an element.
+pub(super) struct Tag<'a> {
+    start: &'a BytesStart<'a>,
+    /// The namespace of the element.
+    pub(super) namespace: Namespace,
+    /// The declarations that are in effect.
+    pub(super) scope: &'a Scope,
+    /// Number of elements around it.
+    pub(super) depth: u32,
 }
 
 /// Calls `visit` for the start and the end of every element, in order.
@@ -24,6 +36,7 @@ pub(super) fn each_element(
 ) -> Result<(), ReadError> {
     let mut reader = Reader::from_reader(source);
     let mut buffer = Vec::new();
+    let mut scope = Scope::default();
     let mut depth = 0_u32;
     loop {
         buffer.clear();
@@ -39,13 +52,23 @@ pub(super) fn each_element(
         let result = match &event {
             Event::Start(start) => {
                 depth += 1;
-                visit(Element::Start(start))
+                enter(&mut scope, start, depth, &mut visit).map(|_| ())
             }
-            Event::Empty(start) => visit(Element::Start(start))
-                .and_then(|()| visit(Element::End(start.local_name().as_ref()))),
+            Event::Empty(start) => {
+                let result =
+                    enter(&mut scope, start, depth + 1, &mut visit).and_then(|namespace| {
+                        visit(Element::End(namespace, start.local_name().as_ref()))
+                    });
+                scope.leave(depth + 1);
+                result
+            }
             Event::End(end) => {
+                let (name, prefix) = end.name().decompose();
+                let prefix = prefix.as_ref().map_or("", |prefix| prefix.as_ref());
+                let result = visit(Element::End(scope.namespace(prefix), name.as_ref()));
+                scope.leave(depth);
                 depth = depth.saturating_sub(1);
-                visit(Element::End(end.local_name().as_ref()))
+                result
             }
             Event::Eof if depth > 0 => Err("XML ends inside an element".into()),
             Event::Eof => return Ok(()),
@@ -55,32 +78,77 @@ pub(super) fn each_element(
     }
 }
 
-/// The value of an attribute, if the element has it.
-pub(super) fn attribute<'a>(
-    start: &'a BytesStart<'_>,
-    name: &str,
-) -> Result<Option<Cow<'a, str>>, String> {
-    let found = start.try_get_attribute(name).map_err(|error| error.to_string())?;
-    let Some(found) = found else { return Ok(None) };
-    found.normalized_value(XmlVersion::Explicit1_0).map(Some).map_err(|error| error.to_string())
-}
-
-/// The value of an attribute that is an integer.
-pub(super) fn integer(start: &BytesStart<'_>, name: &str) -> Result<Option<u32>, String> {
-    let Some(text) = attribute(start, name)? else { return Ok(None) };
-    text.trim().parse().map(Some).map_err(|_| format!("{name} is '{text}', expected an integer"))
-}
-
-/// Calls `visit` with the name and the raw value of every attribute.
-///
-/// Faster than a search for each name; the frequent elements (vertices and triangles) need it.
-pub(super) fn each_attribute(
+/// Visits the start of an element at a depth; returns its namespace.
+fn enter(
+    scope: &mut Scope,
     start: &BytesStart<'_>,
-    mut visit: impl FnMut(&str, &str) -> Result<(), String>,
-) -> Result<(), String> {
-    for attribute in start.attributes().with_checks(false) {
-        let attribute = attribute.map_err(|error| error.to_string())?;
-        visit(attribute.key.as_ref(), &attribute.value)?;
+    depth: u32,
+    visit: &mut impl FnMut(Element<'_>) -> Result<(), String>,
+) -> Result<Namespace, String> {
+    scope.enter(start, depth)?;
+    let (_, prefix) = start.name().decompose();
+    let namespace = scope.namespace(prefix.as_ref().map_or("", |prefix| prefix.as_ref()));
+    visit(Element::Start(&Tag { start, namespace, scope, depth: depth - 1 }))?;
+    Ok(namespace)
+}
+
+impl Tag<'_> {
+    /// The name of the element, without a prefix.
+    pub(super) fn name(&self) -> &str {
+        self.start.local_name().into_inner()
     }
-    Ok(())
+
+    /// The name of the extension that the element belongs to, for messages after "the".
+    pub(super) fn extension(&self) -> String {
+        let (_, prefix) = self.start.name().decompose();
+        self.scope.extension(prefix.as_ref().map_or("", |prefix| prefix.as_ref()))
+    }
+
+    /// The value of an attribute without a prefix, if the element has it.
+    pub(super) fn attribute(&self, name: &str) -> Result<Option<Cow<'_, str>>, String> {
+        let found = self.start.try_get_attribute(name).map_err(|error| error.to_string())?;
+        let Some(found) = found else { return Ok(None) };
+        found.normalized_value(XmlVersion::Explicit1_0).map(Some).map_err(|error| error.to_string())
+    }
+
+    /// The value of an attribute of a namespace, if the element has it.
+    pub(super) fn attribute_in(
+        &self,
+        namespace: Namespace,
+        name: &str,
+    ) -> Result<Option<Cow<'_, str>>, String> {
+        for attribute in self.start.attributes().with_checks(false) {
+            let attribute = attribute.map_err(|error| error.to_string())?;
+            let (local, prefix) = attribute.key.decompose();
+            let Some(prefix) = prefix else { continue };
+            if local.as_ref() == name && self.scope.namespace(prefix.as_ref()) == namespace {
+                let value = attribute.normalized_value(XmlVersion::Explicit1_0);
+                return value.map(Some).map_err(|error| error.to_string());
+            }
+        }
+        Ok(None)
+    }
+
+    /// The value of an attribute that is an integer.
+    pub(super) fn integer(&self, name: &str) -> Result<Option<u32>, String> {
+        let Some(text) = self.attribute(name)? else { return Ok(None) };
+        text.trim()
+            .parse()
+            .map(Some)
+            .map_err(|_| format!("{name} is '{text}', expected an integer"))
+    }
+
+    /// Calls `visit` with the name and the raw value of every attribute.
+    ///
+    /// Faster than a search for each name; the frequent elements (vertices and triangles) need it.
+    pub(super) fn each_attribute(
+        &self,
+        mut visit: impl FnMut(&str, &str) -> Result<(), String>,
+    ) -> Result<(), String> {
+        for attribute in self.start.attributes().with_checks(false) {
+            let attribute = attribute.map_err(|error| error.to_string())?;
+            visit(attribute.key.as_ref(), &attribute.value)?;
+        }
+        Ok(())
+    }
 }
