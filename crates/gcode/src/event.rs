@@ -5,8 +5,10 @@ use std::fmt;
 use beadwork_base::Interrupted;
 use thiserror::Error;
 
+use crate::code::CodeName;
 use crate::command::Wait;
 use crate::feature::Feature;
+use crate::words::ParseFault;
 
 /// A straight move of the nozzle, or extrusion or retraction while the nozzle stands still.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,6 +127,39 @@ pub enum TraceError {
     Plane {
         /// Number of the line, from 1.
         line: usize,
+    },
+    /// The program uses a command that changes motions in a way that is not supported.
+    #[error("line {line}: {code} is not supported: {reason}")]
+    Unsupported {
+        /// Number of the line, from 1.
+        line: usize,
+        /// The command.
+        code: CodeName,
+        /// What is not supported.
+        reason: &'static str,
+    },
+    /// A command that changes what motions mean follows a motion on the same line.
+    #[error(
+        "line {line}: a motion stands before another command on the same line, and firmware \
+         differs in which comes first; write them on lines of their own"
+    )]
+    Order {
+        /// Number of the line, from 1.
+        line: usize,
+    },
+    /// Words without a command, and no motion command before them that they could repeat.
+    #[error("line {line}: words without a command, and no motion command before them")]
+    NoCommand {
+        /// Number of the line, from 1.
+        line: usize,
+    },
+    /// A word of a command with no type is malformed.
+    #[error("line {line}: a word of the command {fault}")]
+    Word {
+        /// Number of the line, from 1.
+        line: usize,
+        /// What is wrong with the word.
+        fault: ParseFault,
     },
     /// A feed rate is not positive.
     #[error("line {line}: feed rate is {feed_mm_min} mm/min, must be more than 0")]

@@ -80,10 +80,13 @@
 )]
 
 mod arc;
+mod code;
 mod command;
 mod emit;
+mod encoding;
 mod event;
 mod feature;
+mod meaning;
 mod number;
 mod parse;
 mod program;
@@ -92,9 +95,12 @@ mod time;
 mod timed_events;
 mod totals;
 mod trace;
+mod unknown;
 mod words;
 
+pub use code::CodeName;
 pub use command::{Arc, Command, LinearMove, Verbatim, VerbatimError, Wait};
+pub use encoding::EncodingError;
 pub use event::{Event, Heater, Motion, TraceError};
 pub use feature::Feature;
 pub use number::{Number, NumberError};
@@ -105,4 +111,5 @@ pub use time::{MotionLimits, Stopwatch};
 pub use timed_events::TimedEvents;
 pub use totals::{Filament, ToolUse, Totals};
 pub use trace::Trace;
+pub use unknown::UnknownCommand;
 pub use words::ParseFault;

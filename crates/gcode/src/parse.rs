@@ -14,7 +14,9 @@ use std::str::FromStr;
 use beadwork_base::{Control, Interrupted};
 use thiserror::Error;
 
+use crate::code::words_without_code;
 use crate::command::{Arc, Command, LinearMove, Verbatim, VerbatimError, Wait};
+use crate::encoding::{EncodingError, decode};
 use crate::number::Number;
 use crate::program::{Line, Program};
 use crate::words::{Fault, ParenthesisComments, ParseFault, VelocityWords, Words, is_blank};
@@ -33,6 +35,9 @@ pub enum ParseError {
         /// What is wrong with it.
         fault: ParseFault,
     },
+    /// The bytes are not the text of a G-code file.
+    #[error(transparent)]
+    Encoding(#[from] EncodingError),
     /// The caller ended the call early.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
@@ -72,11 +77,14 @@ impl Program {
         Ok(Self { lines })
     }
 
-    /// Parses a file that may contain bytes which are not UTF-8: each becomes a replacement
-    /// character.
+    /// Parses the bytes of a file.
+    ///
+    /// Reads UTF-8 and UTF-16; bytes that are neither become replacement characters.
+    /// A carriage return ends a line, with or without a line feed.
+    /// Refuses binary G-code, archives, pictures, meshes and other binary files by name.
     /// Otherwise as [`Program::parse`].
     pub fn from_bytes(bytes: &[u8], control: &Control<'_>) -> Result<Self, ParseError> {
-        Self::parse(&String::from_utf8_lossy(bytes), control)
+        Self::parse(&decode(bytes)?, control)
     }
 }
 
@@ -122,7 +130,7 @@ fn parse_line(text: &str) -> Result<Line, Fault<'_>> {
     if code.is_empty() {
         return Ok(Line::from_parsed(None, comment.or(comments.0)));
     }
-    let command = match typed(code, &mut comments)? {
+    let command = match typed(code, Strictness::Exact, &mut comments)? {
         Some(command) => command,
         None => Command::Other(Verbatim::from_parsed(code)),
     };
@@ -158,51 +166,53 @@ fn after_line_number(code: &str) -> Option<&str> {
     let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
     let rest = &rest[digits..];
     // The name of a macro may begin with N and digits too.
-    let ends =
-        rest.is_empty() || rest.starts_with(|next| is_blank(next) || "GgMmTt(*".contains(next));
+    let ends = rest.is_empty()
+        || rest.starts_with(|next| is_blank(next) || "GgMmTt(*".contains(next))
+        || words_without_code(rest).is_some();
     (digits > 0 && ends).then_some(rest)
 }
 
+/// Which words a typed command may have.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Strictness {
+    /// Only those that its type can hold, so that emitting it loses nothing that matters.
+    Exact,
+    /// Any: those that its type cannot hold are dropped.
+    Lenient,
+}
+
 /// The typed command of a text; `None` if it has to be kept verbatim.
-fn typed<'a>(
+pub(crate) fn typed<'a>(
     code: &'a str,
+    strictness: Strictness,
     comments: &mut ParenthesisComments,
 ) -> Result<Option<Command>, Fault<'a>> {
-    let bytes = code.as_bytes();
-    let letter = bytes[0].to_ascii_uppercase();
-    let digits = bytes[1..].iter().take_while(|byte| byte.is_ascii_digit()).count();
-    if !matches!(letter, b'G' | b'M' | b'T') || digits == 0 {
+    let letter = code.as_bytes()[0].to_ascii_uppercase();
+    let is_code = matches!(letter, b'G' | b'M' | b'T');
+    let digits = if is_code { code[1..].trim_start_matches(is_blank) } else { "" };
+    let length = digits.bytes().take_while(u8::is_ascii_digit).count();
+    if length == 0 {
         return velocity_limit(code);
     }
-    let rest = &code[1 + digits..];
+    let (digits, rest) = digits.split_at(length);
     let ends = |next: char| is_blank(next) || next.is_ascii_alphabetic() || next == '(';
     if !rest.is_empty() && !rest.starts_with(ends) {
         return Ok(None);
     }
-    let Ok(number) = code[1..=digits].parse::<u32>() else { return Ok(None) };
-    let mut read = |known: &str, flags: &str| Words::read(rest, known, flags, comments);
+    let Ok(number) = digits.parse::<u32>() else { return Ok(None) };
+    let exact = strictness == Strictness::Exact;
+    let mut read = |known: &str, flags: &str| Words::read(rest, known, flags, exact, comments);
     Ok(match (letter, number) {
-        (b'G', 0 | 1) => {
-            let words = read("XYZEF", "")?;
-            let [x, y, z, e, f] = ['X', 'Y', 'Z', 'E', 'F'].map(|letter| words.value(letter));
-            Some(Command::Move(LinearMove { rapid: number == 0, x, y, z, e, f }))
-        }
-        (b'G', 2 | 3) => {
-            let words = read("XYZIJREF", "")?;
-            let [x, y, z, i, j, r, e, f] =
-                ['X', 'Y', 'Z', 'I', 'J', 'R', 'E', 'F'].map(|letter| words.value(letter));
-            Some(Command::Arc(Box::new(Arc { clockwise: number == 2, x, y, z, i, j, r, e, f })))
-        }
-        (b'G', 28) => {
-            let words = read("XYZ", "XYZ")?;
+        (b'G', 0 | 1) => read("XYZEF", "")?.unless(MOVE_OTHERS, |words| motion(number, words)),
+        (b'G', 2 | 3) => read("XYZIJREF", "")?.unless(ARC_OTHERS, |words| motion(number, words)),
+        (b'G', 28) => read("XYZ", "XYZ")?.unless(CODES, |words| {
             let [x, y, z] = ['X', 'Y', 'Z'].map(|letter| words.has(letter));
-            Some(Command::Home { x, y, z })
-        }
-        (b'G', 92) => {
-            let words = read("XYZE", "")?;
+            Command::Home { x, y, z }
+        }),
+        (b'G', 92) => read("XYZE", "")?.unless(CODES, |words| {
             let [x, y, z, e] = ['X', 'Y', 'Z', 'E'].map(|letter| words.value(letter));
-            Some(Command::SetPosition { x, y, z, e })
-        }
+            Command::SetPosition { x, y, z, e }
+        }),
         (b'G', 4) => read("SP", "")?.only(|words| {
             Some(Command::Dwell { seconds: words.value('S'), milliseconds: words.value('P') })
         }),
@@ -249,6 +259,28 @@ fn typed<'a>(
     })
 }
 
+/// The command `G0` to `G3` with these words.
+pub(crate) fn motion(number: u32, words: &Words) -> Command {
+    let [x, y, z, i, j, r, e, f] =
+        ['X', 'Y', 'Z', 'I', 'J', 'R', 'E', 'F'].map(|letter| words.value(letter));
+    if number < 2 {
+        Command::Move(LinearMove { rapid: number == 0, x, y, z, e, f })
+    } else {
+        Command::Arc(Box::new(Arc { clockwise: number == 2, x, y, z, i, j, r, e, f }))
+    }
+}
+
+/// Words that begin a further command on the line of a move.
+const CODES: &str = "GMT";
+
+/// Words that keep a straight move verbatim: further commands, additional axes, and words with
+/// which RepRapFirmware moves differently (`H`, `R`).
+const MOVE_OTHERS: &str = "GMTABCUVWHR";
+
+/// Words that keep an arc verbatim: further commands, additional axes, turns (`P`) and the centre
+/// in other planes (`K`).
+const ARC_OTHERS: &str = "GMTABCUVWPK";
+
 fn nozzle(words: &Words, letter: char, wait: Wait) -> Option<Command> {
     let tool = match words.value('T') {
         Some(number) => Some(to_u8(number)?),
@@ -258,7 +290,7 @@ fn nozzle(words: &Words, letter: char, wait: Wait) -> Option<Command> {
 }
 
 /// The integer that a number is; `None` if it has a fraction or is not in 0 to 255.
-fn to_u8(number: Number) -> Option<u8> {
+pub(crate) fn to_u8(number: Number) -> Option<u8> {
     let millionths = number.millionths();
     let scale = Number::whole(1).millionths();
     (millionths % scale == 0).then(|| u8::try_from(millionths / scale).ok()).flatten()

@@ -1,6 +1,6 @@
 //! Interprets a program: keeps track of the printer's state and yields what the printer does.
 //!
-//! The state follows an FDM printer with Marlin or Klipper.
+//! The state follows an FDM printer with Marlin, Klipper or RepRapFirmware.
 //! It starts at position 0 with absolute positioning, absolute extrusion and tool 0. `G28` sets the
 //! named axes to 0 without a motion.
 //!
@@ -8,9 +8,13 @@
 //! Marlin differs in that `G90` also ends `M83`, and `M82` overrides an earlier `G91`.
 //! A program that repeats `M83` after every `G90` and `G91` means the same to both.
 //!
+//! Several commands on a line are executed from left to right, and words without a command repeat
+//! the last motion command, as in RepRapFirmware.
+//!
 //! Macros, tool offsets and firmware retraction have no effect: only the printer knows what they
 //! do.
 
+use std::collections::HashMap;
 use std::slice::Iter;
 
 use beadwork_base::Control;
@@ -21,7 +25,6 @@ use crate::event::{Event, Heater, Motion, TraceError};
 use crate::feature::{Feature, Marker};
 use crate::number::Number;
 use crate::program::{Line, Program};
-use crate::words::verbatim_acceleration;
 
 /// Speed of a motion before the program sets a feed rate, in mm/s: Klipper's default.
 const INITIAL_FEED_MM_S: f64 = 25.0;
@@ -42,12 +45,18 @@ impl Program {
             lines: self.lines.iter(),
             line_number: 0,
             arc: None,
+            rest: "",
             position_mm: [0.0; 3],
             origin_mm: [0.0; 3],
             filament_mm: 0.0,
             relative: false,
             relative_extrusion: false,
             feed_mm_s: INITIAL_FEED_MM_S,
+            speed_factor: 1.0,
+            motion_code: None,
+            moved_line: 0,
+            machine_line: 0,
+            states: HashMap::new(),
             print_acceleration: None,
             travel_acceleration: None,
             tool: None,
@@ -85,6 +94,8 @@ pub struct Trace<'a> {
     line_number: usize,
     /// The rest of an arc: a motion from the current end of the chords, and the chords to come.
     arc: Option<(Motion, Chords)>,
+    /// The commands of the current line that are still to be applied.
+    rest: &'a str,
     position_mm: [f64; 3],
     /// Position at which the program's coordinates are 0: `G92` moves it.
     origin_mm: [f64; 3],
@@ -93,12 +104,34 @@ pub struct Trace<'a> {
     relative: bool,
     relative_extrusion: bool,
     feed_mm_s: f64,
+    /// Share of the feed rate at which the printer moves, `M220`.
+    speed_factor: f64,
+    /// The motion that words without a code repeat: 0 to 3 for `G0` to `G3`.
+    motion_code: Option<u32>,
+    /// The last line with several commands of which one moves.
+    moved_line: usize,
+    /// The last line on which coordinates are those of the printer, `G53`.
+    machine_line: usize,
+    /// States saved by Klipper's `SAVE_GCODE_STATE`, by name.
+    states: HashMap<&'a str, SavedState>,
     /// Accelerations in mm/s², if the program has set them.
     print_acceleration: Option<f64>,
     travel_acceleration: Option<f64>,
     tool: Option<u8>,
     feature: Feature,
     layer: Option<u32>,
+}
+
+/// What Klipper's `SAVE_GCODE_STATE` saves.
+#[derive(Clone, Copy, Debug)]
+struct SavedState {
+    position_mm: [f64; 3],
+    origin_mm: [f64; 3],
+    filament_mm: f64,
+    relative: bool,
+    relative_extrusion: bool,
+    feed_mm_s: f64,
+    speed_factor: f64,
 }
 
 impl Iterator for Trace<'_> {
@@ -115,22 +148,34 @@ impl Iterator for Trace<'_> {
             self.arc = None;
         }
         loop {
-            let line = self.lines.next()?;
-            self.line_number += 1;
-            match line.comment().and_then(Marker::read) {
-                Some(Marker::NextLayer) => {
-                    self.layer = Some(self.layer.map_or(0, |last| last.saturating_add(1)));
+            let applied = if self.rest.is_empty() {
+                let line = self.lines.next()?;
+                self.line_number += 1;
+                match line.comment().and_then(Marker::read) {
+                    Some(Marker::NextLayer) => {
+                        self.layer = Some(self.layer.map_or(0, |last| last.saturating_add(1)));
+                    }
+                    Some(Marker::Layer(layer)) => self.layer = layer,
+                    Some(Marker::Feature(feature)) => self.feature = feature,
+                    None => {}
                 }
-                Some(Marker::Layer(layer)) => self.layer = layer,
-                Some(Marker::Feature(feature)) => self.feature = feature,
-                None => {}
-            }
-            let Some(command) = line.command() else { continue };
-            match self.apply(command, self.line_number) {
+                match line.command() {
+                    None => Ok(None),
+                    Some(Command::Other(text)) => {
+                        self.rest = text.as_str();
+                        self.apply_rest(self.line_number)
+                    }
+                    Some(command) => self.apply(command, self.line_number),
+                }
+            } else {
+                self.apply_rest(self.line_number)
+            };
+            match applied {
                 Ok(Some(event)) => return Some(Ok(event)),
                 Ok(None) => {}
                 Err(error) => {
                     self.lines = [].iter();
+                    self.rest = "";
                     return Some(Err(error));
                 }
             }
@@ -142,12 +187,14 @@ impl Trace<'_> {
     /// Applies a command to the state; returns the event that it causes, if any.
     fn apply(&mut self, command: &Command, line: usize) -> Result<Option<Event>, TraceError> {
         match *command {
-            Command::Move(LinearMove { x, y, z, e, f, .. }) => {
+            Command::Move(LinearMove { x, y, z, e, f, rapid }) => {
+                self.motion_code = Some(u32::from(!rapid));
                 let motion = self.motion([x, y, z], e, f, line)?;
                 let moves = motion.length_mm() > 0.0 || motion.extruded_mm.abs() > 0.0;
                 return Ok(moves.then_some(Event::Motion(motion)));
             }
             Command::Arc(ref arc) => {
+                self.motion_code = Some(if arc.clockwise { 2 } else { 3 });
                 let motion = self.motion([arc.x, arc.y, arc.z], arc.e, arc.f, line)?;
                 let mut chords = Chords::new(motion.from_mm, motion.to_mm, arc)
                     .ok_or(TraceError::Arc { line })?;
@@ -198,17 +245,16 @@ impl Trace<'_> {
             Command::VelocityLimit { acceleration, .. } => {
                 self.set_acceleration(acceleration, line)?;
             }
-            Command::Other(ref text) => return self.apply_verbatim(text.as_str(), line),
             Command::NozzleTemperature { celsius, tool, wait } => {
-                let heater = Heater::Nozzle(tool.or(self.tool).unwrap_or(0));
-                return Ok(Some(Event::Heat { heater, celsius: celsius.to_f64(), wait, line }));
+                return Ok(Some(self.heat(tool.map(Heater::Nozzle), celsius, wait, line)));
             }
             Command::BedTemperature { celsius, wait } => {
                 let wait = if wait { Wait::Heating } else { Wait::No };
-                let (heater, celsius) = (Heater::Bed, celsius.to_f64());
-                return Ok(Some(Event::Heat { heater, celsius, wait, line }));
+                return Ok(Some(self.heat(Some(Heater::Bed), celsius, wait, line)));
             }
-            Command::Fan(_)
+            // Verbatim commands are applied one by one, see `apply_rest`.
+            Command::Other(_)
+            | Command::Fan(_)
             | Command::Jerk { .. }
             | Command::Progress { .. }
             | Command::Retract
@@ -217,29 +263,10 @@ impl Trace<'_> {
         Ok(None)
     }
 
-    /// Applies a verbatim command, of which a few are understood.
-    fn apply_verbatim(&mut self, text: &str, line: usize) -> Result<Option<Event>, TraceError> {
-        let is = |name: &str| text.eq_ignore_ascii_case(name);
-        if is("G20") {
-            return Err(TraceError::Inches { line });
-        }
-        if is("G18") || is("G19") {
-            return Err(TraceError::Plane { line });
-        }
-        let mut words = text.split_ascii_whitespace();
-        let name = words.next().unwrap_or(text);
-        if name.eq_ignore_ascii_case("TURN_OFF_HEATERS") {
-            return Ok(Some(Event::HeatersOff { line }));
-        }
-        // With S, the command only sets how long motors may idle before they are switched off.
-        let switches = ["M84", "M18"].iter().any(|known| name.eq_ignore_ascii_case(known));
-        if switches && !words.any(|word| word.starts_with(['S', 's'])) {
-            return Ok(Some(Event::MotorsOff { line }));
-        }
-        // SET_VELOCITY_LIMIT with parameters that its type cannot hold is verbatim, but its ACCEL
-        // applies to the motions that follow.
-        self.set_acceleration(verbatim_acceleration(text), line)?;
-        Ok(None)
+    /// The event that sets a heater; `None` stands for the nozzle of the current tool.
+    fn heat(&self, heater: Option<Heater>, celsius: Number, wait: Wait, line: usize) -> Event {
+        let heater = heater.unwrap_or(Heater::Nozzle(self.tool.unwrap_or(0)));
+        Event::Heat { heater, celsius: celsius.to_f64(), wait, line }
     }
 
     fn set_acceleration(&mut self, value: Option<Number>, line: usize) -> Result<(), TraceError> {
@@ -267,7 +294,13 @@ impl Trace<'_> {
         let from_mm = self.position_mm;
         for (axis, value) in coordinates.into_iter().enumerate() {
             if let Some(value) = value {
-                let zero = if self.relative { from_mm[axis] } else { self.origin_mm[axis] };
+                let zero = if self.relative {
+                    from_mm[axis]
+                } else if self.machine_line == line {
+                    0.0
+                } else {
+                    self.origin_mm[axis]
+                };
                 self.position_mm[axis] = zero + value.to_f64();
             }
         }
@@ -287,7 +320,7 @@ impl Trace<'_> {
             from_mm,
             to_mm: self.position_mm,
             extruded_mm,
-            feed_mm_s: self.feed_mm_s,
+            feed_mm_s: self.feed_mm_s * self.speed_factor,
             acceleration_mm_s2: if extruded_mm > 0.0 {
                 self.print_acceleration
             } else {
@@ -309,6 +342,8 @@ fn checked_acceleration(value: Option<Number>, line: usize) -> Result<Option<f64
         value => Ok(value),
     }
 }
+
+mod verbatim;
 
 #[cfg(test)]
 mod tests;

@@ -56,6 +56,8 @@ pub(crate) struct Words {
     values: [Number; 26],
     /// The words that the command's type can hold.
     known: u32,
+    /// Whether it must hold all words of the text.
+    exact: bool,
 }
 
 impl Words {
@@ -68,11 +70,12 @@ impl Words {
         mut rest: &'a str,
         known: &str,
         flags: &str,
+        exact: bool,
         comments: &mut ParenthesisComments,
     ) -> Result<Self, Fault<'a>> {
         let bits = |letters: &str| letters.bytes().fold(0, |bits, letter| bits | bit(letter));
         let (known, flags) = (bits(known), bits(flags));
-        let mut words = Self { present: 0, numbered: 0, values: [Number::ZERO; 26], known };
+        let mut words = Self { present: 0, numbered: 0, values: [Number::ZERO; 26], known, exact };
         loop {
             rest = rest.trim_start_matches(is_blank);
             let Some(&letter) = rest.as_bytes().first() else { return Ok(words) };
@@ -118,9 +121,21 @@ impl Words {
         self.present & bit(letter as u8) != 0
     }
 
-    /// Builds a command from these words; `None` if there are words that its type cannot hold.
+    /// Builds a command from these words; `None` if it must hold all of them and cannot.
     pub(crate) fn only(self, command: impl FnOnce(&Self) -> Option<Command>) -> Option<Command> {
-        if self.present & !self.known == 0 { command(&self) } else { None }
+        let holds_all = self.present & !self.known == 0;
+        if holds_all || !self.exact { command(&self) } else { None }
+    }
+
+    /// Builds a command from these words, which may have others that are dropped; `None` if one of
+    /// `letters` is present with a number and must not be dropped.
+    pub(crate) fn unless(
+        self,
+        letters: &str,
+        command: impl FnOnce(&Self) -> Command,
+    ) -> Option<Command> {
+        let must_keep = self.exact && letters.chars().any(|letter| self.value(letter).is_some());
+        (!must_keep).then(|| command(&self))
     }
 }
 

@@ -37,7 +37,9 @@ fn spellings_of_one_move() {
         "n3g1x1y-2.5e.01f1800 *5",
         "  G1  F1800\tE 0.01 X7 X+1 Y -2.5 ",
         "(a) G1 X1 (b (c) Y-2.5 E.01F1800(d",
-        "\u{feff}G1 X1 Y-2.5 E.01 F1800 A7 S255 P",
+        "\u{feff}G1 X1 Y-2.5 E.01 F1800 S255 P",
+        "G 1 X1 Y-2.5 E.01 F1800",
+        "N12G 01X1Y-2.5E.01F1800*71",
     ] {
         assert_eq!(command(text), expected, "{text}");
     }
@@ -134,6 +136,13 @@ fn typed_and_verbatim_commands() {
         "set_velocity_limit accel=900 ACCEL_TO_DECEL=x",
         "T0 X",
         "T0_PREPARE",
+        "G90 G21 M83",
+        "G1 X1 G91",
+        "G1 X1 A7",
+        "G2 X1 I1 P2",
+        "G92 E0 G91",
+        "X5 E1",
+        "T1 S1 L0 D0",
     ] {
         assert_eq!(command(text), Command::other(text).unwrap(), "{text}");
     }
@@ -296,7 +305,13 @@ proptest! {
     fn parsing_an_emitted_program_returns_it(program in programs()) {
         let text = program.emit();
         prop_assert_eq!(text.parse(), Ok(program.clone()), "{}", text);
-        prop_assert_eq!(Program::from_bytes(text.as_bytes(), &Control::default()), Ok(program));
+        // In a file, a carriage return ends a line, and a zero byte or a format's magic is refused.
+        let is_plain = !text.contains(['\0', '\r']);
+        match Program::from_bytes(text.as_bytes(), &Control::default()) {
+            Err(ParseError::Encoding(_)) => {}
+            read if is_plain => prop_assert_eq!(read, Ok(program)),
+            _ => {}
+        }
     }
 
     #[test]

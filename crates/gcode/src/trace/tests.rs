@@ -239,3 +239,320 @@ fn errors_end_the_trace() {
         assert_eq!(all.last(), Some(&Err(expected)), "{text}");
     }
 }
+
+fn error(text: &str) -> String {
+    text.parse::<Program>().unwrap().trace().find_map(Result::err).unwrap().to_string()
+}
+
+// xyz-tools/gcode-preview#55
+#[test]
+fn inches_and_planes_are_refused_however_they_are_written() {
+    for text in [
+        "G20 (Units: Inches)",
+        "G20 X0",
+        "g20",
+        "N5 G20*12",
+        "G20;inches",
+        "G90 G20 M83",
+        "(header) G20 G90",
+        "G 20",
+        "M83 G20",
+        "G020",
+        "G20.0",
+    ] {
+        assert_eq!(error(text), "line 1: inches (G20) are not supported", "{text}");
+    }
+    for text in ["G18 G21", "G90 G19 (yz)", "g18", "N1G19", "G21 G18"] {
+        assert_eq!(
+            error(text),
+            "line 1: arcs outside the xy plane (G18, G19) are not supported",
+            "{text}"
+        );
+    }
+    for text in ["G21 (mm)", "G17", "M117 switch to G20", "G21 G17 G90 G94 G40 G49 G54 G80"] {
+        assert_eq!(events(text), [], "{text}");
+    }
+}
+
+// Commands combined on a line, as CNC programs do.
+#[test]
+fn several_commands_on_a_line_are_executed_from_left_to_right() {
+    let plain = events("G90\nG21\nM83\nG1 X10 F600 E1\nT1\nM104 S200\nG1 X20 E1\nG91\nG1 X1");
+    for text in [
+        "G90 G21 M83\nG1 X10 F600 E1\nT1\nM104 S200\nG1 X20 E1\nG91\nG1 X1",
+        "G90G21M83\nG1 X10 F600 E1\nT1 M104 S200\nG1 X20 E1\nG91 G1 X1",
+        "G21(mm)M83 G1 X10 F600 E1 T1 M104 S200 G1 X20 E1\nG91 G1 X1",
+    ] {
+        let lines = |event: &Event| match *event {
+            Event::Motion(motion) => Event::Motion(Motion { line: 0, ..motion }),
+            Event::ToolChange { from, to, .. } => Event::ToolChange { from, to, line: 0 },
+            Event::Heat { heater, celsius, wait, .. } => {
+                Event::Heat { heater, celsius, wait, line: 0 }
+            }
+            other => other,
+        };
+        let without = |all: &[Event]| all.iter().map(lines).collect::<Vec<_>>();
+        assert_eq!(without(&events(text)), without(&plain), "{text}");
+    }
+    let arcs = motions("G90 G2 X10 Y0 I5 M104 S200 G1 X0");
+    assert!(arcs.len() > 10 && arcs.last().unwrap().to_mm == [0.0; 3]);
+}
+
+#[test]
+fn ambiguous_lines_are_refused() {
+    for text in ["G1 X10 G91", "G1 X5 E1 M83", "G28 G91", "X5 G1", "G1 X1 G92 X0"] {
+        let error = error(&format!("G1 X1\n{text}"));
+        assert!(error.starts_with("line 2: a motion stands before another command"), "{error}");
+    }
+    for text in ["G90 X5", "G0 G90 X10 Y10", "G21 Y1", "G17 G53 X5"] {
+        let error = error(text);
+        assert!(error.contains("is not supported: words of a motion after"), "{error}");
+    }
+    assert_eq!(error("X5"), "line 1: words without a command, and no motion command before them");
+    assert_eq!(error("G1 X5\nX1.2.3"), "line 2: a word of the command is not a number");
+    assert!(error("G1 X5\nG80\nX6").starts_with("line 3: words without"));
+}
+
+// chilipeppr/tinyg#33
+#[test]
+fn words_without_a_command_repeat_the_last_motion() {
+    let plain = motions("M83\nG1 X10 Y5 E1 F600\nG1 X20\nG1 Y6 E.5\nG1 F900\nG1 X0 E2");
+    for text in [
+        "M83\nG1 X10 Y5 E1 F600\nX20\nY6 E.5\nF900\nX0E2",
+        "M83\nN1 G1 X10 Y5 E1 F600*7\nN2 X20*8\nN3Y6E.5\n(speed) F900\nx 0 e2",
+    ] {
+        assert_eq!(motions(text), plain, "{text}");
+    }
+    let arc = |text: &str| motions(text).last().copied().map(|motion| motion.from_mm);
+    assert_eq!(arc("G3 X5 I2.5\nX10 I2.5"), arc("G3 X5 I2.5\nG3 X10 I2.5"));
+}
+
+// terjeio/grblHAL#30, MarlinFirmware/Marlin#3744
+#[test]
+fn motions_that_cannot_be_followed_are_refused_by_name() {
+    for (text, name) in [
+        ("G5 I-3 J0 P3 Q0 X20 Y2 E.5", "G5"),
+        ("g5 x1", "G5"),
+        ("G5.1 X1 I1 J1", "G5.1"),
+        ("G6 I5", "G6"),
+        ("G38.2 Z-10", "G38.2"),
+        ("G0.1 X5", "G0.1"),
+        ("G2 X5 I2.5 P2", "G2"),
+        ("G3 X5 I2.5 K1", "G3"),
+        ("G1 H1 X-200", "G1"),
+        ("G1 R1 X0", "G1"),
+        ("G55", "G55"),
+        ("G54.1 P2", "G54.1"),
+        ("G51 X2", "G51"),
+        ("G81 X5 Y5 Z-1 R2", "G81"),
+        ("G90.1", "G90.1"),
+        ("G92.3", "G92.3"),
+        ("G93", "G93"),
+        ("G10 L2 P1 X5", "G10"),
+        ("M220 S0", "M220"),
+        ("G16", "G16"),
+    ] {
+        let error = error(&format!("G21\n{text}"));
+        assert!(error.starts_with(&format!("line 2: {name} is not supported: ")), "{error}");
+    }
+    for text in ["G92.1", "G52 X0", "G81", "G2 X5 I2.5 P0", "G29", "G80", "G91.1", "G94", "M84 S5"]
+    {
+        assert!(text.parse::<Program>().unwrap().trace().all(|event| event.is_ok()), "{text}");
+    }
+}
+
+// Duet3D/RepRapFirmware#1112, and profiles of the Prusa XL
+#[test]
+fn tools_are_selected_in_all_dialects() {
+    let change = [
+        Event::ToolChange { from: None, to: 0, line: 1 },
+        Event::ToolChange { from: Some(0), to: 1, line: 2 },
+    ];
+    for text in [
+        "T0\nT1",
+        "T0 S1 L0 D0\nT1 S1 L0 D0",
+        "T 0\nT 1",
+        "T0 P0\nM6 T1",
+        "t0 m6\nT1 M6",
+        "T0 (left)\nT1 (right)",
+        "ACTIVATE_EXTRUDER EXTRUDER=extruder\nactivate_extruder extruder=extruder1",
+        "T0\nT1\nT1000\nT255\nT-1",
+    ] {
+        assert_eq!(events(text), change, "{text}");
+    }
+    assert_eq!(events("T?\nTx\nTc\nM6"), []);
+}
+
+#[test]
+fn temperatures_of_all_dialects() {
+    let heat = |text: &str| match events(text)[..] {
+        [Event::Heat { heater, celsius, .. }] => (heater, celsius),
+        ref other => panic!("{text}: {other:?}"),
+    };
+    for (text, tool, celsius) in [
+        ("M104 S215 F ", 0, 215.0),
+        ("M109 S215 R180", 0, 215.0),
+        ("M109 R180 C", 0, 180.0),
+        ("M104 S150 T1 B2", 1, 150.0),
+        ("SET_HEATER_TEMPERATURE HEATER=extruder TARGET=215", 0, 215.0),
+        ("set_heater_temperature target=200.5 heater=\"extruder1\"", 1, 200.5),
+        ("SET_HEATER_TEMPERATURE HEATER=extruder2", 2, 0.0),
+        ("G10 P0 S215 R180", 0, 215.0),
+        ("G10 S205", 0, 205.0),
+        ("M568 P1 S210 R150 A2", 1, 210.0),
+        ("M568 S210", 0, 210.0),
+    ] {
+        assert_eq!(heat(text), (Heater::Nozzle(tool), celsius), "{text}");
+    }
+    for text in [
+        "M140 S60 R50",
+        "M190 R60",
+        "M140 P0 S60",
+        "SET_HEATER_TEMPERATURE HEATER=heater_bed TARGET=60",
+    ] {
+        assert_eq!(heat(text), (Heater::Bed, 60.0), "{text}");
+    }
+    for text in [
+        "G10",
+        "G10 S1",
+        "G10 P1 X5 Y0",
+        "M568 P1 A1",
+        "M109 T1",
+        "M116",
+        "M140 P2 S60",
+        "SET_HEATER_TEMPERATURE HEATER=chamber TARGET=60",
+        "M141 S50",
+        "TEMPERATURE_WAIT SENSOR=extruder MINIMUM=210",
+    ] {
+        assert_eq!(events(text), [], "{text}");
+    }
+}
+
+#[test]
+fn saved_states_and_other_coordinates() {
+    let text = "G90\nM83\nG1 X10 Y10 F600\nSAVE_GCODE_STATE NAME=a\nG91\nG1 Z5 F60\n\
+        RESTORE_GCODE_STATE NAME=a MOVE=1 MOVE_SPEED=50\nG1 X20\nRESTORE_GCODE_STATE NAME=b";
+    let all = motions(text);
+    let ends: Vec<_> = all.iter().map(|motion| motion.to_mm).collect();
+    assert_eq!(ends, [[10.0, 10.0, 0.0], [10.0, 10.0, 5.0], [10.0, 10.0, 0.0], [20.0, 10.0, 0.0]]);
+    assert_eq!(
+        all.iter().map(|motion| motion.feed_mm_s).collect::<Vec<_>>(),
+        [10.0, 1.0, 50.0, 10.0]
+    );
+    let x = |text: &str| motions(text).last().unwrap().to_mm[0];
+    assert_eq!(x("G1 X10\nG92 X0\nG53 G1 X5\n"), 5.0);
+    assert_eq!(x("G1 X10\nG92 X0\nG53 G1 X5\nG1 X1"), 11.0);
+    assert_eq!(x("G1 X10\nG92 X0\nG92.1\nG1 X5"), 5.0);
+    assert!(error("G1 X10\nG92 X0\nG53\nG1 X5").starts_with("line 3: G53 is not supported"));
+}
+
+#[test]
+fn the_speed_factor_scales_feed_rates() {
+    let feeds: Vec<_> = motions("G1 X1 F600\nM220 S50\nG1 X2\nM220 B\nM220 S100\nG1 X3")
+        .iter()
+        .map(|motion| motion.feed_mm_s)
+        .collect();
+    assert_eq!(feeds, [10.0, 5.0, 10.0]);
+}
+
+#[test]
+fn commands_without_an_effect_are_listed() {
+    let text = "START_PRINT BED_TEMP=60 EXTRUDER_TEMP=215\nM862.3 P\"MK4\"\nM106 S255\nM117 Hi\n\
+        M600\nG10\nG28\nG1 X1 A5\nM600\nM141 S50\nT?\nM73 P5\nM205 X8\nG21 M221 S95\n\
+        SAVE_GCODE_STATE NAME=a\nEXCLUDE_OBJECT_START NAME=a\nSET_GCODE_OFFSET Z=0.1\nM221 S100\n\
+        G10 P0 S215\nG10 P0 X5\nX5 B1\n(only a comment)\n";
+    let unknown = text.parse::<Program>().unwrap().unknown_commands();
+    let found: Vec<_> =
+        unknown.iter().map(|one| (one.name.as_str(), one.count, one.line)).collect();
+    assert_eq!(
+        found,
+        [
+            ("START_PRINT", 1, 1),
+            ("M600", 2, 5),
+            ("G10", 2, 6),
+            ("G1 A", 1, 8),
+            ("M141", 1, 10),
+            ("T?", 1, 11),
+            ("M205", 1, 13),
+            ("M221", 1, 14),
+            ("SET_GCODE_OFFSET", 1, 17),
+            ("B", 1, 21),
+        ]
+    );
+}
+
+mod random {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn command() -> impl Strategy<Value = String> {
+        let number = -50..50_i32;
+        prop_oneof![
+            4 => (prop::sample::select(vec!["G0", "G1"]), number.clone(), number.clone(), 0..9_i32)
+                .prop_map(|(code, x, y, e)| format!("{code} X{x} Y{y} E{e} F600")),
+            1 => (number.clone(), 1..20_i32).prop_map(|(x, i)| format!("G2 X{x} I{i} J1 E1")),
+            1 => prop::sample::select(vec!["G90", "G91", "M82", "M83", "G21", "G92 E0", "G92 X1 Y2"])
+                .prop_map(str::to_owned),
+            1 => prop::sample::select(vec!["T0", "T1", "M104 S200 T1", "M220 S50", "G4 P100"])
+                .prop_map(str::to_owned),
+        ]
+    }
+
+    /// Whether a command may stand after a motion on the same line.
+    fn follows_motion(command: &str) -> bool {
+        !["G9", "M8"].iter().any(|begin| command.starts_with(begin))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig {
+            cases: 2_000,
+            failure_persistence: None,
+            ..ProptestConfig::default()
+        })]
+
+        #[test]
+        fn combined_lines_do_what_single_ones_do(
+            commands in prop::collection::vec((command(), any::<bool>()), 1..30),
+        ) {
+            let single: String = commands.iter().map(|(text, _)| format!("{text}\n")).collect();
+            let mut combined = String::new();
+            let mut moved = false;
+            for (text, joins) in &commands {
+                let joins = *joins && (!moved || follows_motion(text));
+                combined.push(if joins { ' ' } else { '\n' });
+                let moves = ["G0", "G1", "G2"].iter().any(|begin| text.starts_with(begin));
+                moved = moves || joins && moved;
+                combined.push_str(text);
+            }
+            let trace = |text: &str| {
+                let program = text.parse::<Program>().unwrap();
+                let strip = |event| match event {
+                    Ok(Event::Motion(motion)) => Ok(Event::Motion(Motion { line: 0, ..motion })),
+                    Ok(Event::ToolChange { from, to, .. }) => {
+                        Ok(Event::ToolChange { from, to, line: 0 })
+                    }
+                    Ok(Event::Heat { heater, celsius, wait, .. }) => {
+                        Ok(Event::Heat { heater, celsius, wait, line: 0 })
+                    }
+                    Ok(Event::Pause { seconds, .. }) => Ok(Event::Pause { seconds, line: 0 }),
+                    Err(TraceError::Arc { .. }) => Err(TraceError::Arc { line: 0 }),
+                    other => other,
+                };
+                program.trace().map(strip).collect::<Vec<_>>()
+            };
+            prop_assert_eq!(trace(&single), trace(&combined), "{}", combined);
+        }
+
+        #[test]
+        fn any_line_is_traced_or_refused(
+            lines in prop::collection::vec("[GMTNXYZEFIJPSgmtx0-9.()\" {}=_-]{0,40}", 0..6),
+        ) {
+            if let Ok(program) = lines.join("\n").parse::<Program>() {
+                let events = program.trace().take(10_000).filter(Result::is_ok).count();
+                prop_assert!(events <= 10_000);
+                prop_assert!(program.unknown_commands().len() <= 240);
+            }
+        }
+    }
+}
