@@ -47,7 +47,13 @@ pub(crate) enum Meaning {
 
 use Meaning::{Nothing, Refused, Unknown};
 
-/// Codes that only set up or query the printer.
+/// G-codes that choose what is the default here, or that level the bed.
+const HARMLESS_G: [u32; 28] = [
+    8, 15, 17, 21, 29, 30, 32, 34, 35, 36, 40, 49, 50, 51, 52, 54, 64, 68, 69, 71, 76, 77, 80, 81,
+    94, 97, 98, 99,
+];
+
+/// M-codes that only set up or query the printer.
 /// Fans, display, lights, sounds, sensors, calibration, files, settings in its memory.
 const HARMLESS_M: [u32; 102] = [
     5, 7, 8, 9, 17, 20, 21, 22, 27, 31, 42, 70, 73, 74, 75, 76, 77, 78, 80, 82, 83, 85, 92, 105,
@@ -209,9 +215,8 @@ fn of_g<'a>(code: &Code<'a>) -> Result<Meaning, Fault<'a>> {
         (92, 1 | 2) => Meaning::ClearOffsets,
         (92, _) => Refused("stored coordinates"),
         (93 | 95, _) => Refused("feed rates in other units than mm/min"),
-        (8 | 15 | 17 | 21 | 29 | 30 | 32 | 34..=36 | 40 | 49..=52 | 54 | 64 | 68 | 69, _)
-        | (71 | 76 | 77 | 80 | 81 | 94 | 97..=99, _)
-        | (91, 1) => Nothing,
+        (91, 1) => Nothing,
+        (number, _) if HARMLESS_G.contains(&number) => Nothing,
         _ => Unknown,
     })
 }

@@ -72,7 +72,7 @@ fn for_each_unknown(text: &str, add: &mut impl FnMut(&str)) {
         match Meaning::of(&code) {
             Ok(Meaning::Unknown) => add(&code.name.to_string()),
             Ok(Meaning::Typed(Command::Retract | Command::Unretract)) => {
-                add(&code.name.to_string())
+                add(&code.name.to_string());
             }
             Ok(Meaning::Typed(Command::Move(_) | Command::Arc(_))) => {
                 add_axes(code.words, &code.name.to_string(), add);

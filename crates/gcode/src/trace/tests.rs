@@ -494,7 +494,7 @@ mod random {
             1 => (number.clone(), 1..20_i32).prop_map(|(x, i)| format!("G2 X{x} I{i} J1 E1")),
             1 => prop::sample::select(vec!["G90", "G91", "M82", "M83", "G21", "G92 E0", "G92 X1 Y2"])
                 .prop_map(str::to_owned),
-            1 => prop::sample::select(vec!["T0", "T1", "M104 S200 T1", "M220 S50", "G4 P100"])
+            1 => prop::sample::select(vec!["T0", "T1", "M220 S50", "G4 P100"])
                 .prop_map(str::to_owned),
         ]
     }
@@ -515,7 +515,8 @@ mod random {
         fn combined_lines_do_what_single_ones_do(
             commands in prop::collection::vec((command(), any::<bool>()), 1..30),
         ) {
-            let single: String = commands.iter().map(|(text, _)| format!("{text}\n")).collect();
+            let texts: Vec<&str> = commands.iter().map(|(text, _)| text.as_str()).collect();
+            let single = texts.join("\n");
             let mut combined = String::new();
             let mut moved = false;
             for (text, joins) in &commands {
@@ -549,7 +550,7 @@ mod random {
             lines in prop::collection::vec("[GMTNXYZEFIJPSgmtx0-9.()\" {}=_-]{0,40}", 0..6),
         ) {
             if let Ok(program) = lines.join("\n").parse::<Program>() {
-                let events = program.trace().take(10_000).filter(Result::is_ok).count();
+                let events = program.trace().take(10_000).flatten().count();
                 prop_assert!(events <= 10_000);
                 prop_assert!(program.unknown_commands().len() <= 240);
             }
