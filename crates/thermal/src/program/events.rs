@@ -7,8 +7,8 @@ use beadwork_part::print::Printer;
 use beadwork_part::slice::Voxels;
 use thiserror::Error;
 
-use super::bead::is_bead;
 use super::poll::Poll;
+use super::rows::Rows;
 use super::visit::{Visit, Visits};
 use crate::event::DepositionEvent;
 
@@ -49,7 +49,7 @@ pub struct ProgramEvents {
 pub enum ProgramError {
     /// A line of the program is invalid.
     #[error(transparent)]
-    Trace(#[from] TraceError),
+    Trace(TraceError),
     /// The program leaves out more of the part than is tolerated.
     #[error(
         "the program leaves out {missed} of {voxels} voxels of the part, the first at {voxel:?} \
@@ -70,12 +70,23 @@ pub enum ProgramError {
     Interrupted(#[from] Interrupted),
 }
 
+impl From<TraceError> for ProgramError {
+    fn from(error: TraceError) -> Self {
+        match error {
+            TraceError::Interrupted(interrupted) => Self::Interrupted(interrupted),
+            error => Self::Trace(error),
+        }
+    }
+}
+
 /// Finds out when a program deposits each voxel of a part.
 ///
 /// A bead deposits a voxel when the nozzle enters the voxel's cell, at the height of its layer, on
 /// a path that passes within half a cell of the cell's centre.
 /// The event lasts until the nozzle leaves the cell, at the speed that acceleration and corners
 /// allow.
+/// A bead in a layer of another height deposits the voxels whose centres lie within the layer, in
+/// equal parts of that time; [`layer_fit`](super::layer_fit) measures the error.
 /// Everything else is a pause: travel, retraction, beads next to the part (prime tower, skirt,
 /// supports), and beads over voxels that are deposited already.
 /// The events add up to [`Program::print_seconds`], which does not include waiting for heaters.
@@ -93,13 +104,15 @@ pub fn program_events(
     control.check()?;
     let lines = program.lines.len();
     let mut builder = EventBuilder::new(part);
-    let mut visits = Visits::new(part.frame);
+    let Frame { cell_mm, layer_mm, .. } = part.frame;
+    let rows = Rows::of(program, cell_mm, layer_mm, control)?;
+    let mut visits = Visits::new(part.frame, rows);
     let mut poll = Poll::new(control, 0, lines);
     for step in program.timed_events(settings.limits) {
         let (event, pace) = step?;
         poll.count(&event)?;
         match event {
-            Event::Motion(motion) if is_bead(&motion) => {
+            Event::Motion(motion) if visits.is_part(&motion) => {
                 let seconds_to = |length_mm| pace.seconds_to(length_mm);
                 visits.add_bead(&motion, seconds_to, &mut |visit| builder.visit(visit));
             }
@@ -146,19 +159,27 @@ impl<'a> EventBuilder<'a> {
         (z as usize * height as usize + y as usize) * width as usize + x as usize
     }
 
-    /// Deposits the voxel of a visit, or waits if there is none to deposit.
+    /// Deposits the voxels of a visit, one after the other, or waits if there is none to deposit.
     fn visit(&mut self, visit: &Visit) {
-        let voxel =
-            visit.voxel().filter(|&[x, y, z]| self.part.material(x, y, z as usize).is_some());
-        if let Some(voxel) = voxel {
+        let is_new = |&[x, y, z]: &[u32; 3]| {
+            self.part.material(x, y, z as usize).is_some() && !self.deposited[self.index([x, y, z])]
+        };
+        let count = visit.voxels().take(self.part.depth).filter(is_new).count();
+        if count == 0 {
+            self.pause(visit.seconds);
+            return;
+        }
+        let seconds = visit.seconds / count as f64;
+        for voxel in visit.voxels().take(self.part.depth) {
+            let [x, y, z] = voxel;
             let index = self.index(voxel);
-            if !std::mem::replace(&mut self.deposited[index], true) {
-                self.events.push(DepositionEvent { voxel: Some(voxel), seconds: visit.seconds });
-                self.layer_ends[voxel[2] as usize] = self.events.len();
-                return;
+            if self.part.material(x, y, z as usize).is_some()
+                && !std::mem::replace(&mut self.deposited[index], true)
+            {
+                self.events.push(DepositionEvent { voxel: Some(voxel), seconds });
+                self.layer_ends[z as usize] = self.events.len();
             }
         }
-        self.pause(visit.seconds);
     }
 
     /// Adds a pause, or extends one.

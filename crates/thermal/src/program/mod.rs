@@ -2,7 +2,10 @@
 
 mod bead;
 mod events;
+mod heights;
 mod poll;
+mod rows;
+mod temperatures;
 mod visit;
 mod voxels;
 
@@ -10,4 +13,6 @@ mod voxels;
 mod tests;
 
 pub use self::events::{ProgramError, ProgramEvents, Settings, program_events};
+pub use self::rows::{LayerFit, layer_fit, layer_heights};
+pub use self::temperatures::{ProgramTemperatures, TemperatureShare, program_temperatures};
 pub use self::voxels::{VoxelsError, program_voxels};

@@ -3,6 +3,8 @@
 use beadwork_gcode::Motion;
 use beadwork_part::Frame;
 
+use super::rows::Rows;
+
 /// Minimum length of a visit: a path through a cell counts as a visit only if it is longer than
 /// `ROUNDING_MM` + `ROUNDING` times the cell's side.
 /// Coordinates in files are rounded, so a motion may end a little beyond the side of a cell.
@@ -16,8 +18,10 @@ const REACH: f64 = 0.5 + 0.005;
 /// A bead's path through one cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Visit {
-    /// Column, row and layer; negative outside the grid.
-    pub(super) position: [i64; 3],
+    /// Column and row; negative outside the grid.
+    position: [i64; 2],
+    /// First layer of voxels, and the one after the last; negative below the grid.
+    layers: [i64; 2],
     /// Time in the cell, s.
     pub(super) seconds: f64,
     length_mm: f64,
@@ -26,10 +30,11 @@ pub(super) struct Visit {
 }
 
 impl Visit {
-    /// x, y and z, if none of them is negative.
-    pub(super) fn voxel(&self) -> Option<[u32; 3]> {
-        let [x, y, z] = self.position.map(|i| u32::try_from(i).ok());
-        Some([x?, y?, z?])
+    /// x, y and z of the voxels, from the bed up, if x and y are not negative.
+    pub(super) fn voxels(&self) -> impl Iterator<Item = [u32; 3]> {
+        let [x, y] = self.position.map(|i| u32::try_from(i).ok());
+        let [first, end] = self.layers.map(|z| u32::try_from(z.max(0)).unwrap_or(u32::MAX));
+        (first..end).filter_map(move |z| Some([x?, y?, z]))
     }
 }
 
@@ -42,6 +47,7 @@ impl Visit {
 #[derive(Debug)]
 pub(super) struct Visits {
     frame: Frame,
+    rows: Rows,
     /// The visit of the cell in which the bead ends so far.
     current: Option<Visit>,
     /// The complete visit before it, which clips that follow may still lengthen.
@@ -51,8 +57,13 @@ pub(super) struct Visits {
 }
 
 impl Visits {
-    pub(super) fn new(frame: Frame) -> Self {
-        Self { frame, current: None, previous: None, early_s: 0.0 }
+    pub(super) fn new(frame: Frame, rows: Rows) -> Self {
+        Self { frame, rows, current: None, previous: None, early_s: 0.0 }
+    }
+
+    /// Whether a motion is a bead of the part.
+    pub(super) fn is_part(&self, motion: &Motion) -> bool {
+        self.rows.is_part(motion)
     }
 
     /// Adds a motion that extrudes, and calls `emit` for each visit that is complete.
@@ -64,14 +75,13 @@ impl Visits {
         seconds_to: impl Fn(f64) -> f64,
         emit: &mut impl FnMut(&Visit),
     ) {
-        let Frame { left_mm, back_mm, cell_mm, layer_mm, .. } = self.frame;
+        let Frame { left_mm, back_mm, cell_mm, .. } = self.frame;
         // In cells, x right and y down.
         let to_cells = |[x, y, _]: [f64; 3]| [(x - left_mm) / cell_mm, (back_mm - y) / cell_mm];
         let (from, to) = (to_cells(motion.from_mm), to_cells(motion.to_mm));
         let step = [to[0] - from[0], to[1] - from[1]];
         let length_mm = motion.length_mm();
-        let layer =
-            (f64::midpoint(motion.from_mm[2], motion.to_mm[2]) / layer_mm - 1.0).round() as i64;
+        let layers = self.rows.at(f64::midpoint(motion.from_mm[2], motion.to_mm[2]));
         let mut before_s = 0.0;
         for ends in crossings(from, step).windows(2) {
             let [begin, end] = [ends[0], ends[1]];
@@ -80,7 +90,8 @@ impl Visits {
             let after_s = seconds_to(end * length_mm);
             self.pass(
                 Visit {
-                    position: [cell[0] as i64, cell[1] as i64, layer],
+                    position: [cell[0] as i64, cell[1] as i64],
+                    layers,
                     seconds: after_s - before_s,
                     length_mm: (end - begin) * length_mm,
                     distance: distance(cell.map(|side| side + 0.5), at(begin), at(end)),
@@ -100,7 +111,8 @@ impl Visits {
         } else if rest_s > 0.0 {
             // The bead only clips cells: a visit outside the grid keeps its time.
             emit(&Visit {
-                position: [-1; 3],
+                position: [-1; 2],
+                layers: [-1; 2],
                 seconds: rest_s,
                 length_mm: 0.0,
                 distance: f64::INFINITY,
@@ -110,7 +122,7 @@ impl Visits {
 
     fn pass(&mut self, part: Visit, emit: &mut impl FnMut(&Visit)) {
         match &mut self.current {
-            Some(current) if current.position == part.position => {
+            Some(current) if (current.position, current.layers) == (part.position, part.layers) => {
                 current.seconds += part.seconds;
                 current.length_mm += part.length_mm;
                 current.distance = current.distance.min(part.distance);

@@ -7,8 +7,8 @@ use beadwork_part::slice::Voxels;
 use ndarray::Array3;
 use thiserror::Error;
 
-use super::bead::is_bead;
 use super::poll::Poll;
+use super::rows::Rows;
 use super::visit::{Visit, Visits};
 
 /// Maximum number of voxels in the bounding box; as in slicing.
@@ -17,13 +17,16 @@ const MAX_VOXELS: f64 = (1 << 30) as f64;
 /// Maximum width and height of the grid, in cells.
 const MAX_SIDE: f64 = 65_535.0;
 
+/// Share of beads that may lie below the first layer, such as a prime line.
+const LOW_SHARE: f64 = 0.05;
+
 /// Why the part of a program cannot be found.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum VoxelsError {
     /// A line of the program is invalid.
     #[error(transparent)]
-    Trace(#[from] TraceError),
+    Trace(TraceError),
     /// The voxels' width or height is not a positive number.
     #[error("voxels are {cell_mm} mm wide and {layer_mm} mm high: both must be more than 0")]
     Size {
@@ -61,6 +64,15 @@ pub enum VoxelsError {
     Interrupted(#[from] Interrupted),
 }
 
+impl From<TraceError> for VoxelsError {
+    fn from(error: TraceError) -> Self {
+        match error {
+            TraceError::Interrupted(interrupted) => Self::Interrupted(interrupted),
+            error => Self::Trace(error),
+        }
+    }
+}
+
 /// Finds the voxels that a program prints with beads of a width in layers of a height, both in mm,
 /// for programs whose part is not available.
 ///
@@ -71,6 +83,8 @@ pub enum VoxelsError {
 /// would deposit.
 /// The material of a voxel is the number of the tool that fills it first.
 /// Layers are counted from the bed.
+/// A program whose layers have other heights is mapped to voxels of the given height;
+/// [`layer_fit`](super::layer_fit) measures the error.
 ///
 /// Progress counts lines of the program, each twice.
 /// Linear in the length of the program's path in cells and in the part's bounding box.
@@ -85,17 +99,20 @@ pub fn program_voxels(
     if !is_valid(cell_mm) || !is_valid(layer_mm) {
         return Err(VoxelsError::Size { cell_mm, layer_mm });
     }
-    let (frame, depth) = bounds(program, cell_mm, layer_mm, control)?;
+    let rows = Rows::of(program, cell_mm, layer_mm, control)?;
+    let (frame, depth) = bounds(program, &rows, cell_mm, layer_mm, control)?;
     let (width, height) = (frame.width as usize, frame.height as usize);
     let mut materials = Array3::from_elem((depth, height, width), Voxels::EMPTY);
-    let mut visits = Visits::new(frame);
+    let mut visits = Visits::new(frame, rows);
     let mut tool = 0;
     let mut fill = |tool: u8, visit: &Visit| {
-        let Some([x, y, z]) = visit.voxel().map(|voxel| voxel.map(|i| i as usize)) else { return };
-        if x < width && y < height && z < depth {
-            let material = &mut materials[[z, y, x]];
-            if *material == Voxels::EMPTY {
-                *material = tool.min(Voxels::EMPTY - 1);
+        for voxel in visit.voxels().take(depth) {
+            let [x, y, z] = voxel.map(|i| i as usize);
+            if x < width && y < height && z < depth {
+                let material = &mut materials[[z, y, x]];
+                if *material == Voxels::EMPTY {
+                    *material = tool.min(Voxels::EMPTY - 1);
+                }
             }
         }
     };
@@ -105,7 +122,7 @@ pub fn program_voxels(
         let event = event?;
         poll.count(&event)?;
         match event {
-            Event::Motion(motion) if is_bead(&motion) => {
+            Event::Motion(motion) if visits.is_part(&motion) => {
                 tool = motion.tool;
                 visits.add_bead(&motion, |_| 0.0, &mut |visit| fill(tool, visit));
             }
@@ -123,25 +140,32 @@ pub fn program_voxels(
 /// The grid around all beads, and the number of layers.
 fn bounds(
     program: &Program,
+    rows: &Rows,
     cell_mm: f64,
     layer_mm: f64,
     control: &Control<'_>,
 ) -> Result<(Frame, usize), VoxelsError> {
     let (mut min, mut max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    let mut top_mm = 0.0_f64;
+    let mut end_row = 0;
+    let mut low = None;
+    let (mut low_mm, mut total_mm) = (0.0, 0.0);
     let mut poll = Poll::new(control, 0, 2 * program.lines.len());
     for event in program.trace() {
         let event = event?;
         poll.count(&event)?;
         let Event::Motion(motion) = event else { continue };
-        if !is_bead(&motion) {
+        if !rows.is_part(&motion) {
             continue;
         }
+        total_mm += motion.length_mm();
         let z_mm = f64::midpoint(motion.from_mm[2], motion.to_mm[2]);
-        if z_mm < layer_mm / 2.0 {
-            return Err(VoxelsError::Low { line: motion.line, z_mm });
+        let [_, end] = rows.at(z_mm);
+        if z_mm <= 0.0 || end < 1 {
+            low.get_or_insert(VoxelsError::Low { line: motion.line, z_mm });
+            low_mm += motion.length_mm();
+            continue;
         }
-        top_mm = top_mm.max(z_mm);
+        end_row = end_row.max(end);
         let half = half_width(&motion, cell_mm);
         for axis in 0..2 {
             for end in [motion.from_mm[axis], motion.to_mm[axis]] {
@@ -150,13 +174,18 @@ fn bounds(
             }
         }
     }
-    if top_mm <= 0.0 {
+    if let Some(error) = low
+        && low_mm > LOW_SHARE * total_mm
+    {
+        return Err(error);
+    }
+    if end_row < 1 {
         return Err(VoxelsError::Nothing);
     }
     // Coordinates are rounded to three decimals, so an excess of up to a hundredth of a cell does
     // not add a cell.
     let cells = |axis: usize| ((max[axis] - min[axis]) / cell_mm - 0.01).ceil().max(1.0);
-    let (width, height, depth) = (cells(0), cells(1), (top_mm / layer_mm).round().max(1.0));
+    let (width, height, depth) = (cells(0), cells(1), end_row as f64);
     let fits = width.max(height) <= MAX_SIDE && width * height * depth <= MAX_VOXELS;
     if !fits {
         return Err(VoxelsError::TooLarge { width, height, depth });
