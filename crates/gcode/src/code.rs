@@ -58,7 +58,7 @@ impl<'a> Code<'a> {
     /// `None` if the text does not begin with one: it is a macro, or words without a code.
     pub(crate) fn first(text: &'a str) -> Option<(Self, &'a str)> {
         let text = after_comments(text);
-        let (name, words) = head(text)?;
+        let (name, words) = name_and_rest(text)?;
         let begin = text.len() - words.len();
         let end = begin + words_length(name, words);
         let (code, rest) = text.split_at(end);
@@ -94,7 +94,7 @@ fn after_comments(mut text: &str) -> &str {
 }
 
 /// The name of the code that a text begins with, and the text after it.
-fn head(text: &str) -> Option<(CodeName, &str)> {
+fn name_and_rest(text: &str) -> Option<(CodeName, &str)> {
     let letter = char::from(text.as_bytes().first()?.to_ascii_uppercase());
     if !matches!(letter, 'G' | 'M' | 'T') {
         return None;
@@ -146,8 +146,8 @@ fn words_length(name: CodeName, words: &str) -> usize {
             return words.len();
         }
         let begins_code = match first.to_ascii_uppercase() {
-            'G' | 'M' => head(rest).is_some(),
-            'T' => !has_tool_word && head(rest).is_some(),
+            'G' | 'M' => name_and_rest(rest).is_some(),
+            'T' => !has_tool_word && name_and_rest(rest).is_some(),
             _ => false,
         };
         if begins_code {

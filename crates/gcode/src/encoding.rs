@@ -57,7 +57,7 @@ const MAGIC: [(&[u8], &str, &str); 13] = [
 ];
 
 /// Bytes at the beginning of a file that show what it is.
-const HEAD: usize = 1 << 10;
+const PROBE: usize = 1 << 10;
 
 /// Bytes before the triangles of a binary STL file, and bytes per triangle.
 const STL_HEADER: usize = 84;
@@ -95,12 +95,12 @@ fn refuse_other_formats(bytes: &[u8]) -> Result<(), EncodingError> {
             return Err(EncodingError::Format { format, help });
         }
     }
-    let head = &bytes[..bytes.len().min(HEAD)];
-    let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
+    let start = &bytes[..bytes.len().min(PROBE)];
+    let start = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start).trim_ascii_start();
     let starts =
-        |word: &[u8]| head.len() >= word.len() && head[..word.len()].eq_ignore_ascii_case(word);
+        |word: &[u8]| start.len() >= word.len() && start[..word.len()].eq_ignore_ascii_case(word);
     let contains =
-        |word: &[u8]| head.windows(word.len()).any(|window| window.eq_ignore_ascii_case(word));
+        |word: &[u8]| start.windows(word.len()).any(|window| window.eq_ignore_ascii_case(word));
     let mesh = "name it as the part, and the G-code with --gcode";
     if is_binary_stl(bytes) || starts(b"solid") && contains(b"facet") {
         return Err(EncodingError::Format { format: "an STL mesh", help: mesh });
@@ -133,10 +133,10 @@ fn utf16(bytes: &[u8]) -> Option<bool> {
         [0xfe, 0xff, ..] => return Some(true),
         _ => {}
     }
-    let head = &bytes[..bytes.len().min(HEAD) / 2 * 2];
-    let zeros = |parity: usize| head.iter().skip(parity).step_by(2).filter(|&&b| b == 0).count();
+    let start = &bytes[..bytes.len().min(PROBE) / 2 * 2];
+    let zeros = |parity: usize| start.iter().skip(parity).step_by(2).filter(|&&b| b == 0).count();
     let (high, low) = (zeros(0), zeros(1));
-    let mostly = |count: usize| head.len() >= 4 && count * 2 * 10 >= head.len() * 9;
+    let mostly = |count: usize| start.len() >= 4 && count * 2 * 10 >= start.len() * 9;
     match (mostly(high) && low == 0, mostly(low) && high == 0) {
         (true, _) => Some(true),
         (_, true) => Some(false),

@@ -5,7 +5,9 @@ use std::collections::HashMap;
 use crate::code::{Code, words_without_code};
 use crate::command::Command;
 use crate::meaning::{Meaning, name_of};
+use crate::number::Number;
 use crate::program::Program;
+use crate::time::MotionLimits;
 use crate::words::{ParenthesisComments, Words};
 
 /// A command of a program that could matter but has no effect in the trace.
@@ -24,11 +26,15 @@ impl Program {
     /// the trace, in the order of their first lines.
     ///
     /// These are macros, commands that only the printer can interpret, limits of speed and
-    /// acceleration, axes other than x, y, z and e, and firmware retraction.
+    /// acceleration other than `limits`, axes other than x, y, z and e, and firmware retraction.
     /// Not listed are commands that only set up the printer, such as fan speeds and messages.
     ///
     /// Linear in the length of the program.
-    pub fn unknown_commands(&self) -> Vec<UnknownCommand> {
+    pub fn unknown_commands(&self, limits: MotionLimits) -> Vec<UnknownCommand> {
+        let differs = |value: Option<Number>, limit: f64| {
+            value.is_some_and(|value| (value.to_f64() - limit).abs() > SAME_MM_S)
+        };
+        let corner = limits.square_corner_mm_s;
         let mut found = Vec::new();
         let mut places = HashMap::new();
         let mut add = |name: &str, line: usize| {
@@ -44,9 +50,14 @@ impl Program {
             match line.command() {
                 Some(Command::Retract) => add("G10", number),
                 Some(Command::Unretract) => add("G11", number),
-                Some(Command::Jerk { .. }) => add("M205", number),
+                Some(Command::Jerk { x, y, .. })
+                    if x.or(*y).is_none() || differs(*x, corner) || differs(*y, corner) =>
+                {
+                    add("M205", number);
+                }
                 Some(Command::VelocityLimit { velocity, square_corner, .. })
-                    if velocity.is_some() || square_corner.is_some() =>
+                    if differs(*velocity, limits.max_speed_mm_s)
+                        || differs(*square_corner, corner) =>
                 {
                     add("SET_VELOCITY_LIMIT", number);
                 }
@@ -59,6 +70,9 @@ impl Program {
         found
     }
 }
+
+/// Speeds that differ less are the same, in mm/s.
+const SAME_MM_S: f64 = 0.01;
 
 /// Calls `add` with the name of each unknown command of a line.
 fn for_each_unknown(text: &str, add: &mut impl FnMut(&str)) {

@@ -4,6 +4,7 @@ mod args;
 mod canvas;
 mod colours;
 mod drawing;
+mod heat;
 mod map;
 mod measures;
 mod position;
@@ -12,6 +13,7 @@ mod report;
 mod sampling;
 mod section;
 mod source;
+mod stated;
 
 use std::time::Instant;
 

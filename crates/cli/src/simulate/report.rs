@@ -53,7 +53,7 @@ impl Report<'_> {
             Order::Pattern(pattern) => (Some(pattern.name()), 0),
             Order::Program(program) => (None, program.missed.len()),
         };
-        json!({
+        let mut json = json!({
             "part": source.name,
             "width": frame.width,
             "height": frame.height,
@@ -91,7 +91,19 @@ impl Report<'_> {
             "reward": self.reward(),
             "print_seconds": self.print_seconds,
             "seconds": self.seconds,
-        })
+        });
+        if let Some(fit) = source.fit {
+            json["layer_fit"] = json!({
+                "layers": fit.layers,
+                "rows": fit.rows,
+                "height_mm": fit.height_mm,
+                "rows_mm": fit.rows_mm,
+                "max_deviation_mm": fit.max_deviation_mm,
+                "volume_error": fit.volume_error,
+                "layers_without_row": fit.layers_without_row,
+            });
+        }
+        json
     }
 
     /// CSV with a row for each layer.

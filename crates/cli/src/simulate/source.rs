@@ -10,15 +10,19 @@ use beadwork_console::control;
 use beadwork_console::part::{check_layers, report_lowering, report_repairs};
 use beadwork_console::progress::ProgressBar;
 use beadwork_console::text::count;
-use beadwork_gcode::{Event, Heater, Program};
+use beadwork_gcode::{MotionLimits, Program};
 use beadwork_part::print;
 use beadwork_part::slice::{Layers, Voxels};
 use beadwork_part::{Frame, Pattern};
 use beadwork_thermal::Simulation;
-use beadwork_thermal::program::{self, ProgramEvents, program_events, program_voxels};
+use beadwork_thermal::program::{
+    self, LayerFit, ProgramEvents, layer_fit, program_events, program_voxels,
+};
 
 use super::args::{Args, Temperatures};
+use super::heat::temperatures;
 use super::sampling::Samplers;
+use super::stated::{stated_mm, voxel_mm};
 
 /// A part and its deposition order.
 pub(super) struct Source {
@@ -28,6 +32,8 @@ pub(super) struct Source {
     pub(super) order: Order,
     /// Temperatures that the program sets.
     pub(super) temperatures: Temperatures,
+    /// How the program's layers fit the voxels, if their heights differ.
+    pub(super) fit: Option<LayerFit>,
 }
 
 /// The deposition order of all voxels.
@@ -47,6 +53,7 @@ impl Source {
                 part: Arc::new(part),
                 order,
                 temperatures: Temperatures::default(),
+                fit: None,
             });
         };
         let in_file = || format!("cannot use '{}'", path.display());
@@ -77,8 +84,10 @@ impl Source {
                 bail!("'{}' prints no voxel of the part", path.display());
             }
         }
-        let temperatures = temperatures(&program);
-        Ok(Self { name, part: Arc::new(part), order: Order::Program(events), temperatures })
+        let fit = report_fit(&program, &part.frame)?;
+        report_unknown(&program, settings.limits);
+        let temperatures = temperatures(&program, args.ambient_c)?;
+        Ok(Self { name, part: Arc::new(part), order: Order::Program(events), temperatures, fit })
     }
 
     /// Prints all layers and samples them; calls `complete` at the end of each layer with its
@@ -146,22 +155,8 @@ fn load_part(args: &Args, settings: &print::Settings) -> anyhow::Result<(String,
     Ok((part.name, Layers { frame: part.layers.frame, layers }.voxels()))
 }
 
-/// Bead width and layer height that the comments of a program state, in mm.
-fn stated_mm(program: &Program) -> [Option<f64>; 2] {
-    let stated = |name: &str| {
-        let value = |comment: &str| {
-            let (key, value) = comment.split_once('=')?;
-            (key.trim() == name).then(|| value.trim().parse().ok())?
-        };
-        program.lines.iter().filter_map(|line| value(line.comment()?)).find(|&mm: &f64| mm > 0.0)
-    };
-    [stated("extrusion_width"), stated("layer_height")]
-}
-
 fn part_of(program: &Program) -> anyhow::Result<Voxels> {
-    let [Some(cell_mm), Some(layer_mm)] = stated_mm(program) else {
-        bail!("no bead width and layer height in the comments: name the part, too");
-    };
+    let [cell_mm, layer_mm] = voxel_mm(program)?;
     let part = control::quiet(Threads::One, |control| {
         program_voxels(program, cell_mm, layer_mm, control)
     })??;
@@ -190,19 +185,61 @@ fn explain(error: anyhow::Error, program: &Program, part: &Voxels) -> anyhow::Er
     error
 }
 
-/// The last temperatures of nozzle and bed before the first bead, in °C.
-fn temperatures(program: &Program) -> Temperatures {
-    let mut found = Temperatures::default();
-    for event in program.trace().map_while(Result::ok) {
-        match event {
-            Event::Heat { heater, celsius, .. } if celsius > 0.0 => {
-                let kept =
-                    if heater == Heater::Bed { &mut found.plate_c } else { &mut found.nozzle_c };
-                *kept = Some(celsius);
-            }
-            Event::Motion(motion) if motion.is_extrusion() => break,
-            _ => {}
+/// Reports how the layers of a program fit voxels of one height, and prime lines that are left out.
+fn report_fit(program: &Program, frame: &Frame) -> anyhow::Result<Option<LayerFit>> {
+    let (fit, prime_mm) = control::quiet(Threads::One, |control| {
+        layer_fit(program, frame.cell_mm, frame.layer_mm, control)
+    })??;
+    if prime_mm > 0.0 {
+        eprintln!(
+            "beadwork: {prime_mm:.0} mm of beads before the first layer are a prime line, not part"
+        );
+    }
+    if let Some(LayerFit {
+        layers,
+        rows,
+        height_mm,
+        rows_mm,
+        max_deviation_mm,
+        volume_error,
+        layers_without_row,
+    }) = fit
+    {
+        eprintln!(
+            "beadwork: layers have several heights: {} of {height_mm:.3} mm together become {} of \
+             voxels, {rows_mm:.3} mm high; tops of layers are off by up to {max_deviation_mm:.3} \
+             mm, the volume by {:+.1} %",
+            count(layers as u64, "layer"),
+            count(rows as u64, "row"),
+            100.0 * volume_error
+        );
+        if layers_without_row > 0 {
+            eprintln!(
+                "beadwork: {} thinner than a voxel share the row of another",
+                count(layers_without_row as u64, "layer")
+            );
         }
     }
-    found
+    Ok(fit)
+}
+
+/// Reports commands that could matter but have no effect.
+fn report_unknown(program: &Program, limits: MotionLimits) {
+    /// Commands that are named.
+    const NAMED: usize = 8;
+    let unknown = program.unknown_commands(limits);
+    if unknown.is_empty() {
+        return;
+    }
+    let named = unknown.iter().take(NAMED).map(|command| command.name.as_str());
+    let mut names = named.collect::<Vec<_>>().join(", ");
+    if unknown.len() > NAMED {
+        names += &format!(" and {} more", unknown.len() - NAMED);
+    }
+    let times: usize = unknown.iter().map(|command| command.count).sum();
+    eprintln!(
+        "beadwork: {} of the program {} no effect here: {names}",
+        count(times as u64, "command"),
+        if times == 1 { "has" } else { "have" }
+    );
 }

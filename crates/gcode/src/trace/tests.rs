@@ -3,6 +3,7 @@
 #![expect(clippy::float_cmp, reason = "straight moves end exactly at the coordinates of the text")]
 
 use super::*;
+use crate::time::MotionLimits;
 
 /// In the style of PrusaSlicer: relative extrusion, `;TYPE:` and `;LAYER_CHANGE`.
 const PRUSA: &str = "\
@@ -81,6 +82,9 @@ G1 X1 Y-1
 G90
 M82
 ";
+
+const LIMITS: MotionLimits =
+    MotionLimits { acceleration_mm_s2: 1000.0, square_corner_mm_s: 5.0, max_speed_mm_s: 300.0 };
 
 fn events(text: &str) -> Vec<Event> {
     text.parse::<Program>().unwrap().trace().collect::<Result<_, _>>().unwrap()
@@ -458,10 +462,10 @@ fn the_speed_factor_scales_feed_rates() {
 #[test]
 fn commands_without_an_effect_are_listed() {
     let text = "START_PRINT BED_TEMP=60 EXTRUDER_TEMP=215\nM862.3 P\"MK4\"\nM106 S255\nM117 Hi\n\
-        M600\nG10\nG28\nG1 X1 A5\nM600\nM141 S50\nT?\nM73 P5\nM205 X8\nG21 M221 S95\n\
+        M600\nG10\nG28\nG1 X1 A5\nM600\nM141 S50\nT?\nM73 P5\nM205 X8\nM205 X5 Y5 J0.01\nG21 M221 S95\n\
         SAVE_GCODE_STATE NAME=a\nEXCLUDE_OBJECT_START NAME=a\nSET_GCODE_OFFSET Z=0.1\nM221 S100\n\
         G10 P0 S215\nG10 P0 X5\nX5 B1\n(only a comment)\n";
-    let unknown = text.parse::<Program>().unwrap().unknown_commands();
+    let unknown = text.parse::<Program>().unwrap().unknown_commands(LIMITS);
     let found: Vec<_> =
         unknown.iter().map(|one| (one.name.as_str(), one.count, one.line)).collect();
     assert_eq!(
@@ -474,9 +478,9 @@ fn commands_without_an_effect_are_listed() {
             ("M141", 1, 10),
             ("T?", 1, 11),
             ("M205", 1, 13),
-            ("M221", 1, 14),
-            ("SET_GCODE_OFFSET", 1, 17),
-            ("B", 1, 21),
+            ("M221", 1, 15),
+            ("SET_GCODE_OFFSET", 1, 18),
+            ("B", 1, 22),
         ]
     );
 }
@@ -552,7 +556,7 @@ mod random {
             if let Ok(program) = lines.join("\n").parse::<Program>() {
                 let events = program.trace().take(10_000).flatten().count();
                 prop_assert!(events <= 10_000);
-                prop_assert!(program.unknown_commands().len() <= 240);
+                prop_assert!(program.unknown_commands(LIMITS).len() <= 240);
             }
         }
     }

@@ -8,7 +8,7 @@ use beadwork_gcode::{Event, Motion, Program, TraceError};
 use super::bead::is_bead;
 use super::poll::Poll;
 
-/// Maximum number of heights that are told apart; a program with more has no layers.
+/// Maximum number of heights that are kept apart; a program with more has no layers.
 const MAX_HEIGHTS: usize = 1 << 16;
 
 /// Heights closer than this are one, in mm: well below any layer.
