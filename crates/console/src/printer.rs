@@ -5,13 +5,14 @@ use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use beadwork_base::Control;
-use beadwork_mesh::Material;
+use beadwork_mesh::{Material, Model};
 use beadwork_part::Frame;
 use beadwork_part::print::{
     self, Flavour, Layer, PrimeTower, Print, PrintError, Purge, SettingsError, Title, Tool,
 };
 use beadwork_search::CostMatrix;
 use clap::ValueEnum;
+use ndarray::Array2;
 
 use crate::cancel;
 use crate::output::usage_error;
@@ -36,8 +37,9 @@ pub struct ProfileArgs {
     /// G-code dialect; overrides the profile.
     #[arg(long, value_name = "NAME")]
     flavour: Option<FlavourName>,
-    /// Purge volume of every tool change in mm³; overrides the profile's purge matrix.
-    /// 140 if neither is given.
+    /// Purge volume of every tool change in mm³; overrides the profile's purge matrix, which
+    /// overrides the purge volumes of a 3MF project.
+    /// 140 if none is given.
     #[arg(long, value_name = "MM3")]
     purge: Option<f64>,
     /// Prime tower: auto (that of the profile, or else one beside the part), none, or position and
@@ -134,10 +136,27 @@ impl Profile {
         self.settings.printer.bed_mm
     }
 
-    /// Settings with one tool for each material.
+    /// The purge volumes that the file of a part states, unless the flags or the profile do.
+    fn purge_of<'a>(&self, model: &'a Model) -> Option<&'a Array2<f64>> {
+        let is_stated = self.purge.is_some() || self.settings.purge.is_some();
+        model
+            .purge_mm3
+            .as_ref()
+            .filter(|purge| !is_stated && purge.nrows() == model.materials.len())
+    }
+
+    /// Reports on stderr if the purge volumes are those of the part's file.
+    pub fn report_purge(&self, model: &Model) {
+        if model.materials.len() > 1 && self.purge_of(model).is_some() {
+            eprintln!("beadwork: purge volumes are those of the project; --purge overrides them");
+        }
+    }
+
+    /// Settings with one tool for each material of a part.
     ///
     /// An automatic prime tower has no position yet; [`Profile::print`] finds it.
-    pub fn complete(&self, materials: &[Material]) -> anyhow::Result<print::Settings> {
+    pub fn complete(&self, model: &Model) -> anyhow::Result<print::Settings> {
+        let materials = &model.materials;
         let mut settings = self.settings.clone();
         let given = settings.tools.clone();
         let tool = |(number, material): (usize, &Material)| {
@@ -168,7 +187,13 @@ impl Profile {
             }
             (given, purge) => {
                 let tower = tower.or(given.and_then(|given| given.tower));
-                Some(Purge::uniform(count, purge.unwrap_or(DEFAULT_PURGE_MM3), tower))
+                Some(match self.purge_of(model) {
+                    Some(stated) => {
+                        let rows = stated.rows().into_iter();
+                        Purge { volume_mm3: rows.map(|row| row.to_vec()).collect(), tower }
+                    }
+                    None => Purge::uniform(count, purge.unwrap_or(DEFAULT_PURGE_MM3), tower),
+                })
             }
         };
         if matches!(self.tower, TowerChoice::None) {

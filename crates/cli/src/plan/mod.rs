@@ -33,7 +33,8 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let begin = Instant::now();
     let cut = args.part.cut(profile.bed_mm(), &pool)?;
     report_repairs(&cut.repaired);
-    let settings = profile.complete(&cut.model.materials)?;
+    profile.report_purge(&cut.model);
+    let settings = profile.complete(&cut.model)?;
     let costs = tool_costs(settings.purge.as_ref().expect("complete settings have volumes"))?;
     let grids = args.grid.best(&cut, PLANNED_GRIDS, Threads::Pool(&pool))?;
     let sliced = begin.elapsed().as_secs_f64();

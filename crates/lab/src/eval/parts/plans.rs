@@ -75,7 +75,7 @@ fn row(
     pool: &ThreadPool,
 ) -> anyhow::Result<Row> {
     let control = control::cancellable(Threads::Pool(pool))?;
-    let print_settings = profile.complete(&part.model.materials)?;
+    let print_settings = profile.complete(&part.model)?;
     let costs = tool_costs(print_settings.purge.as_ref().expect("complete settings have volumes"))?;
     let settings = Settings { mode, seed, lift_cost: LIFT_COST, ..Settings::default() };
     let begin = Instant::now();
