@@ -7,7 +7,8 @@ use std::str::FromStr;
 use anyhow::{Context, bail};
 use beadwork_base::Threads;
 use beadwork_mesh::{
-    Bounds, Example, Format, MaterialRule, Model, Placement, ReadLimits, RepairReport, Transform,
+    Bounds, Example, Format, MaterialRule, Model, Placement, ReadLimits, RepairReport,
+    RepairSettings, Transform,
 };
 use beadwork_part::slice::{Cut, FillRule, Layers, Settings};
 use clap::ValueEnum;
@@ -193,8 +194,10 @@ impl PartArgs {
                         _ => format!("{} {}", name_of(path), number + 1),
                     };
                 }
-                let done = control::quiet(Threads::One, |control| body.repair(control))?
-                    .with_context(|| format!("'{}', body {}", path.display(), body.name))?;
+                let done = control::quiet(Threads::One, |control| {
+                    body.repair(&RepairSettings::default(), control)
+                })?
+                .with_context(|| format!("'{}', body {}", path.display(), body.name))?;
                 if !done.was_sound() {
                     repaired.push((body.name.clone(), done));
                 }

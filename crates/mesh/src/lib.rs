@@ -24,7 +24,7 @@
 //! use std::fmt::Write;
 //!
 //! use beadwork_base::Control;
-//! use beadwork_mesh::{Format, Model, Placement, ReadLimits, Solid};
+//! use beadwork_mesh::{Format, Model, Placement, ReadLimits, RepairSettings, Solid};
 //!
 //! // An STL file of a box with one missing triangle.
 //! let solid = Solid::Cuboid { size_mm: [40.0, 30.0, 20.0] }.mesh();
@@ -41,7 +41,7 @@
 //! let control = Control::default();
 //! let format = Format::from_file_name("box.stl").expect("the extension is known");
 //! let mut model = Model::read(format, stl.as_bytes(), &ReadLimits::default(), &control)?;
-//! let report = model.bodies[0].repair(&control)?;
+//! let report = model.bodies[0].repair(&RepairSettings::default(), &control)?;
 //! assert_eq!((report.closed_holes, report.flipped_triangles), (1, 0));
 //! assert!((model.bodies[0].mesh.volume_mm3() - 24_000.0).abs() < 1e-6);
 //!
@@ -76,8 +76,9 @@
 //! - A repaired body is closed: every edge is used as often in one direction as in the other.
 //!   It may still intersect itself or other bodies, and more than two triangles may meet at an
 //!   edge.
-//! - There are no tolerances: only vertices with equal coordinates are merged, so a gap between two
-//!   surfaces stays a gap, or is filled as a hole.
+//! - Readers merge only vertices with equal coordinates.
+//!   A repair also merges nearly equal ones, but only along open edges, so closed regions keep
+//!   every detail.
 //! - Readers take any bytes without a panic, in time and memory nearly linear in the bytes, or for
 //!   3MF in the unpacked bytes and the triangles of all instances.
 //! - Long calls take a [`Control`](beadwork_base::Control) and run on the calling thread.
@@ -116,7 +117,7 @@ pub use mesh::{Mesh, MeshError};
 pub use model::{Body, Material, Model, Role, TooManyMaterials};
 pub use placement::{Placement, PlacementError};
 pub use read::{Format, ReadError, ReadLimits};
-pub use repair::{RepairError, RepairReport};
+pub use repair::{RepairError, RepairReport, RepairSettings};
 pub use solid::Solid;
 pub use transform::Transform;
 pub use warning::ReadWarning;

@@ -4,7 +4,7 @@ use ndarray::ArrayView2;
 use thiserror::Error;
 
 use crate::bounds::Bounds;
-use crate::vector::{minus, tetrahedron_mm3};
+use crate::vector::{cross, dot, minus, tetrahedron_mm3};
 
 /// Triangles that share vertices, in mm.
 ///
@@ -128,6 +128,17 @@ impl Mesh {
         self.triangles.iter().map(volume).sum()
     }
 
+    /// Area of all triangles in mm².
+    /// Linear in the triangles.
+    pub fn surface_mm2(&self) -> f64 {
+        let doubled = |&triangle: &[u32; 3]| {
+            let [a, b, c] = self.corners(triangle);
+            let normal = cross(minus(b, a), minus(c, a));
+            dot(normal, normal).sqrt()
+        };
+        self.triangles.iter().map(doubled).sum::<f64>() / 2.0
+    }
+
     /// Memory of vertices and triangles in bytes.
     pub fn memory_bytes(&self) -> usize {
         size_of_val(&*self.vertices) + size_of_val(&*self.triangles)
@@ -208,6 +219,7 @@ mod tests {
         let mesh = Solid::Cuboid { size_mm: [2.0, 3.0, 4.0] }.mesh();
         assert!((mesh.volume_mm3() - 24.0).abs() < 1e-12);
         assert_eq!(mesh.bounds().size_mm(), [2.0, 3.0, 4.0]);
+        assert!((mesh.surface_mm2() - 52.0).abs() < 1e-12);
         assert_eq!(mesh.memory_bytes(), 8 * 24 + 12 * 12);
     }
 

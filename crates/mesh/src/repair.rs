@@ -8,7 +8,9 @@
 //! A fan of triangles fills each of them, and the result is closed, whatever the input was.
 //!
 //! # Steps
-//! [`cleanup`] merges vertices, [`edges`] finds the triangles at each edge, [`components`] makes
+//! [`cleanup`] merges equal vertices, [`edges`] finds the triangles at each edge,
+//! [`near_vertices`] merges nearly equal vertices where the surface is open, [`t_junctions`] splits
+//! triangles at vertices on their edges, [`components`] makes
 //! neighbours face the same side, [`holes`] fills holes, and [`orientation`] turns the surface
 //! outwards.
 
@@ -16,30 +18,37 @@ mod cleanup;
 mod components;
 mod edges;
 mod holes;
+mod near_vertices;
 mod orientation;
 mod ray_tree;
 mod report;
+mod settings;
+mod t_junctions;
 
 use beadwork_base::Control;
 
 use self::components::Components;
 use self::edges::Edges;
 pub use self::report::{RepairError, RepairReport};
+pub use self::settings::RepairSettings;
 use crate::model::Body;
 use crate::work::Work;
 
 /// Times that the triangles are visited, for the progress.
-const PASSES: usize = 6;
+const PASSES: usize = 7;
 
-/// A body has a volume if it is thicker than this, averaged over a square of the size of its
-/// diagonal, in mm.
+/// A body has a volume if its mean thickness, twice its volume divided by its surface, is at least
+/// this, in mm.
 const MIN_THICKNESS_MM: f64 = 1e-6;
 
 impl Body {
     /// Closes the surface and turns it outwards.
     ///
-    /// 1. Merges vertices with the same coordinates, and drops triangles that then have two equal
-    ///    corners.
+    /// 1. Merges vertices with the same coordinates.
+    ///    Where the surface is open, merges nearly equal vertices too, with the smallest tolerance
+    ///    that closes it.
+    ///    Drops triangles that then have two equal corners.
+    ///    Splits triangles at vertices that lie on their open edges (T-junctions).
     /// 2. Makes neighbouring triangles face the same side: in each connected component, the
     ///    minority is flipped.
     /// 3. Fills holes that are flat, or small: with a perimeter of at most the diagonal of the
@@ -50,10 +59,14 @@ impl Body {
     ///    they are.
     ///
     /// Nearly linear in the triangles; takes about as much memory again as the mesh.
-    /// Progress counts triangles, each of them six times.
+    /// Progress counts triangles, each of them seven times.
     ///
     /// After an error the mesh is still valid, but only some of the steps are done.
-    pub fn repair(&mut self, control: &Control<'_>) -> Result<RepairReport, RepairError> {
+    pub fn repair(
+        &mut self,
+        settings: &RepairSettings,
+        control: &Control<'_>,
+    ) -> Result<RepairReport, RepairError> {
         let mut report = RepairReport::default();
         let triangles = self.mesh.triangles().len();
         let mut work = Work::new(control, PASSES, triangles);
@@ -65,6 +78,22 @@ impl Body {
         }
 
         let mut edges = Edges::new(&self.mesh, &mut work)?;
+        work.end_pass();
+        let max_merge_mm = settings.max_merge_mm(&self.mesh.bounds());
+        let merged = near_vertices::merge(&mut self.mesh, &edges, max_merge_mm, &mut work)?;
+        if merged.vertices > 0 {
+            (report.near_vertices, report.merge_mm) = (merged.vertices, merged.tolerance_mm);
+            report.dropped_triangles += cleanup::drop_degenerate_triangles(self);
+            if self.mesh.triangles().is_empty() {
+                return Err(RepairError::NoArea(triangles));
+            }
+            edges = Edges::new(&self.mesh, &mut work)?;
+        }
+        let tolerance_mm = merged.tolerance_mm.max(settings.max_merge_mm);
+        report.closed_t_junctions = t_junctions::close(self, &edges, tolerance_mm, &mut work)?;
+        if report.closed_t_junctions > 0 {
+            edges = Edges::new(&self.mesh, &mut work)?;
+        }
         work.end_pass();
         let mut components = Components::new(&self.mesh, &edges, &mut work)?;
         work.end_pass();
@@ -82,8 +111,8 @@ impl Body {
             orientation::turn_outwards(&mut self.mesh, &mut components, &mut work)?;
         let volume = self.mesh.volume_mm3().abs();
         // It is NaN if the coordinates are so large that the volume overflows.
-        let min_volume = MIN_THICKNESS_MM * self.mesh.bounds().diagonal_mm().powi(2);
-        if volume.is_nan() || volume < min_volume {
+        let min_volume = MIN_THICKNESS_MM * self.mesh.surface_mm2() / 2.0;
+        if volume.is_nan() || volume <= 0.0 || volume < min_volume {
             return Err(RepairError::NoVolume(triangles));
         }
         work.end_pass();

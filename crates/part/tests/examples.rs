@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 use beadwork_base::Control;
-use beadwork_mesh::{Example, MaterialRule, Placement};
+use beadwork_mesh::{Example, MaterialRule, Placement, RepairSettings};
 use beadwork_part::slice::{Settings, slice};
 
 #[test]
@@ -18,7 +18,7 @@ fn examples_are_sound_and_of_the_documented_sizes() {
         let mut model = example.model();
         for body in &mut model.bodies {
             assert!(
-                body.repair(&Control::default()).unwrap().was_sound(),
+                body.repair(&RepairSettings::default(), &Control::default()).unwrap().was_sound(),
                 "{example}: {}",
                 body.name
             );

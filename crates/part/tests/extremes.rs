@@ -12,8 +12,8 @@ use std::io::{Cursor, Write as _};
 use beadwork_base::Control;
 use beadwork_gcode::{MotionLimits as Speeds, Program};
 use beadwork_mesh::{
-    Body, Format, MaterialRule, Mesh, Model, Placement, ReadError, ReadLimits, RepairError, Solid,
-    Transform,
+    Body, Format, MaterialRule, Mesh, Model, Placement, ReadError, ReadLimits, RepairError,
+    RepairSettings, Solid, Transform,
 };
 use beadwork_part::slice::{self, SliceError};
 use zip::ZipWriter;
@@ -162,24 +162,36 @@ fn all_vertices_at_one_point() {
         vec![[1.0; 3]; 3_000_000 / 3],
         (0..300_000).map(|at| [at, at + 1, at + 2]).collect(),
     );
-    assert_eq!(body(point.unwrap()).repair(&Control::default()), Err(RepairError::NoArea(300_000)));
+    assert_eq!(
+        body(point.unwrap()).repair(&RepairSettings::default(), &Control::default()),
+        Err(RepairError::NoArea(300_000))
+    );
     let same = Mesh::new(vec![[1.0; 3]; 1], vec![[0; 3]; 300_000]);
-    assert_eq!(body(same.unwrap()).repair(&Control::default()), Err(RepairError::NoArea(300_000)));
+    assert_eq!(
+        body(same.unwrap()).repair(&RepairSettings::default(), &Control::default()),
+        Err(RepairError::NoArea(300_000))
+    );
     // All triangles share one edge.
     let mut vertices = vec![[0.0; 3], [0.0, 0.0, 1.0]];
     vertices.extend((0..300_000).map(|at| [f64::from(at).cos(), f64::from(at).sin(), 0.5]));
     let book = Mesh::new(vertices, (2..300_002).map(|at| [0, 1, at]).collect()).unwrap();
-    _ = body(book).repair(&Control::default());
+    _ = body(book).repair(&RepairSettings::default(), &Control::default());
 }
 
 #[test]
 fn thousands_of_inverted_bodies_are_all_turned() {
     let spread = inverted((0..50_000).map(|at| [f64::from(at % 317), f64::from(at / 317), 0.0]));
     let mut spread = body(spread);
-    assert_eq!(spread.repair(&Control::default()).unwrap().flipped_triangles, 200_000);
+    assert_eq!(
+        spread.repair(&RepairSettings::default(), &Control::default()).unwrap().flipped_triangles,
+        200_000
+    );
     // Stacked, so that every ray meets all of them.
     let mut stacked = body(inverted((0..2_000).map(|at| [0.0, 0.0, f64::from(at)])));
-    assert_eq!(stacked.repair(&Control::default()).unwrap().flipped_triangles, 8_000);
+    assert_eq!(
+        stacked.repair(&RepairSettings::default(), &Control::default()).unwrap().flipped_triangles,
+        8_000
+    );
 }
 
 #[test]
@@ -200,7 +212,10 @@ fn a_hole_of_many_edges() {
         .filter(|triangle| triangle.iter().any(|&at| at < top))
         .collect();
     let mut cup = body(Mesh::new(cup.vertices().to_vec(), open).unwrap());
-    assert_eq!(cup.repair(&Control::default()).unwrap().closed_holes, 1);
+    assert_eq!(
+        cup.repair(&RepairSettings::default(), &Control::default()).unwrap().closed_holes,
+        1
+    );
 }
 
 #[test]
@@ -233,7 +248,10 @@ fn many_bodies_in_many_layers() {
         ["a", "b"].map(|name| beadwork_mesh::Material { name: name.into(), colour: None });
     let mut model =
         Model { bodies: bodies.collect(), materials: materials.into(), ..Model::default() };
-    model.bodies.iter_mut().for_each(|body| _ = body.repair(&Control::default()).unwrap());
+    model
+        .bodies
+        .iter_mut()
+        .for_each(|body| _ = body.repair(&RepairSettings::default(), &Control::default()).unwrap());
     model.assign_materials(MaterialRule::Stated);
     let settings = slice::Settings { cell_mm: 0.5, layer_mm: 0.1, ..slice::Settings::default() };
     assert!(slice::slice(&model, &settings, &Control::default()).unwrap().cell_count() > 10_000);
@@ -248,7 +266,7 @@ fn extreme_coordinates() {
              f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
         );
         let mut model = read(Format::Obj, &text).unwrap();
-        _ = model.bodies[0].repair(&Control::default());
+        _ = model.bodies[0].repair(&RepairSettings::default(), &Control::default());
         model.assign_materials(MaterialRule::Stated);
         assert!(slice::slice(&model, &settings, &Control::default()).is_err());
         for scale in [1.0, 1e-300, 1e300] {

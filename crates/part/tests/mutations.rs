@@ -38,7 +38,9 @@ use std::time::{Duration, Instant};
 use beadwork_base::Control;
 use beadwork_gcode::{Event, Program};
 use beadwork_grid::{Layout, LayoutSpec, Path, Region, Zones, cover};
-use beadwork_mesh::{Format, MaterialRule, Mesh, Model, Placement, ReadLimits, Solid, Transform};
+use beadwork_mesh::{
+    Format, MaterialRule, Mesh, Model, Placement, ReadLimits, RepairSettings, Solid, Transform,
+};
 use beadwork_part::print::{self, Flavour, PrimeTower, Print, Printer, Purge, Title, Tool};
 use beadwork_part::{Frame, slice};
 use rand::{RngExt, SeedableRng};
@@ -127,7 +129,7 @@ fn mesh_steps(format: Format, bytes: &[u8], number: u64) -> bool {
     assert!(model.triangle_count() > 0 && is_finite(&model));
     for body in &mut model.bodies {
         // A body that cannot be repaired stays as it is: later steps must handle that too.
-        _ = body.repair(&Control::default());
+        _ = body.repair(&RepairSettings::default(), &Control::default());
         assert!(body.paint.is_empty() || body.paint.len() == body.mesh.triangles().len());
     }
     let rules = [MaterialRule::Stated, MaterialRule::PerBody, MaterialRule::Single];
@@ -806,10 +808,9 @@ fn seeds_are_valid() {
         let read = |format, bytes: &[u8]| {
             let model =
                 Model::read(format, bytes, &ReadLimits::default(), &Control::default()).unwrap();
-            model
-                .bodies
-                .into_iter()
-                .for_each(|mut body| _ = body.repair(&Control::default()).unwrap());
+            model.bodies.into_iter().for_each(|mut body| {
+                _ = body.repair(&RepairSettings::default(), &Control::default()).unwrap()
+            });
         };
         match &seed.content {
             Content::Mesh(format, bytes) => read(*format, bytes),

@@ -4,23 +4,30 @@ use beadwork_base::Interrupted;
 use thiserror::Error;
 
 /// What a repair changed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RepairReport {
     /// Vertices that were merged into others at the same position.
     pub merged_vertices: usize,
+    /// Vertices that were merged into others nearby because the surface was open there.
+    pub near_vertices: usize,
+    /// The tolerance with which they were merged, in mm.
+    pub merge_mm: f64,
     /// Triangles that were dropped because two of their corners coincide.
     pub dropped_triangles: usize,
     /// Triangles that were flipped because they faced the wrong side.
     pub flipped_triangles: usize,
     /// Holes that were filled.
     pub closed_holes: usize,
+    /// Edges that were split because a vertex of the neighbouring triangles lies on them.
+    pub closed_t_junctions: usize,
 }
 
 impl RepairReport {
-    /// Whether nothing but merged vertices was changed: many formats cannot express that triangles
-    /// share vertices.
+    /// Whether nothing but equal vertices and T-junctions was changed: many formats cannot express
+    /// that triangles share vertices, and a T-junction does not change the volume.
     pub fn was_sound(&self) -> bool {
-        (self.dropped_triangles, self.flipped_triangles, self.closed_holes) == (0, 0, 0)
+        let Self { near_vertices, dropped_triangles, flipped_triangles, closed_holes, .. } = *self;
+        (near_vertices, dropped_triangles, flipped_triangles, closed_holes) == (0, 0, 0, 0)
     }
 }
 

@@ -9,9 +9,13 @@ use crate::frame::Frame;
 /// Memory of a layer besides its cells, counted in cells.
 const MIN_LAYER_CELLS: f64 = 64.0;
 
-/// Length, in cells, that counts as nothing: a side that is a whole number of cells long stays so
-/// in spite of rounding.
-const TOLERANCE: f64 = 1e-6;
+/// Length, in cells, by which a part may be longer than a whole number of cells without getting
+/// one more: one per cent of a bead.
+///
+/// Otherwise the noise of coordinates would add a row of cells.
+/// In float32, the format of STL files, coordinates of 1,000 mm are multiples of 0.00006 mm; text
+/// files often have six digits, 0.001 mm at that size.
+const TOLERANCE: f64 = 0.01;
 
 /// The frame of all layers of a part that stands on z = 0, and their number.
 pub(super) fn fit(bounds: &Bounds, settings: &Settings) -> Result<(Frame, usize), SliceError> {
@@ -82,12 +86,12 @@ impl GridAxis {
     fn shift(&mut self, phase: f64, cell_mm: f64) {
         self.before_mm -= phase * cell_mm;
         self.after_mm += phase * cell_mm;
-        if self.before_mm < -TOLERANCE * cell_mm {
+        if self.before_mm < -TOLERANCE / 2.0 * cell_mm {
             // The low end of the part is uncovered.
             self.before_mm += cell_mm;
             self.count += 1.0;
         }
-        if self.after_mm > (1.0 - TOLERANCE) * cell_mm && self.count > 1.0 {
+        if self.after_mm > (1.0 - TOLERANCE / 2.0) * cell_mm && self.count > 1.0 {
             // The last cell lies entirely beyond the part.
             self.after_mm -= cell_mm;
             self.count -= 1.0;
@@ -101,13 +105,13 @@ mod tests {
 
     #[test]
     fn shifted_grids_are_the_smallest_that_hold_the_part() {
-        for size_mm in [0.2, 0.5, 2.0, 2.1, 2.45, 10.0] {
+        for size_mm in [0.2, 0.5, 2.0, 2.001, 2.1, 2.45, 10.0] {
             let at_zero = GridAxis::fit(size_mm, 0.5, 0.0);
             for phase in [0.0, 0.01, 0.1, 0.25, 0.5, 0.75, 0.99] {
                 let GridAxis { count, before_mm, after_mm } = GridAxis::fit(size_mm, 0.5, phase);
                 let length_mm = before_mm + size_mm + after_mm;
                 assert!((length_mm - 0.5 * count).abs() < 1e-9, "{size_mm} mm at {phase}");
-                assert!(before_mm > -1e-6 && after_mm > -1e-6, "{size_mm} mm at {phase}");
+                assert!(before_mm > -0.005 && after_mm > -0.005, "{size_mm} mm at {phase}");
                 assert!(before_mm < 0.5 && after_mm < 0.5, "{size_mm} mm at {phase}");
                 let moved_cells = (at_zero.before_mm - before_mm) / 0.5;
                 let rest = (moved_cells - phase).rem_euclid(1.0);

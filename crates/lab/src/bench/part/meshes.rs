@@ -5,7 +5,9 @@ use std::time::Instant;
 
 use beadwork_base::{Control, Threads};
 use beadwork_console::{control, machine, progress};
-use beadwork_mesh::{Body, Format, MaterialRule, Mesh, Model, Placement, ReadLimits};
+use beadwork_mesh::{
+    Body, Format, MaterialRule, Mesh, Model, Placement, ReadLimits, RepairSettings,
+};
 use beadwork_part::slice::{Settings, cut, slice};
 use rayon::ThreadPool;
 use serde::Serialize;
@@ -151,7 +153,7 @@ impl MeshFile {
 /// Repairs all bodies, and places the model on the default bed.
 fn repair(model: &mut Model, control: &Control<'_>) -> anyhow::Result<()> {
     for body in &mut model.bodies {
-        body.repair(control)?;
+        body.repair(&RepairSettings::default(), control)?;
     }
     model.assign_materials(MaterialRule::Stated);
     Placement::default().apply(model)?;
