@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use ndarray::Array2;
 
 use crate::model::{Body, Material, Model, Role};
+use crate::repair::shells;
 use crate::warning::ReadWarning;
 
 /// Which bodies share a material.
@@ -24,12 +25,16 @@ pub enum MaterialRule {
 impl Model {
     /// Gives every body a material by a rule, and removes materials that are not used.
     ///
+    /// A painted body that consists of closed shells is split into them; a shell of one colour is not
+    /// painted.
+    /// Of two shells that overlap, the one with the smaller volume counts.
+    ///
     /// Afterwards every body has a material, or paint, except negative bodies without one.
     /// Materials with the same name and colour are merged.
     /// Materials of the file keep their order; the new ones follow.
     /// Purge volumes that the file states follow its materials; they are dropped, with a warning,
     /// if there are materials that the file does not state.
-    /// Linear in the painted triangles.
+    /// O(n log n) in the painted triangles.
     ///
     /// # Panics
     /// If a body or its paint refers to a material that does not exist.
@@ -58,6 +63,8 @@ impl Model {
     }
 
     fn assign_stated(&mut self) {
+        let bodies = std::mem::take(&mut self.bodies);
+        self.bodies = bodies.into_iter().flat_map(shells::split).collect();
         let stated = std::mem::take(&mut self.materials);
         let mut is_used = vec![false; stated.len()];
         for body in &self.bodies {
@@ -119,9 +126,12 @@ fn own_material(number: usize, body: &Body) -> Material {
 
 #[cfg(test)]
 mod tests {
+    use beadwork_base::Control;
     use ndarray::array;
 
     use super::*;
+    use crate::RepairSettings;
+    use crate::mesh::Mesh;
     use crate::solid::Solid;
 
     fn body(material: Option<usize>, copy_of: Option<usize>) -> Body {
@@ -151,6 +161,72 @@ mod tests {
         model.assign_materials(MaterialRule::Stated);
         assert_eq!(model.materials.len(), 2);
         assert_eq!(model.bodies.iter().map(|body| body.object).collect::<Vec<_>>(), [0, 0, 1, 1]);
+    }
+
+    /// A box from corner to corner, with its inside out if `is_cavity`.
+    fn cuboid(min: [f64; 3], max: [f64; 3], is_cavity: bool) -> Mesh {
+        let mut mesh =
+            Solid::Cuboid { size_mm: [0, 1, 2].map(|axis| max[axis] - min[axis]) }.mesh();
+        mesh.map_vertices(|point| [0, 1, 2].map(|axis| point[axis] + min[axis]), is_cavity);
+        mesh
+    }
+
+    /// One body of several meshes with a colour each.
+    fn painted(meshes: &[(Mesh, u8)]) -> Model {
+        let (mut vertices, mut triangles, mut paint) = (Vec::new(), Vec::new(), Vec::new());
+        for (mesh, colour) in meshes {
+            let base = vertices.len() as u32;
+            vertices.extend(mesh.vertices());
+            triangles.extend(mesh.triangles().iter().map(|corners| corners.map(|at| at + base)));
+            paint.resize(triangles.len(), *colour);
+        }
+        let mesh = Mesh::new(vertices, triangles).unwrap();
+        let mut body = Body { mesh, paint, ..Body::default() };
+        body.repair(&RepairSettings::default(), &Control::default()).unwrap();
+        let materials = ["red", "blue", "green"].map(material).to_vec();
+        Model { bodies: vec![body], materials, ..Model::default() }
+    }
+
+    /// Volumes and materials of the bodies after materials are assigned.
+    fn assigned(mut model: Model) -> Vec<(i64, Option<usize>)> {
+        model.assign_materials(MaterialRule::Stated);
+        let body = |body: &Body| (body.mesh.volume_mm3().round() as i64, body.material);
+        model.bodies.iter().map(body).collect()
+    }
+
+    // CNCKitchen/stlTexturizer#110
+    #[test]
+    fn shells_that_touch_or_overlap_have_their_own_material() {
+        let red = cuboid([0.0; 3], [10.0, 10.0, 4.0], false);
+        let beside = cuboid([10.0, 0.0, 0.0], [14.0, 10.0, 4.0], false);
+        let inside = cuboid([3.0; 3], [5.0, 5.0, 4.0], false);
+        let touching = [(red.clone(), 0), (beside, 1)];
+        assert_eq!(assigned(painted(&touching)), [(400, Some(0)), (160, Some(1))]);
+        // The order in the file does not matter.
+        let overlapping = [(inside.clone(), 1), (red.clone(), 0)];
+        assert_eq!(assigned(painted(&overlapping)), [(400, Some(0)), (4, Some(1))]);
+        // A cavity that is filled by another shell, with or without contact.
+        let cavity = cuboid([3.0, 3.0, 1.0], [5.0, 5.0, 3.0], true);
+        let filling = cuboid([3.0, 3.0, 1.0], [5.0, 5.0, 3.0], false);
+        let small = cuboid([3.5, 3.5, 1.5], [4.5, 4.5, 2.5], false);
+        let filled = [(red.clone(), 0), (cavity.clone(), 0), (filling, 1)];
+        assert_eq!(assigned(painted(&filled)), [(392, Some(0)), (8, Some(1))]);
+        let loose = [(small, 1), (cavity, 0), (red, 0)];
+        assert_eq!(assigned(painted(&loose)), [(392, Some(0)), (1, Some(1))]);
+    }
+
+    #[test]
+    fn shells_of_several_colours_stay_painted() {
+        let mut model = painted(&[
+            (cuboid([0.0; 3], [10.0; 3], false), 0),
+            (cuboid([4.0; 3], [6.0; 3], true), 1),
+            (cuboid([20.0, 0.0, 0.0], [24.0, 4.0, 4.0], false), 2),
+        ]);
+        model.assign_materials(MaterialRule::Stated);
+        let [hollow, apart] = &model.bodies[..] else { panic!("two bodies") };
+        assert!((hollow.mesh.volume_mm3() - 992.0).abs() < 1e-9);
+        assert_eq!((hollow.material, hollow.paint.len()), (None, 24));
+        assert_eq!((apart.material, apart.paint.len()), (Some(2), 0));
     }
 
     #[test]

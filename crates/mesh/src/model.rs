@@ -69,6 +69,14 @@ pub struct Material {
     pub colour: Option<[u8; 3]>,
 }
 
+impl Material {
+    /// A material that is known by its colour only, which is also its name: `#RRGGBB`.
+    pub(crate) fn of_colour(colour: [u8; 3]) -> Self {
+        let [red, green, blue] = colour;
+        Self { name: format!("#{red:02X}{green:02X}{blue:02X}"), colour: Some(colour) }
+    }
+}
+
 /// A model has more materials than [`Model::MAX_MATERIALS`].
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[error("model would have {count} materials, maximum is {max}", max = Model::MAX_MATERIALS)]

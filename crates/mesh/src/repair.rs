@@ -23,6 +23,7 @@ mod orientation;
 mod ray_tree;
 mod report;
 mod settings;
+pub(crate) mod shells;
 mod t_junctions;
 
 use beadwork_base::Control;

@@ -15,6 +15,12 @@ pub enum ReadWarning {
         /// Number of triangles in the file.
         held: u64,
     },
+    /// Triangles have corners of several colours; each has the colour of most of its corners.
+    #[error("{triangles} triangles have corners of several colours: each has one of them")]
+    MixedColours {
+        /// Number of these triangles.
+        triangles: usize,
+    },
     /// Data that has no effect on the model.
     #[error("{what}: not used")]
     Ignored {

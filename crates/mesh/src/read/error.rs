@@ -42,6 +42,14 @@ pub enum ReadError {
         /// What distinguishes it.
         reason: &'static str,
     },
+    /// The content is of another format than the name of the file says.
+    #[error("not a valid {expected} file: content is {found}")]
+    OtherFormat {
+        /// Name of the expected format.
+        expected: &'static str,
+        /// What the content is, with an article.
+        found: &'static str,
+    },
     /// A binary STL file ends too early.
     #[error("header declares {declared} triangles, file holds {held}")]
     Truncated {

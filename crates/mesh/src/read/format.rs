@@ -3,7 +3,7 @@
 use beadwork_base::Control;
 
 use super::error::{ReadError, ReadLimits};
-use super::{obj, stl, threemf};
+use super::{obj, signature, stl, threemf};
 use crate::model::Model;
 
 /// A file format that can be read.
@@ -30,6 +30,25 @@ impl Format {
     }
 }
 
+impl Format {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Stl => "STL",
+            Self::ThreeMf => "3MF",
+            Self::Obj => "OBJ",
+        }
+    }
+
+    /// What [`signature::recognise`] may find in files of this format.
+    fn own_signatures(self) -> &'static [&'static str] {
+        match self {
+            Self::Stl => &["an STL mesh"],
+            Self::ThreeMf => &["a ZIP archive, such as 3MF"],
+            Self::Obj => &["an OBJ mesh"],
+        }
+    }
+}
+
 impl Model {
     /// Reads a model from the bytes of a file.
     ///
@@ -48,6 +67,11 @@ impl Model {
     ) -> Result<Self, ReadError> {
         if bytes.is_empty() {
             return Err(ReadError::Empty);
+        }
+        if let Some(found) = signature::recognise(bytes)
+            && !format.own_signatures().contains(&found)
+        {
+            return Err(ReadError::OtherFormat { expected: format.name(), found });
         }
         let model = match format {
             Format::Stl => stl::read(bytes, limits, control),
@@ -75,6 +99,27 @@ mod tests {
         assert_eq!(Format::from_file_name("a.b.STL"), Some(Format::Stl));
         assert_eq!(Format::from_file_name("part.3mf"), Some(Format::ThreeMf));
         assert_eq!(Format::from_file_name("stl"), None);
+    }
+
+    #[test]
+    fn a_wrong_extension_is_named() {
+        let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".repeat(9);
+        let error = |format, bytes: &[u8]| {
+            let limits = ReadLimits::default();
+            Model::read(format, bytes, &limits, &Control::default()).unwrap_err().to_string()
+        };
+        assert_eq!(
+            error(Format::Stl, obj.as_bytes()),
+            "not a valid STL file: content is an OBJ mesh"
+        );
+        assert_eq!(
+            error(Format::Obj, b"solid x\nfacet normal 0 0 1\n"),
+            "not a valid OBJ file: content is an STL mesh"
+        );
+        assert_eq!(
+            error(Format::ThreeMf, b"solid x\nfacet normal 0 0 1\n"),
+            "not a valid 3MF file: content is an STL mesh"
+        );
     }
 
     #[test]

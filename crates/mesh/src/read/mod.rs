@@ -5,9 +5,11 @@
 mod error;
 mod format;
 mod obj;
+mod signature;
 mod stl;
 mod text;
 mod threemf;
+mod vertex_colours;
 
 pub use error::{ReadError, ReadLimits};
 pub use format::Format;

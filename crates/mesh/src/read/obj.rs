@@ -1,13 +1,15 @@
 //! Wavefront OBJ files: polygons with objects, groups and materials.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use beadwork_base::Control;
 
 use super::error::{ReadError, ReadLimits};
-use super::text::{point, shown};
+use super::text::{decoded, lines, point, shown};
+use super::vertex_colours::VertexColours;
 use crate::mesh::Mesh;
 use crate::model::{Body, Material, Model};
+use crate::warning::ReadWarning;
 use crate::work::Work;
 
 /// Reads a file.
@@ -18,25 +20,29 @@ use crate::work::Work;
 /// - Polygons are split into fans of triangles.
 /// - `usemtl` names a material; a body with several is painted.
 ///   Colours are in another file (`mtllib`), which is not read.
-/// - Texture coordinates, normals, and curves and surfaces of higher order are ignored.
+/// - Vertices may have a colour after their coordinates.
+///   In a file without `usemtl`, each colour is a material.
+///   A triangle whose corners differ has the colour of two of them, or else of the first.
+/// - Texture coordinates and normals are ignored; so are, with a warning, points, lines, and curves
+///   and surfaces of higher order.
 pub(super) fn read(
     bytes: &[u8],
     limits: &ReadLimits,
     control: &Control<'_>,
 ) -> Result<Model, ReadError> {
+    let bytes = &*decoded(bytes);
     let mut work = Work::new(control, 1, bytes.len());
     let mut reader = Reader { limits: *limits, ..Reader::default() };
     // A backslash at the end of a line joins it with the next one.
     // Comments are removed first, because a comment may end in a path with a backslash.
     let mut joined = String::new();
     let mut last = 0;
-    let mut position = 0;
-    for (line, text) in (1..).zip(bytes.split(|&byte| byte == b'\n')) {
+    for (line, (position, text)) in (1..).zip(lines(bytes)) {
         work.tick(position)?;
-        position += text.len() + 1;
         last = line;
         let text = String::from_utf8_lossy(text);
-        let text = without_comment(&text).trim_end();
+        // Old programs end a text with a control character.
+        let text = without_comment(&text).trim_end_matches(|end: char| end <= ' ');
         if let Some(begun) = text.strip_suffix('\\') {
             joined.push_str(begun);
             joined.push(' ');
@@ -49,7 +55,7 @@ pub(super) fn read(
         }
     }
     reader.line(last, &joined)?;
-    Ok(reader.finish())
+    reader.finish()
 }
 
 /// A line up to its comment.
@@ -83,13 +89,19 @@ struct Reader {
     materials: Vec<Material>,
     /// The current material.
     material: Option<u8>,
+    colours: VertexColours,
+    /// Keywords without effect, and how often they appear.
+    ignored: BTreeMap<&'static str, usize>,
 }
 
 impl Reader {
     fn line(&mut self, line: usize, text: &str) -> Result<(), ReadError> {
         let mut words = text.split_ascii_whitespace();
         match words.next() {
-            Some("v") => self.vertices.push(point(line, words)?),
+            Some("v") => {
+                self.vertices.push(point(line, &mut words)?);
+                self.colours.add(line, words)?;
+            }
             Some("f") => self.face(line, words)?,
             Some("o") => {
                 if !self.current.triangles.is_empty() {
@@ -103,6 +115,12 @@ impl Reader {
             Some("usemtl") => {
                 self.material = Some(self.material(line, &words.collect::<Vec<_>>().join(" "))?);
             }
+            Some("mtllib") => self.ignore("colours of materials, which are in another file,"),
+            Some("p" | "l") => self.ignore("points and lines"),
+            Some("curv" | "curv2" | "surf" | "vp" | "cstype" | "parm" | "end") => {
+                self.ignore("curves and surfaces of higher order");
+            }
+            Some("call" | "csh") => self.ignore("other files and commands"),
             // All keywords of OBJ are alphanumeric: this is a text file of another format.
             Some(word)
                 if !word.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_') =>
@@ -163,9 +181,23 @@ impl Reader {
         u8::try_from(number).map_err(|_| ReadError::line(line, message))
     }
 
-    fn finish(mut self) -> Model {
-        self.complete.push(self.current);
-        let mut model = Model { bodies: Vec::new(), materials: self.materials, ..Model::default() };
+    fn ignore(&mut self, what: &'static str) {
+        *self.ignored.entry(what).or_default() += 1;
+    }
+
+    fn finish(mut self) -> Result<Model, ReadError> {
+        self.complete.push(std::mem::take(&mut self.current));
+        let mut warnings: Vec<ReadWarning> =
+            self.ignored.keys().map(|&what| ReadWarning::Ignored { what: what.into() }).collect();
+        if self.colours.is_any() {
+            if self.materials.is_empty() {
+                self.use_vertex_colours(&mut warnings)?;
+            } else {
+                let what = "colours of vertices, because there are materials,".into();
+                warnings.push(ReadWarning::Ignored { what });
+            }
+        }
+        let mut model = Model { materials: self.materials, warnings, ..Model::default() };
         for faces in self.complete.into_iter().filter(|faces| !faces.triangles.is_empty()) {
             let first = faces.materials[0];
             let is_one = faces.materials.iter().all(|&material| material == first);
@@ -174,6 +206,7 @@ impl Reader {
             let paint =
                 faces.materials.iter().map(|material| material.unwrap_or(fallback)).collect();
             model.bodies.push(Body {
+                object: model.bodies.len(),
                 mesh: with_used_vertices(&self.vertices, faces.triangles),
                 name: faces.name,
                 material: if is_one { first.map(usize::from) } else { None },
@@ -181,7 +214,34 @@ impl Reader {
                 ..Body::default()
             });
         }
-        model
+        Ok(model)
+    }
+
+    /// Gives triangles the colours of their vertices as materials.
+    fn use_vertex_colours(&mut self, warnings: &mut Vec<ReadWarning>) -> Result<(), ReadError> {
+        let mut numbers = HashMap::new();
+        let mut mixed = 0;
+        for faces in &mut self.complete {
+            for (triangle, material) in faces.triangles.iter().zip(&mut faces.materials) {
+                let corners = triangle.map(|vertex| self.colours.of(vertex));
+                let [a, b, c] = corners;
+                mixed += usize::from(a != b || b != c);
+                let Some(colour) = (if b == c { b } else { a }) else { continue };
+                let next = numbers.len();
+                let number = *numbers.entry(colour).or_insert(next);
+                if number == next {
+                    if next == Model::MAX_MATERIALS {
+                        return Err(ReadError::too_large(next, "colours of vertices"));
+                    }
+                    self.materials.push(Material::of_colour(colour));
+                }
+                *material = Some(number as u8);
+            }
+        }
+        if mixed > 0 {
+            warnings.push(ReadWarning::MixedColours { triangles: mixed });
+        }
+        Ok(())
     }
 }
 
@@ -257,6 +317,45 @@ mod tests {
         assert_eq!(names, ["paint#1", "paint#2"]);
     }
 
+    // bambulab/BambuStudio#1892, #4422
+    #[test]
+    fn vertex_colours_are_materials() {
+        // A tetrahedron, with colours as shares or as bytes, and one without.
+        let text = |red: &str, blue: &str| {
+            format!(
+                "v 0 0 0 {red}\nv 1 0 0 {red}\nv 0 1 0 {red}\nv 0 0 1 {blue}\n\
+                 f 1 3 2\nf 1 2 4\nf 4 4 4\nf 2 3 4\n"
+            )
+        };
+        for (red, blue) in [("1 0 0", "0 0 1"), ("255 0 0", "0 0 255"), ("1.0 1 0 0", "1 0 0 1")] {
+            let model =
+                read(text(red, blue).as_bytes(), &ReadLimits::default(), &Control::default());
+            let model = model.unwrap();
+            assert_eq!(model.bodies[0].paint, [0, 0, 1, 0], "{red}");
+            let colours: Vec<_> = model.materials.iter().map(|of| of.colour.unwrap()).collect();
+            assert_eq!(colours, [[255, 0, 0], [0, 0, 255]]);
+            assert_eq!(model.warnings, [ReadWarning::MixedColours { triangles: 2 }]);
+        }
+        let one =
+            read(text("1 0 0", "1 0 0").as_bytes(), &ReadLimits::default(), &Control::default());
+        let one = one.unwrap();
+        assert_eq!((one.bodies[0].material, one.bodies[0].paint.len()), (Some(0), 0));
+        assert_eq!(refused("v 0 0 0 1 0 x\n"), "line 1: 'x' is not a number");
+    }
+
+    #[test]
+    fn odd_lines_are_read_or_reported() {
+        let text = "\u{feff}# begins with a mark\r\ns off\rv 0 0 0\nv 1 0 0\nv 0 1 0\nvp 0 1\n\
+            p 1\nl 1 2\nf 1 2 3\n\u{1a}";
+        let model = read(text.as_bytes(), &ReadLimits::default(), &Control::default()).unwrap();
+        assert_eq!(model.triangle_count(), 1);
+        let warnings: Vec<_> = model.warnings.iter().map(ToString::to_string).collect();
+        assert_eq!(
+            warnings,
+            ["curves and surfaces of higher order: not used", "points and lines: not used"]
+        );
+    }
+
     #[test]
     fn errors_state_their_line() {
         assert_eq!(refused("v 0 0\n"), "line 1: vertex has 2 coordinates, expected 3");
@@ -272,6 +371,7 @@ mod tests {
         assert_eq!(refused("v 0 0 0\nf 1 1\n"), "line 2: face has 2 vertices, needs at least 3");
         assert_eq!(refused("v 0 0 nan\n"), "line 1: 'nan' is not a finite number");
         assert_eq!(refused("v 0 0 0\n"), "file contains no triangles");
-        assert_eq!(refused("<xml>\n"), "line 1: unknown keyword '<xml>'");
+        assert_eq!(refused("<xml>\n"), "not a valid OBJ file: content is XML or HTML");
+        assert_eq!(refused("[0]\n"), "line 1: unknown keyword '[0]'");
     }
 }

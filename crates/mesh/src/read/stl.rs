@@ -3,8 +3,9 @@
 use beadwork_base::Control;
 
 use super::error::{ReadError, ReadLimits};
-use super::text::{point, shown};
+use super::text::{Words, decoded, point, shown};
 use crate::model::{Body, Model};
+use crate::warning::ReadWarning;
 use crate::weld::Welder;
 use crate::work::Work;
 
@@ -17,30 +18,48 @@ const RECORD: usize = 50;
 ///
 /// A file is binary if its length matches the number of triangles in its header, whatever the
 /// header begins with: many programs write "solid" there, like in a text file.
+///
+/// A binary file that is longer than its header declares, by whole triangles, is read to its end,
+/// with a warning: programs that write the number last sometimes fail to.
 pub(super) fn read(
     bytes: &[u8],
     limits: &ReadLimits,
     control: &Control<'_>,
 ) -> Result<Model, ReadError> {
-    let mut work = Work::new(control, 1, bytes.len());
     let declared = match bytes.get(HEADER - 4..HEADER) {
         Some(count) => u64::from(u32::from_le_bytes(count.try_into().expect("it has four bytes"))),
         None => 0,
     };
     let length_matches =
         bytes.len() >= HEADER && bytes.len() as u64 == HEADER as u64 + RECORD as u64 * declared;
-    if !length_matches && begins_as_text(bytes) {
-        return read_text(bytes, limits, &mut work);
+    if !length_matches {
+        let text = decoded(bytes);
+        if begins_as_text(&text) {
+            return read_text(&text, limits, &mut Work::new(control, 1, text.len()));
+        }
     }
     if bytes.len() < HEADER {
         let reason = "begins neither with a binary header nor with 'solid'";
         return Err(ReadError::WrongFormat { format: "STL", reason });
     }
-    let held = ((bytes.len() - HEADER) / RECORD) as u64;
+    let records = &bytes[HEADER..];
+    let held = (records.len() / RECORD) as u64;
     if declared > held {
         return Err(ReadError::Truncated { declared, held });
     }
-    read_binary(&bytes[HEADER..], declared as usize, limits, &mut work)
+    let mut work = Work::new(control, 1, bytes.len());
+    let more = records.len() as u64 - declared * RECORD as u64;
+    if more > 0 && more % RECORD as u64 == 0 {
+        let mut model = read_binary(records, held as usize, limits, &mut work)?;
+        model.warnings.push(ReadWarning::TriangleCount { declared, held });
+        return Ok(model);
+    }
+    let mut model = read_binary(records, declared as usize, limits, &mut work)?;
+    if more > 0 {
+        let what = format!("{more} bytes after the last triangle");
+        model.warnings.push(ReadWarning::Ignored { what });
+    }
+    Ok(model)
 }
 
 fn begins_as_text(bytes: &[u8]) -> bool {
@@ -58,6 +77,7 @@ fn read_binary(
 ) -> Result<Model, ReadError> {
     check_count(count, limits)?;
     let mut welder = Welder::with_capacity(count);
+    let mut has_attributes = false;
     for (number, record) in records.chunks_exact(RECORD).take(count).enumerate() {
         work.tick(HEADER + RECORD * number)?;
         // The first 12 bytes are the normal, which the order of the corners implies.
@@ -68,9 +88,14 @@ fn read_binary(
         welder.add_triangle(
             [0, 3, 6].map(|corner| [value(corner), value(corner + 1), value(corner + 2)]),
         );
+        has_attributes |= record[48..] != [0, 0];
     }
     let mut model = Model::default();
     add_body(&mut model, String::new(), welder)?;
+    if has_attributes {
+        let what = "attributes of triangles, such as colours,".into();
+        model.warnings.push(ReadWarning::Ignored { what });
+    }
     Ok(model)
 }
 
@@ -91,7 +116,7 @@ fn add_body(model: &mut Model, name: String, welder: Welder) -> Result<(), ReadE
     Ok(())
 }
 
-/// Reads a text file: one keyword per line, in any case.
+/// Reads a text file: keywords and numbers, in any case, on any number of lines.
 /// Each `solid` is a body.
 /// Normals are ignored: the order of the corners states the same, and is correct more often.
 fn read_text(bytes: &[u8], limits: &ReadLimits, work: &mut Work<'_>) -> Result<Model, ReadError> {
@@ -101,51 +126,82 @@ fn read_text(bytes: &[u8], limits: &ReadLimits, work: &mut Work<'_>) -> Result<M
     let mut corners: Vec<[f64; 3]> = Vec::with_capacity(3);
     let mut triangles = 0;
     let mut in_facet = false;
-    let mut last = 0;
-    let mut position = 0;
-    for (line, text) in (1..).zip(bytes.split(|&byte| byte == b'\n')) {
-        work.tick(position)?;
-        position += text.len() + 1;
-        last = line;
-        let text = String::from_utf8_lossy(text);
-        let mut words = text.split_ascii_whitespace();
-        let Some(keyword) = words.next() else { continue };
-        match keyword.to_ascii_lowercase().as_str() {
-            "solid" => name = words.collect::<Vec<_>>().join(" "),
-            // A solid without triangles is not a body: it could not be repaired.
-            "endsolid" if welder.len() == 0 => name.clear(),
-            "endsolid" => {
-                add_body(&mut model, std::mem::take(&mut name), std::mem::take(&mut welder))?;
-            }
-            "facet" if in_facet => {
-                return Err(ReadError::line(line, "facet begins inside another facet"));
-            }
-            "facet" => in_facet = true,
-            "vertex" if !in_facet => {
+    let mut words = Words::new(bytes);
+    while let Some(keyword) = words.next() {
+        work.tick(words.position())?;
+        let line = words.line();
+        let is = |known: &str| keyword.eq_ignore_ascii_case(known);
+        if is("vertex") {
+            if !in_facet {
                 return Err(ReadError::line(line, "vertex is outside a facet"));
             }
-            "vertex" => corners.push(point(line, words)?),
-            "endfacet" => {
-                let Ok(triangle) = <[_; 3]>::try_from(&corners[..]) else {
-                    let message = format!("facet has {} vertices, expected 3", corners.len());
-                    return Err(ReadError::line(line, message));
-                };
-                triangles += 1;
-                check_count(triangles, limits)?;
-                welder.add_triangle(triangle);
-                corners.clear();
-                in_facet = false;
+            corners.push(point(line, std::iter::from_fn(|| words.next_on_line()))?);
+        } else if is("facet") {
+            if in_facet {
+                return Err(ReadError::line(line, "facet begins inside another facet"));
             }
-            "outer" | "endloop" => {}
-            _ => {
-                return Err(ReadError::line(line, format!("unknown keyword '{}'", shown(keyword))));
+            in_facet = true;
+            while words.peek_on_line().is_some_and(|word| !is_keyword(word)) {
+                words.next_on_line();
             }
+        } else if is("endfacet") {
+            let Ok(triangle) = <[_; 3]>::try_from(&corners[..]) else {
+                let message = format!("facet has {} vertices, expected 3", corners.len());
+                return Err(ReadError::line(line, message));
+            };
+            triangles += 1;
+            check_count(triangles, limits)?;
+            welder.add_triangle(triangle);
+            corners.clear();
+            in_facet = false;
+        } else if is("solid") {
+            name = solid_name(&mut words, begins_facet);
+        } else if is("endsolid") {
+            solid_name(&mut words, begins_solid);
+            // A solid without triangles is not a body: it could not be repaired.
+            if welder.len() == 0 {
+                name.clear();
+            } else {
+                add_body(&mut model, std::mem::take(&mut name), std::mem::take(&mut welder))?;
+            }
+        } else if !is_keyword(keyword) {
+            return Err(ReadError::line(line, format!("unknown keyword '{}'", shown(keyword))));
         }
     }
     if in_facet || welder.len() > 0 {
-        return Err(ReadError::line(last, "file ends before 'endsolid'"));
+        return Err(ReadError::line(words.line(), "file ends before 'endsolid'"));
     }
     Ok(model)
+}
+
+/// Whether a word is a keyword inside a solid.
+fn is_keyword(word: &str) -> bool {
+    let keywords = ["facet", "outer", "loop", "vertex", "endloop", "endfacet", "endsolid"];
+    keywords.iter().any(|keyword| word.eq_ignore_ascii_case(keyword))
+}
+
+/// The words up to the end of the line, which are the name of a solid.
+/// In a file of one line they end before what `begins` recognises.
+fn solid_name(words: &mut Words<'_>, begins: impl Fn(Words<'_>) -> bool) -> String {
+    let mut name = Vec::new();
+    while words.peek_on_line().is_some() && !begins(words.clone()) {
+        name.extend(words.next_on_line());
+    }
+    name.join(" ")
+}
+
+/// Whether the next words of the line begin a facet.
+fn begins_facet(mut words: Words<'_>) -> bool {
+    is_next(&mut words, "facet") && is_next(&mut words, "normal")
+}
+
+/// Whether the next word of the line begins a solid.
+fn begins_solid(mut words: Words<'_>) -> bool {
+    is_next(&mut words, "solid")
+}
+
+fn is_next(words: &mut Words<'_>, keyword: &str) -> bool {
+    words.next_on_line().is_some_and(|word| word.eq_ignore_ascii_case(keyword))
 }
 
 #[cfg(test)]
@@ -210,12 +266,55 @@ mod tests {
         let names: Vec<_> = model.bodies.iter().map(|body| body.name.as_str()).collect();
         assert_eq!(names, ["left", "RIGHT"]);
         assert_eq!(model.bodies[0].mesh, model.bodies[1].mesh);
+        // A name may contain keywords.
+        let named = text("solid facet of a solid", &triangles());
+        let model_of_named =
+            read(named.as_bytes(), &ReadLimits::default(), &Control::default()).unwrap();
+        assert_eq!(model_of_named.bodies[0].name, "solid facet of a solid");
         // A solid without triangles is not one.
         let three = "solid nothing\nendsolid nothing\n".to_owned() + &two;
         assert_eq!(
             read(three.as_bytes(), &ReadLimits::default(), &Control::default()).unwrap(),
             model
         );
+    }
+
+    // CADMesh#40, with a byte order mark, line ends of old Macs, one line, and UTF-16
+    #[test]
+    fn text_in_any_encoding_and_layout_is_read() {
+        let plain = text("left", &triangles()) + &text("right", &triangles());
+        let expected = read(plain.as_bytes(), &ReadLimits::default(), &Control::default()).unwrap();
+        let utf16: Vec<u8> =
+            format!("\u{feff}{plain}").encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let ended = format!("{plain}\u{1a}\0\0");
+        for bytes in [
+            format!("\u{feff}{plain}").into_bytes(),
+            plain.replace('\n', "\r").into_bytes(),
+            plain.replace('\n', " ").into_bytes(),
+            ended.into_bytes(),
+            utf16,
+        ] {
+            let model = read(&bytes, &ReadLimits::default(), &Control::default()).unwrap();
+            assert_eq!(model, expected);
+        }
+    }
+
+    // mikedh/trimesh#1720
+    #[test]
+    fn a_count_that_is_too_small_is_reported() {
+        let good = binary(&triangles());
+        for declared in [0_u32, 5] {
+            let mut bytes = good.clone();
+            bytes[80..84].copy_from_slice(&declared.to_le_bytes());
+            let model = read(&bytes, &ReadLimits::default(), &Control::default()).unwrap();
+            assert_eq!(model.bodies[0].mesh.triangles().len(), 12);
+            let warning = ReadWarning::TriangleCount { declared: declared.into(), held: 12 };
+            assert_eq!(model.warnings, [warning]);
+        }
+        let mut longer = good;
+        longer.extend([1; 7]);
+        let model = read(&longer, &ReadLimits::default(), &Control::default()).unwrap();
+        assert_eq!(model.warnings[0].to_string(), "7 bytes after the last triangle: not used");
     }
 
     #[test]

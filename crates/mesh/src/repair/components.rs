@@ -19,6 +19,11 @@ pub(super) struct Components {
 }
 
 impl Components {
+    /// As many components as triangles.
+    pub(super) fn separate(count: usize) -> Self {
+        Self { parents: (0..count as u32).collect(), opposed: vec![false; count] }
+    }
+
     /// Joins triangles at every edge of exactly two triangles.
     /// Such triangles face the same side if they use the edge in opposite directions.
     pub(super) fn new(
@@ -26,9 +31,7 @@ impl Components {
         edges: &Edges,
         work: &mut Work<'_>,
     ) -> Result<Self, Interrupted> {
-        let count = mesh.triangles().len();
-        let mut components =
-            Self { parents: (0..count as u32).collect(), opposed: vec![false; count] };
+        let mut components = Self::separate(mesh.triangles().len());
         work.set_items(edges.len());
         let mut done = 0;
         for (_, edge) in edges.iter() {
