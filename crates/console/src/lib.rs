@@ -32,6 +32,7 @@ pub mod part;
 pub mod plan;
 pub mod printer;
 pub mod progress;
+pub mod remarks;
 mod row;
 pub mod search;
 pub mod text;

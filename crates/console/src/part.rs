@@ -7,14 +7,14 @@ use std::str::FromStr;
 use anyhow::{Context, bail};
 use beadwork_base::Threads;
 use beadwork_mesh::{
-    Bounds, Example, Format, MaterialRule, Model, Placement, ReadLimits, RepairReport,
-    RepairSettings, Transform,
+    Bounds, Example, Format, MaterialRule, Model, Placement, ReadLimits, RepairSettings, Transform,
 };
 use beadwork_part::slice::{Cut, FillRule, Layers, Settings};
 use clap::ValueEnum;
 use rayon::ThreadPool;
 
 use crate::control;
+use crate::remarks;
 use crate::text::count;
 
 /// Prefix of a part that is built in rather than a file.
@@ -42,6 +42,9 @@ pub struct PartArgs {
     /// Bead width in mm, which is also the side of a cell.
     #[arg(long, value_name = "MM", default_value_t = 0.5, allow_hyphen_values = true)]
     bead: f64,
+    /// Maximum distance in mm of vertices that are merged where a surface is open.
+    #[arg(long, value_name = "MM", default_value_t = 0.004, value_parser = distance)]
+    merge: f64,
     /// Layer height in mm.
     #[arg(long, value_name = "MM", default_value_t = 0.25, allow_hyphen_values = true)]
     layer: f64,
@@ -52,6 +55,11 @@ pub struct PartArgs {
     /// material gets its own), one per body, or one for all.
     #[arg(long, value_name = "RULE", default_value = "stated")]
     pub materials: Rule,
+}
+
+fn distance(text: &str) -> Result<f64, String> {
+    let distance = text.parse().ok().filter(|distance| (0.0..=1.0).contains(distance));
+    distance.ok_or_else(|| "expected a number from 0 to 1".to_owned())
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -121,8 +129,8 @@ pub struct CutPart {
     pub cut: Cut,
     /// Settings of the slicing, as the flags give them.
     pub settings: Settings,
-    /// Name and repairs of each body that was not sound.
-    pub repaired: Vec<(String, RepairReport)>,
+    /// What was repaired, and what the files contain that is not used, each in one line.
+    pub remarks: Vec<String>,
 }
 
 impl CutPart {
@@ -132,10 +140,22 @@ impl CutPart {
         Ok(control::quiet(threads, |control| self.cut.layers(settings, control))??)
     }
 
-    /// Combines the part with layers that [`CutPart::layers`] returned.
-    pub fn with_layers(self, layers: Layers) -> Part {
+    /// Combines the part with layers that [`CutPart::layers`] returned for these settings.
+    ///
+    /// Reports what the cells could not represent, each body on a line of stderr.
+    pub fn with_layers(
+        self,
+        layers: Layers,
+        settings: &Settings,
+        threads: Threads<'_>,
+    ) -> anyhow::Result<Part> {
+        let coverage =
+            control::quiet(threads, |control| self.cut.coverage(&layers, settings, control))??;
+        let lost = remarks::of_coverage(&self.model, &coverage, settings);
+        remarks::report(&lost);
         let bounds = self.model.bounds();
-        Part { name: self.name, model: self.model, layers, repaired: self.repaired, bounds }
+        let remarks = self.remarks.into_iter().chain(lost).collect();
+        Ok(Part { name: self.name, model: self.model, layers, remarks, bounds })
     }
 }
 
@@ -147,8 +167,8 @@ pub struct Part {
     pub model: Model,
     /// The layers.
     pub layers: Layers,
-    /// Name and repairs of each body that was not sound.
-    pub repaired: Vec<(String, RepairReport)>,
+    /// [`CutPart::remarks`], followed by what cells could not represent.
+    pub remarks: Vec<String>,
     /// Bounding box of the placed mesh, in mm.
     pub bounds: Bounds,
 }
@@ -162,6 +182,7 @@ impl PartArgs {
             scale: 1.0,
             rotate: Numbers([0.0; 3]),
             centre: None,
+            merge: RepairSettings::default().max_merge_mm,
             bead: 0.5,
             layer: 0.25,
             fill: Fill::Nonzero,
@@ -178,15 +199,20 @@ impl PartArgs {
     pub fn load(&self, bed_mm: [f64; 3], pool: &ThreadPool) -> anyhow::Result<Part> {
         let part = self.cut(bed_mm, pool)?;
         let layers = part.layers(&part.settings, Threads::Pool(pool))?;
-        Ok(part.with_layers(layers))
+        let settings = part.settings;
+        part.with_layers(layers, &settings, Threads::Pool(pool))
     }
 
     /// Reads, repairs, places and cuts the part.
+    /// Reports repairs and data that is not used, each on a line of stderr.
     pub fn cut(&self, bed_mm: [f64; 3], pool: &ThreadPool) -> anyhow::Result<CutPart> {
         let mut model = Model::default();
-        let mut repaired = Vec::new();
+        let mut remarks = Vec::new();
+        let repair = RepairSettings { max_merge_mm: self.merge };
         for path in &self.parts {
             let mut read = self.read(path)?;
+            let warnings = read.warnings.drain(..);
+            remarks.extend(warnings.map(|warning| format!("'{}': {warning}", path.display())));
             for (number, body) in read.bodies.iter_mut().enumerate() {
                 if body.name.is_empty() {
                     body.name = match number {
@@ -194,12 +220,10 @@ impl PartArgs {
                         _ => format!("{} {}", name_of(path), number + 1),
                     };
                 }
-                let done = control::quiet(Threads::One, |control| {
-                    body.repair(&RepairSettings::default(), control)
-                })?
-                .with_context(|| format!("'{}', body {}", path.display(), body.name))?;
+                let done = control::quiet(Threads::One, |control| body.repair(&repair, control))?
+                    .with_context(|| format!("'{}', body {}", path.display(), body.name))?;
                 if !done.was_sound() {
-                    repaired.push((body.name.clone(), done));
+                    remarks.push(remarks::of_repair(&body.name, &done));
                 }
             }
             model.append(read).with_context(|| format!("cannot add '{}'", path.display()))?;
@@ -209,6 +233,8 @@ impl PartArgs {
             Rule::Bodies => MaterialRule::PerBody,
             Rule::One => MaterialRule::Single,
         });
+        remarks.extend(model.warnings.iter().map(ToString::to_string));
+        remarks::report(&remarks);
         let Numbers(rotation_degrees) = self.rotate;
         let centre_mm = self.centre.map(|Numbers(centre)| centre);
         Placement { scale: self.scale, rotation_degrees, centre_mm, bed_mm }.apply(&mut model)?;
@@ -224,7 +250,7 @@ impl PartArgs {
         let threads = Threads::Pool(pool);
         let cut =
             control::with_bar("slice", threads, |control| Cut::new(&model, &settings, control))??;
-        Ok(CutPart { name: name_of(&self.parts[0]), model, cut, settings, repaired })
+        Ok(CutPart { name: name_of(&self.parts[0]), model, cut, settings, remarks })
     }
 
     fn read(&self, path: &Path) -> anyhow::Result<Model> {
@@ -256,13 +282,6 @@ fn name_of(path: &Path) -> String {
     path.file_stem().map_or_else(|| text.to_string(), |stem| stem.to_string_lossy().into_owned())
 }
 
-/// Reports the repairs of all bodies that were not sound, each on a line of stderr.
-pub fn report_repairs(repaired: &[(String, RepairReport)]) {
-    for (body, repaired) in repaired {
-        eprintln!("beadwork: repaired {body}: {}", describe(repaired));
-    }
-}
-
 /// Returns an error if a layer between two layers with cells is empty.
 pub fn check_layers(layers: &Layers) -> anyhow::Result<()> {
     if let Some(layer) = layers.gap() {
@@ -279,20 +298,4 @@ pub fn report_lowering(layers: &Layers) {
             count(layers.empty_below() as u64, "layer")
         );
     }
-}
-
-/// Describes repairs in words.
-fn describe(repaired: &RepairReport) -> String {
-    let RepairReport { dropped_triangles, flipped_triangles, closed_holes, .. } = *repaired;
-    let count = |count: usize, one: &str, many: &str| match count {
-        0 => None,
-        1 => Some(format!("1 {one}")),
-        count => Some(format!("{count} {many}")),
-    };
-    let done = [
-        count(closed_holes, "hole closed", "holes closed"),
-        count(flipped_triangles, "triangle turned outwards", "triangles turned outwards"),
-        count(dropped_triangles, "triangle without area dropped", "triangles without area dropped"),
-    ];
-    done.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }

@@ -25,8 +25,8 @@ pub enum MaterialRule {
 impl Model {
     /// Gives every body a material by a rule, and removes materials that are not used.
     ///
-    /// A painted body that consists of closed shells is split into them; a shell of one colour is not
-    /// painted.
+    /// A painted body that consists of closed shells is split into them; a shell of one colour is
+    /// not painted.
     /// Of two shells that overlap, the one with the smaller volume counts.
     ///
     /// Afterwards every body has a material, or paint, except negative bodies without one.

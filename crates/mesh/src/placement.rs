@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use crate::bounds::Bounds;
 use crate::model::Model;
+use crate::stray_vertex::{StrayVertex, length};
 use crate::transform::Transform;
 
 /// How a model is scaled, rotated and placed on the print bed.
@@ -52,10 +53,13 @@ pub enum PlacementError {
     },
     /// The model does not fit on the bed.
     #[error(
-        "model of {:.1} x {:.1} x {:.1} mm does not fit: \
-        from ({:.1}, {:.1}) to ({:.1}, {:.1}) on a bed of {} x {} x {} mm",
-        .size_mm[0], .size_mm[1], .size_mm[2], .min_mm[0], .min_mm[1],
-        .min_mm[0] + .size_mm[0], .min_mm[1] + .size_mm[1], .bed_mm[0], .bed_mm[1], .bed_mm[2]
+        "model of {} x {} x {} mm does not fit: \
+        from ({}, {}) to ({}, {}) on a bed of {} x {} x {} mm{}",
+        length(.size_mm[0]), length(.size_mm[1]), length(.size_mm[2]),
+        length(.min_mm[0]), length(.min_mm[1]),
+        length(.min_mm[0] + .size_mm[0]), length(.min_mm[1] + .size_mm[1]),
+        .bed_mm[0], .bed_mm[1], .bed_mm[2],
+        .stray.as_ref().map_or_else(String::new, |stray| format!("; {stray}"))
     )]
     TooLarge {
         /// Lengths of its bounding box.
@@ -64,6 +68,8 @@ pub enum PlacementError {
         min_mm: [f64; 2],
         /// Lengths of the build volume.
         bed_mm: [f64; 3],
+        /// A vertex that is far away from nearly all others, if there is one.
+        stray: Option<StrayVertex>,
     },
 }
 
@@ -101,7 +107,8 @@ impl Placement {
             min >= -TOLERANCE_MM && min + size_mm[axis] <= self.bed_mm[axis] + TOLERANCE_MM
         };
         if !fits(0, min_mm[0]) || !fits(1, min_mm[1]) || !fits(2, 0.0) {
-            return Err(PlacementError::TooLarge { size_mm, min_mm, bed_mm: self.bed_mm });
+            let stray = StrayVertex::find(model);
+            return Err(PlacementError::TooLarge { size_mm, min_mm, bed_mm: self.bed_mm, stray });
         }
         let [x, y, z] = bounds.min;
         let placed = turned.then(&Transform::translation([min_mm[0] - x, min_mm[1] - y, -z]));
@@ -127,6 +134,7 @@ impl Placement {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::Mesh;
     use crate::model::Body;
     use crate::solid::Solid;
 
@@ -155,6 +163,17 @@ mod tests {
             "model of 300.0 x 20.0 x 30.0 mm does not fit: \
             from (-25.0, 95.0) to (275.0, 115.0) on a bed of 250 x 210 x 210 mm"
         );
+        // prusa3d/PrusaSlicer#14343
+        let mut stray = model([10.0; 3]);
+        stray.bodies[0].name = "cube".into();
+        let mut vertices = [[1.0; 3]; 20].to_vec();
+        vertices[7] = [1e30, 0.0, 0.0];
+        vertices[8] = [2.0, 3.0, 4.0];
+        stray.bodies[0].mesh = Mesh::new(vertices, vec![[0, 7, 8]]).unwrap();
+        let error = Placement::default().apply(&mut stray).unwrap_err().to_string();
+        let end = "; a vertex of body 'cube' at (1.0e30, 0.0, 0.0) is far away from the others";
+        assert!(error.starts_with("model of 1.0e30 x 3.0 x 4.0 mm does not fit"), "{error}");
+        assert!(error.ends_with(end), "{error}");
         let aside = Placement { centre_mm: Some([2.0, 100.0]), ..Placement::default() };
         assert!(matches!(aside.apply(&mut model([5.0; 3])), Err(PlacementError::TooLarge { .. })));
         let nothing = Placement { scale: 0.0, ..Placement::default() };

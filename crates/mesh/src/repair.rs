@@ -8,11 +8,10 @@
 //! A fan of triangles fills each of them, and the result is closed, whatever the input was.
 //!
 //! # Steps
-//! [`cleanup`] merges equal vertices, [`edges`] finds the triangles at each edge,
-//! [`near_vertices`] merges nearly equal vertices where the surface is open, [`t_junctions`] splits
-//! triangles at vertices on their edges, [`components`] makes
-//! neighbours face the same side, [`holes`] fills holes, and [`orientation`] turns the surface
-//! outwards.
+//! [`cleanup`] merges equal vertices, [`edges`] finds the triangles at each edge, [`near_vertices`]
+//! merges nearly equal vertices where the surface is open, [`t_junctions`] splits triangles at
+//! vertices on their edges, [`components`] makes neighbours face the same side, [`holes`] fills
+//! holes, and [`orientation`] turns the surface outwards.
 
 mod cleanup;
 mod components;
@@ -93,6 +92,8 @@ impl Body {
         let tolerance_mm = merged.tolerance_mm.max(settings.max_merge_mm);
         report.closed_t_junctions = t_junctions::close(self, &edges, tolerance_mm, &mut work)?;
         if report.closed_t_junctions > 0 {
+            // A vertex may lie on two edges of a triangle without area.
+            report.dropped_triangles += cleanup::drop_degenerate_triangles(self);
             edges = Edges::new(&self.mesh, &mut work)?;
         }
         work.end_pass();

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 use beadwork_base::Threads;
-use beadwork_console::part::{CutPart, check_layers, report_lowering, report_repairs};
+use beadwork_console::part::{CutPart, check_layers, report_lowering};
 use beadwork_console::plan::{print, refs};
 use beadwork_console::printer::tool_costs;
 use beadwork_console::{cancel, control, output};
@@ -32,7 +32,6 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let pool = control::pool(args.threads)?;
     let begin = Instant::now();
     let cut = args.part.cut(profile.bed_mm(), &pool)?;
-    report_repairs(&cut.repaired);
     profile.report_purge(&cut.model);
     let settings = profile.complete(&cut.model)?;
     let costs = tool_costs(settings.purge.as_ref().expect("complete settings have volumes"))?;
@@ -40,7 +39,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let sliced = begin.elapsed().as_secs_f64();
     let (grid, layers, plan) = cheapest(args, &cut, &grids, &costs, &pool)?;
     report_lowering(&layers);
-    let part = cut.with_layers(layers);
+    let part = cut.with_layers(layers, &grid, Threads::Pool(&pool))?;
     let planned = begin.elapsed().as_secs_f64();
     let printed = print(&part, &plan, &profile, settings)?;
     let done = begin.elapsed().as_secs_f64();

@@ -47,6 +47,7 @@ impl Report<'_> {
         let mut value = json!(totals);
         let more = json!({
             "part": part.name,
+            "remarks": part.remarks,
             "size_mm": part.bounds.size_mm(),
             "width": frame.width,
             "height": frame.height,

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use anyhow::{Context, anyhow, bail};
 use beadwork_base::{Control, Threads};
 use beadwork_console::control;
-use beadwork_console::part::{check_layers, report_lowering, report_repairs};
+use beadwork_console::part::{check_layers, report_lowering};
 use beadwork_console::progress::ProgressBar;
 use beadwork_console::text::count;
 use beadwork_gcode::{MotionLimits, Program};
@@ -146,7 +146,6 @@ fn stem(path: &Path) -> String {
 fn load_part(args: &Args, settings: &print::Settings) -> anyhow::Result<(String, Voxels)> {
     let pool = control::pool(0)?;
     let part = args.part.load(settings.printer.bed_mm, &pool)?;
-    report_repairs(&part.repaired);
     check_layers(&part.layers)?;
     report_lowering(&part.layers);
     let below = part.layers.empty_below();

@@ -45,8 +45,10 @@ pub(super) fn recognise(bytes: &[u8]) -> Option<&'static str> {
         let (Some(word), Some(next)) = (words.next(), words.next()) else { continue };
         let is_number = next.parse::<f64>().is_ok();
         counts[0] += usize::from(matches!(word, "v" | "vn") && is_number);
-        let is_command = word.len() > 1 && word.len() <= 4 && word[1..].parse::<u32>().is_ok();
-        counts[1] += usize::from(word.starts_with(['G', 'M']) && is_command);
+        let number = word.strip_prefix(['G', 'M']);
+        let is_command =
+            number.is_some_and(|digits| digits.len() <= 3 && digits.parse::<u32>().is_ok());
+        counts[1] += usize::from(is_command);
     }
     match counts {
         [vertices, _] if vertices >= 3 => Some("an OBJ mesh"),

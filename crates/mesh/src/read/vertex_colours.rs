@@ -1,8 +1,7 @@
 //! Colours of the vertices of OBJ files.
 //!
 //! They are an extension that many programs share: red, green and blue follow the coordinates, as
-//! shares from 0 to 1, or as whole numbers from 0 to 255.
-//! A vertex may have a weight between them.
+//! shares from 0 to 1, or as whole numbers from 0 to 255. A vertex may have a weight between them.
 
 use super::error::ReadError;
 use super::text::number;

@@ -16,6 +16,10 @@
 //! So merging all vertices that share a cell in any of the eight merges all that are near enough,
 //! and none more than `2 √3` tolerances apart, except through others between them.
 //! The time is linear in the vertices, however dense they are.
+//!
+//! Where vertices are denser than the tolerance, each has a neighbour to merge with, and the whole
+//! boundary would become one vertex.
+//! So a tolerance with which a group becomes long is not applied.
 
 use std::collections::HashMap;
 
@@ -23,11 +27,16 @@ use beadwork_base::Interrupted;
 
 use super::edges::Edges;
 use super::settings::spacing_mm;
+use crate::bounds::Bounds;
 use crate::mesh::Mesh;
 use crate::work::Work;
 
 /// Ratio of each tolerance to the one before it.
 const STEP: f64 = 4.0;
+
+/// Maximum extent of a group of vertices along an axis, in tolerances.
+/// Vertices that share a cell are up to two apart, and up to four through one vertex between them.
+const MAX_EXTENT: f64 = 4.0;
 
 /// What was merged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -83,6 +92,9 @@ pub(super) fn merge(
         if count == groups {
             continue;
         }
+        if max_extent_mm(&points, &first) > MAX_EXTENT * tolerance_mm {
+            continue;
+        }
         groups = count;
         let left = open_after(&affected, &boundary, &first, work)?;
         if left < best_open {
@@ -132,6 +144,15 @@ fn group(
     }
     (0..parents.len() as u32).for_each(|point| _ = root(&mut parents, point));
     Ok(parents)
+}
+
+/// The maximum extent of a group along an axis.
+fn max_extent_mm(points: &[[f64; 3]], first: &[u32]) -> f64 {
+    let mut bounds = vec![Bounds::EMPTY; points.len()];
+    for (point, &first) in points.iter().zip(first) {
+        bounds[first as usize].add(*point);
+    }
+    bounds.iter().flat_map(Bounds::size_mm).fold(0.0, f64::max)
 }
 
 /// The root of a point's tree; halves the path to it.

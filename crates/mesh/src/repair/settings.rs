@@ -2,6 +2,10 @@
 
 use crate::bounds::Bounds;
 
+/// Spacing of numbers that is taken for precision, in mm: that of coordinates of 400 m.
+/// Larger coordinates are errors.
+const MAX_SPACING_MM: f64 = 0.05;
+
 /// Vertices farther apart than this share of the body's diagonal are never merged.
 const MAX_SHARE: f64 = 1e-3;
 
@@ -11,8 +15,8 @@ const MAX_SHARE: f64 = 1e-3;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RepairSettings {
     /// Maximum distance along each axis, in mm, of two vertices of open edges that are merged.
-    /// It is raised to the spacing of float32 numbers at the size of the body's coordinates, and
-    /// lowered to a thousandth of the body's diagonal.
+    /// It is raised to the spacing of float32 numbers at the size of the body's coordinates, up to
+    /// 0.05 mm, and lowered to a thousandth of the body's diagonal.
     pub max_merge_mm: f64,
 }
 
@@ -26,7 +30,8 @@ impl Default for RepairSettings {
 impl RepairSettings {
     /// The maximum distance for a body with these bounds, in mm.
     pub(super) fn max_merge_mm(&self, bounds: &Bounds) -> f64 {
-        self.max_merge_mm.max(spacing_mm(bounds)).min(MAX_SHARE * bounds.diagonal_mm())
+        let spacing_mm = spacing_mm(bounds).min(MAX_SPACING_MM);
+        self.max_merge_mm.max(spacing_mm).min(MAX_SHARE * bounds.diagonal_mm())
     }
 }
 

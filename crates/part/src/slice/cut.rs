@@ -80,7 +80,7 @@ pub struct Cut {
 /// The outlines of one body in those layers that it reaches.
 /// Of many small bodies, outlines in all layers would take more memory than all cells.
 #[derive(Clone, Debug, PartialEq)]
-struct BodyCut {
+pub(super) struct BodyCut {
     role: Role,
     /// The object it is a part of.
     object: usize,
@@ -105,8 +105,16 @@ enum BodyMaterial {
 
 impl BodyCut {
     /// The outline in a layer; `None` if there is nothing.
-    fn layer(&self, number: usize) -> Option<&Outline> {
+    pub(super) fn layer(&self, number: usize) -> Option<&Outline> {
         self.outlines.get(number.checked_sub(self.first)?).filter(|outline| !outline.is_empty())
+    }
+
+    /// Whether cells of the body may have a material; outside is not a material.
+    pub(super) fn may_have(&self, material: u8) -> bool {
+        match self.material {
+            BodyMaterial::One(own) => material == own,
+            _ => material != Zones::OUTSIDE,
+        }
     }
 
     /// Writes its material into the cells that it covers in a layer.
@@ -139,6 +147,16 @@ impl Cut {
     ) -> Result<Self, SliceError> {
         let plan = CutPlan::new(model, settings)?;
         Ok(plan.run(&Work::new(control, plan.outline_count()))?)
+    }
+
+    /// Number of bodies, those that are not solid included.
+    pub(super) fn body_count(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// The solid bodies, each with its number.
+    pub(super) fn solid_bodies(&self) -> Vec<(usize, &BodyCut)> {
+        self.bodies.iter().enumerate().filter(|(_, body)| body.role == Role::Solid).collect()
     }
 
     /// Fills the outlines with cells.

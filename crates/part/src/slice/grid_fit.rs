@@ -9,8 +9,8 @@ use crate::frame::Frame;
 /// Memory of a layer besides its cells, counted in cells.
 const MIN_LAYER_CELLS: f64 = 64.0;
 
-/// Length, in cells, by which a part may be longer than a whole number of cells without getting
-/// one more: one per cent of a bead.
+/// Length, in cells, by which a part may be longer than a whole number of cells without getting one
+/// more: one per cent of a bead.
 ///
 /// Otherwise the noise of coordinates would add a row of cells.
 /// In float32, the format of STL files, coordinates of 1,000 mm are multiples of 0.00006 mm; text

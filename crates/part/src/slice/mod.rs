@@ -10,6 +10,7 @@
 //! A cell belongs to a layer if its centre lies inside a body.
 //! [`Layers::voxels`] returns all layers as one array.
 
+mod coverage;
 mod cut;
 mod grid_fit;
 mod layers;
@@ -21,6 +22,7 @@ mod surface_colours;
 mod voxels;
 mod work;
 
+pub use coverage::Coverage;
 pub use cut::{Cut, slice};
 pub use layers::{Layer, Layers};
 pub use outline::{FillRule, Outline, Polygon};

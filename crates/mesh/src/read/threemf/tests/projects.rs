@@ -319,7 +319,8 @@ fn paint_of_both_dialects_is_read() {
         let count = |wanted| model.bodies[0].paint.iter().filter(|paint| **paint == wanted).count();
         assert_eq!(count(1), 3, "two halves of the neighbour, and one quarter");
         for body in &mut model.bodies {
-            let report = body.repair(&Control::default()).unwrap();
+            let report =
+                body.repair(&crate::RepairSettings::default(), &Control::default()).unwrap();
             assert_eq!((report.closed_holes, report.flipped_triangles), (0, 0));
             assert!((body.mesh.volume_mm3() - 1.0).abs() < 1e-12);
         }

@@ -1,0 +1,56 @@
+//! Finds a vertex that is far away from the rest of a model, which is why it does not fit.
+
+use thiserror::Error;
+
+use crate::model::Model;
+
+/// A vertex that is far away from the rest of its model.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error(
+    "a vertex of body '{body}' at ({}, {}, {}) is far away from the others",
+    length(.at_mm[0]), length(.at_mm[1]), length(.at_mm[2])
+)]
+pub struct StrayVertex {
+    /// Name of its body.
+    pub body: String,
+    /// Its position in the file, in mm.
+    pub at_mm: [f64; 3],
+}
+
+/// A vertex is stray if it is this many times farther from the centre than nine tenths of the
+/// vertices.
+const STRAY: f64 = 10.0;
+
+impl StrayVertex {
+    /// The vertex of a model that is farthest away, if it is stray.
+    ///
+    /// The centre is the median of the vertices, so it does not move with a few stray ones.
+    /// Linear in the vertices.
+    pub(crate) fn find(model: &Model) -> Option<Self> {
+        let vertices =
+            || model.solid_bodies().flat_map(|body| body.mesh.vertices().iter().copied());
+        let median = |axis: usize| quantile(vertices().map(|vertex| vertex[axis]).collect(), 0.5);
+        let centre = [median(0)?, median(1)?, median(2)?];
+        let distance = |vertex: [f64; 3]| {
+            let along = [0, 1, 2].map(|axis| (vertex[axis] - centre[axis]).abs());
+            along.into_iter().fold(0.0, f64::max)
+        };
+        let usual = quantile(vertices().map(distance).collect(), 0.9)?;
+        let all = model
+            .solid_bodies()
+            .flat_map(|body| body.mesh.vertices().iter().map(move |&vertex| (vertex, body)));
+        let (at_mm, body) = all.max_by(|a, b| distance(a.0).total_cmp(&distance(b.0)))?;
+        (distance(at_mm) > STRAY * usual).then(|| Self { body: body.name.clone(), at_mm })
+    }
+}
+
+/// The value that this share of the values is below; `None` without values.
+fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
+    let at = ((values.len() as f64 * share) as usize).min(values.len().checked_sub(1)?);
+    Some(*values.select_nth_unstable_by(at, f64::total_cmp).1)
+}
+
+/// A length with one decimal, or in scientific notation if it is beyond all reason.
+pub(crate) fn length(mm: f64) -> String {
+    if mm.abs() < 1e7 { format!("{mm:.1}") } else { format!("{mm:.1e}") }
+}
