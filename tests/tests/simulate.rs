@@ -349,7 +349,9 @@ fn bad_input_is_reported_and_leaves_nothing_behind() {
     };
     assert!(program(b"G1 X1 F600\n").contains("no bead width and layer height"));
     let header = "; extrusion_width = 0.5\n; layer_height = 0.25\n";
-    assert!(program(header.as_bytes()).ends_with("the program extrudes no bead of a part"));
+    assert!(program(header.as_bytes()).ends_with("contains no G-code command"));
+    let home = format!("{header}G28\n");
+    assert!(program(home.as_bytes()).ends_with("the program extrudes no bead of a part"));
     assert!(program(format!("{header}G20\n").as_bytes()).contains("line 3: inches"));
     let high = format!("{header}M83\nG1 Z1 F600\nG1 X5 E1\n");
     assert!(program(high.as_bytes()).contains("layer 1 is empty"));

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use crate::command::Arc;
 use crate::number::Number;
 
-/// How far a chord may deviate from its arc, in mm: well below the precision of a printer.
+/// Maximum distance between a chord and its arc, in mm: well below the precision of a printer.
 const MAX_DEVIATION_MM: f64 = 0.005;
 
 /// Maximum number of chords per arc, whatever its size, so that a malformed program cannot cause
@@ -93,7 +93,7 @@ impl Chords {
 }
 
 /// The centre, relative to the start, of an arc of the given radius that ends at (dx, dy).
-/// A negative radius asks for the longer of the two arcs.
+/// A negative radius selects the longer of the two arcs.
 ///
 /// The centre lies on the perpendicular bisector of the straight line between the ends, at a height
 /// h above its midpoint with h² + (length/2)² = radius².

@@ -105,6 +105,14 @@ fn refuse_other_formats(bytes: &[u8]) -> Result<(), EncodingError> {
     if is_binary_stl(bytes) || starts(b"solid") && contains(b"facet") {
         return Err(EncodingError::Format { format: "an STL mesh", help: mesh });
     }
+    let is_vertex = |line: &&[u8]| {
+        line.strip_prefix(b"v ")
+            .is_some_and(|rest| rest.iter().all(|byte| b" +-.0123456789eE\r".contains(byte)))
+    };
+    let is_obj = start.split(|&byte| byte == b'\n').filter(is_vertex).count() >= 3;
+    if is_obj {
+        return Err(EncodingError::Format { format: "an OBJ mesh", help: mesh });
+    }
     if starts(b"<") {
         return Err(EncodingError::Format {
             format: "an XML or HTML document",

@@ -147,6 +147,12 @@ pub enum TraceError {
         /// Number of the line, from 1.
         line: usize,
     },
+    /// A line that begins with a slash, which CNC controls skip on request.
+    #[error("line {line}: begins with a slash; remove the line, or the slash")]
+    Optional {
+        /// Number of the line, from 1.
+        line: usize,
+    },
     /// Words without a command, and no motion command before them that they could repeat.
     #[error("line {line}: words without a command, and no motion command before them")]
     NoCommand {
@@ -154,7 +160,7 @@ pub enum TraceError {
         line: usize,
     },
     /// A word of a command with no type is malformed.
-    #[error("line {line}: a word of the command {fault}")]
+    #[error("line {line}: part of the line {fault}")]
     Word {
         /// Number of the line, from 1.
         line: usize,

@@ -13,8 +13,7 @@ pub enum Feature {
     InnerWall,
     /// Sparse infill.
     Infill,
-    /// Solid infill, which beadwork prints whole parts of.
-    /// Includes bridges and ironing.
+    /// Solid infill, including bridges and ironing; beadwork prints whole parts with it.
     SolidInfill,
     /// Support structures and their interfaces.
     Support,

@@ -8,6 +8,7 @@
 //! - [`Program::print_seconds`] computes the printing time with acceleration and cornering;
 //!   [`Program::timed_events`] the time of each motion, and [`SpeedProfile`] the time of each point
 //!   on it.
+//! - [`Program::unknown_commands`] lists commands whose effect is not known.
 //! - [`Totals::measure`] sums up travel, extrusion, filament and time.
 //!
 //! # Terms
@@ -36,7 +37,7 @@
 //! let program = Program::parse(text, &control)?;
 //! assert_eq!(Program::parse(&program.emit(), &control)?, program);
 //!
-//! // What it does.
+//! // Lengths of its beads.
 //! let lengths: Vec<f64> = program
 //!     .trace()
 //!     .filter_map(|event| match event {
@@ -46,13 +47,13 @@
 //!     .collect();
 //! assert_eq!(lengths, [20.0]);
 //!
-//! // How long it takes: both moves are in line, so the nozzle does not slow down between them.
+//! // Printing time: both moves are in line, so the nozzle does not slow down between them.
 //! let limits =
 //!     MotionLimits { acceleration_mm_s2: 1000.0, square_corner_mm_s: 5.0, max_speed_mm_s: 300.0 };
 //! let seconds = program.print_seconds(limits, &control)?;
 //! assert!((seconds - 1.52).abs() < 1e-9);
 //!
-//! // What it takes in all.
+//! // Sums over the whole program.
 //! let pla = Filament { diameter_mm: 1.75, density_g_cm3: 1.24 };
 //! let totals = Totals::measure(&program, limits, &[pla], &control)?;
 //! assert_eq!((totals.travel_mm, totals.extrusion_mm), (10.0, 20.0));
@@ -61,11 +62,30 @@
 //! ```
 //!
 //! # What is read and what is refused
-//! The parser accepts the dialects of Marlin and Klipper: any case, missing or extra blanks, line
-//! numbers with checksums, comments after `;` and in parentheses, bytes that are not UTF-8.
-//! It refuses only malformed numbers and words in commands that it types.
-//! The trace refuses inches (`G20`), arcs outside the xy plane (`G18`, `G19`), impossible arcs, and
-//! speeds and accelerations that are not positive.
+//! Bytes are read as UTF-8 or UTF-16, with any line ends; binary G-code, archives, meshes and
+//! pictures are refused by name ([`EncodingError`]).
+//!
+//! The parser accepts any case, missing or extra blanks, line numbers with checksums, comments
+//! after `;` and in parentheses, and bytes that are not UTF-8.
+//! It refuses only malformed numbers and words in commands that it types; everything else is kept
+//! verbatim.
+//!
+//! The trace follows the dialects of Marlin, Klipper and RepRapFirmware:
+//!
+//! - several commands on a line (`G90 G21 M83`), from left to right,
+//! - words without a command (`X10 E1`), which repeat the last motion command,
+//! - tool changes with parameters (`T1 S1 L0 D0`), `M6 T1` and `ACTIVATE_EXTRUDER`,
+//! - temperatures set by `M104`, `M109`, `G10 P S`, `M568` and `SET_HEATER_TEMPERATURE`,
+//! - `M220 S`, `G53`, `G92.1`, `SAVE_GCODE_STATE` and `RESTORE_GCODE_STATE`.
+//!
+//! It refuses what changes motions in a way that it cannot follow, with the number of the line:
+//! inches (`G20`), arcs outside the xy plane (`G18`, `G19`), impossible arcs and those of several
+//! turns, curves (`G5`), probing (`G38`), other coordinate systems (`G55` to `G59`, `G10 L2`),
+//! speeds and accelerations that are not positive, and lines that firmware reads differently, such
+//! as `G1 X5 G91`.
+//!
+//! Commands that could matter but have no effect here, such as macros and pauses for the user, are
+//! listed by [`Program::unknown_commands`].
 //!
 //! # Limits
 //! - Macros, tool offsets and firmware retraction (`G10`, `G11`) are kept but have no effect in the

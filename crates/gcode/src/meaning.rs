@@ -64,8 +64,10 @@ const HARMLESS_M: [u32; 102] = [
     960, 1006,
 ];
 
-/// Klipper commands that only set up or query the printer.
-const HARMLESS_NAMES: [&str; 22] = [
+/// Klipper commands that only set up or query the printer, marks of the end of a file, and "no
+/// tool".
+const HARMLESS_NAMES: [&str; 24] = [
+    "\u{1a}",
     "%",
     "BED_MESH_CALIBRATE",
     "BED_MESH_CLEAR",
@@ -86,6 +88,7 @@ const HARMLESS_NAMES: [&str; 22] = [
     "SET_PIN",
     "SET_PRESSURE_ADVANCE",
     "SET_PRINT_STATS_INFO",
+    "T-1",
     "TEMPERATURE_WAIT",
     "Z_TILT_ADJUST",
 ];
@@ -193,6 +196,8 @@ fn of_g<'a>(code: &Code<'a>) -> Result<Meaning, Fault<'a>> {
         {
             Refused("words of a motion after this code")
         }
+        // Some CNC controls state the seconds as X or U.
+        (4, 0) if ['X', 'U'].iter().any(|&letter| has(code, letter)) => Unknown,
         (4 | 11 | 28 | 90 | 91 | 92, 0) => lenient(code)?,
         (0..=3, _) => Refused("this kind of motion"),
         (5 | 6, _) => Refused("curves and direct steps"),

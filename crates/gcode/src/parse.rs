@@ -1,12 +1,13 @@
-//! Reads G-code as slicers, printers and people write it.
+//! Parses G-code as slicers, printers and people write it.
 //!
-//! Accepted are: both kinds of line breaks, lower case, missing or extra blanks, repeated words
-//! (the last one counts), line numbers with checksums, comments in parentheses, a byte order mark,
-//! and bytes that are not UTF-8.
+//! Accepts all line breaks, lower case, missing or extra blanks, repeated words (the last one
+//! counts), line numbers with checksums, comments in parentheses, a byte order mark, and bytes that
+//! are not UTF-8.
 //!
-//! A command without a type, or with words that its type cannot hold, is kept verbatim.
-//! The exception are commands that move the nozzle or redefine its position: they are always typed
-//! and lose unknown words, because otherwise the trace would miss the motion.
+//! A command without a type, or with words that its type cannot hold, is kept verbatim, and so is a
+//! line with several commands; the trace interprets what it knows of them.
+//! Commands that move the nozzle or redefine its position are typed even if they have other words
+//! that do not matter, which are dropped.
 //! A malformed number in a typed command is an error.
 
 use std::str::FromStr;

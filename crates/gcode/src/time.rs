@@ -53,12 +53,13 @@ pub struct MotionLimits {
 
 /// Sums up the time of events that are added one by one.
 ///
-/// The nozzle stops for tool changes and for heaters that are waited for, but these take no time.
+/// Tool changes and waiting for heaters stop the nozzle; their own time is not included.
 ///
 /// Linear in the number of events.
-/// Holds the motions since the last stop, at most about 65,000.
-/// Beyond that, the speeds of the first ones are fixed; this is exact unless none of them is long
-/// enough to brake in.
+/// Holds the motions since the last stop, at most 65,536.
+/// When that many are held, at least the older half gets its final speeds.
+/// The times stay exact as long as the nozzle can stop within the newer half, as in any real print;
+/// otherwise they are slightly too long.
 #[derive(Clone, Debug)]
 pub struct Stopwatch {
     limits: MotionLimits,
@@ -69,8 +70,9 @@ pub struct Stopwatch {
     max_queue: usize,
 }
 
-/// A program may never stop, and an arc of a few bytes may be hundreds of motions: the queue is
-/// bounded to this many.
+/// Maximum length of the queue.
+/// It needs one because a program may contain no stop, and an arc of a few bytes becomes hundreds
+/// of motions.
 const MAX_QUEUE: usize = 1 << 16;
 
 /// A motion in the queue.
@@ -221,7 +223,8 @@ impl PlannedMotion {
         2.0 * self.acceleration * self.length
     }
 
-    /// The profile between two speeds, given as squares, that differ by what is possible.
+    /// The speed profile between two end speeds, given as squares that differ by at most
+    /// [`max_change2`](Self::max_change2).
     fn profile(&self, start2: f64, end2: f64) -> SpeedProfile {
         // Without a limit, the nozzle speeds up until it has to slow down again: the ramps meet at
         // the mean of the squared end speeds plus half of the possible change.
@@ -233,8 +236,8 @@ impl PlannedMotion {
 /// Squares of the maximum speeds at all corners: one per motion for its start, and `end2`, the
 /// limit at the end of the last one.
 ///
-/// The backward pass makes sure that each motion can slow down to what follows, the forward pass
-/// that it can speed up from what precedes.
+/// The backward pass makes sure that the nozzle can slow down to the speed at the end of each
+/// motion, the forward pass that it can speed up from the speed at its start.
 /// The forward pass does not break the result of the backward pass: it lowers a speed only where
 /// the nozzle speeds up, and never below the speed at the corner before.
 fn corner_speeds2(queue: &[PlannedMotion], end2: f64) -> Vec<f64> {

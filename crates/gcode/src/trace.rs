@@ -92,7 +92,7 @@ pub struct Trace<'a> {
     lines: Iter<'a, Line>,
     /// Number of the last line that was interpreted, from 1.
     line_number: usize,
-    /// The rest of an arc: a motion from the current end of the chords, and the chords to come.
+    /// The rest of an arc: the motion from the end of its last chord, and the chords that follow.
     arc: Option<(Motion, Chords)>,
     /// The commands of the current line that are still to be applied.
     rest: &'a str,

@@ -95,8 +95,14 @@ impl Words {
                     // The next word, a blank or a comment may follow a number; any other character
                     // means that it is malformed, such as `1.2.3`.
                     let next = value[length..].chars().next().unwrap_or(' ');
+                    // In upper case, `X1e-5` is an exponent, not the words X1 and E-5.
+                    let exponent = next == 'e' && rest.as_bytes()[0].is_ascii_uppercase();
                     let ends = is_blank(next) || next.is_ascii_alphabetic() || next == '(';
-                    if ends { Ok((number, length)) } else { Err(NumberError::Malformed) }
+                    if ends && !exponent {
+                        Ok((number, length))
+                    } else {
+                        Err(NumberError::Malformed)
+                    }
                 });
                 let (number, length) = scanned.map_err(|error| (first_word(rest), error.into()))?;
                 words.numbered |= bit(letter);

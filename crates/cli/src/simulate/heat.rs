@@ -10,6 +10,9 @@ use super::args::Temperatures;
 /// Temperatures that differ less are one, in K.
 const SAME_K: f64 = 1.0;
 
+/// Temperatures that a report names.
+const NAMED: usize = 4;
+
 /// Names of parameters of start macros and of settings in comments, for each heater.
 const NOZZLE_PARAMETERS: [&str; 10] = [
     "EXTRUDER_TEMP",
@@ -57,8 +60,6 @@ fn report_change(heater: &str, shares: &[TemperatureShare]) {
     if shares.iter().all(|other| (other.celsius - most.celsius).abs() <= SAME_K) {
         return;
     }
-    /// Temperatures that are named.
-    const NAMED: usize = 4;
     let of = |one: &TemperatureShare| format!("{} °C for {:.1} %", one.celsius, 100.0 * one.share);
     let mut all: Vec<String> = shares.iter().take(NAMED).map(of).collect();
     if shares.len() > NAMED {
@@ -85,20 +86,22 @@ fn stated(program: &Program, heater: &str, parameters: &[&str], comments: &[&str
         let Some(Command::Other(text)) = line.command() else { return None };
         let mut words = text.as_str().split_ascii_whitespace();
         let name = words.next()?;
-        let celsius = words.find_map(|word| {
+        let (key, celsius) = words.find_map(|word| {
             let (key, value) = word.split_once('=')?;
-            if is(key, parameters) { positive(value) } else { None }
+            if is(key, parameters) { Some((key, positive(value)?)) } else { None }
         })?;
-        Some((celsius, format!("{name} sets it to")))
+        Some((celsius, format!("parameter {key} of {name}")))
     });
     let in_comment = || {
         program.lines.iter().find_map(|line| {
             let (key, value) = line.comment()?.split_once('=')?;
             let celsius = if is(key, comments) { positive(value) } else { None }?;
-            Some((celsius, format!("its comment '{}' states", key.trim())))
+            Some((celsius, format!("the comment '{}'", key.trim())))
         })
     };
     let (celsius, source) = in_macro.or_else(in_comment)?;
-    eprintln!("beadwork: no command sets the {heater} temperature; {source} {celsius} °C");
+    eprintln!(
+        "beadwork: {heater} temperature {celsius} °C is that of {source}; no command sets it"
+    );
     Some(celsius)
 }

@@ -10,7 +10,7 @@ use beadwork_console::control;
 use beadwork_console::part::{check_layers, report_lowering};
 use beadwork_console::progress::ProgressBar;
 use beadwork_console::text::count;
-use beadwork_gcode::{MotionLimits, Program};
+use beadwork_gcode::{MotionLimits, Program, UnknownCommand};
 use beadwork_part::print;
 use beadwork_part::slice::{Layers, Voxels};
 use beadwork_part::{Frame, Pattern};
@@ -61,6 +61,10 @@ impl Source {
         let program = control::quiet(Threads::One, |control| Program::from_bytes(&bytes, control))?
             .with_context(in_file)?;
         drop(bytes);
+        if program.lines.iter().all(|line| line.command().is_none()) {
+            bail!("'{}' contains no G-code command", path.display());
+        }
+        report_unknown(&program, settings.printer.limits());
         let (name, part) = if args.part.is_given() {
             load_part(args, &settings)?
         } else {
@@ -85,7 +89,6 @@ impl Source {
             }
         }
         let fit = report_fit(&program, &part.frame)?;
-        report_unknown(&program, settings.limits);
         let temperatures = temperatures(&program, args.ambient_c)?;
         Ok(Self { name, part: Arc::new(part), order: Order::Program(events), temperatures, fit })
     }
@@ -186,12 +189,13 @@ fn explain(error: anyhow::Error, program: &Program, part: &Voxels) -> anyhow::Er
 
 /// Reports how the layers of a program fit voxels of one height, and prime lines that are left out.
 fn report_fit(program: &Program, frame: &Frame) -> anyhow::Result<Option<LayerFit>> {
-    let (fit, prime_mm) = control::quiet(Threads::One, |control| {
+    let (fit, left_out_mm) = control::quiet(Threads::One, |control| {
         layer_fit(program, frame.cell_mm, frame.layer_mm, control)
     })??;
-    if prime_mm > 0.0 {
+    if left_out_mm > 0.0 {
         eprintln!(
-            "beadwork: {prime_mm:.0} mm of beads before the first layer are a prime line, not part"
+            "beadwork: {left_out_mm:.0} mm of beads before or below the first layer, such as a \
+             prime line, are not part"
         );
     }
     if let Some(LayerFit {
@@ -214,8 +218,11 @@ fn report_fit(program: &Program, frame: &Frame) -> anyhow::Result<Option<LayerFi
         );
         if layers_without_row > 0 {
             eprintln!(
-                "beadwork: {} thinner than a voxel share the row of another",
-                count(layers_without_row as u64, "layer")
+                "beadwork: {} too thin to fill a row of voxels",
+                match layers_without_row {
+                    1 => "1 layer is".to_owned(),
+                    several => format!("{several} layers are"),
+                }
             );
         }
     }
@@ -226,15 +233,20 @@ fn report_fit(program: &Program, frame: &Frame) -> anyhow::Result<Option<LayerFi
 fn report_unknown(program: &Program, limits: MotionLimits) {
     /// Commands that are named.
     const NAMED: usize = 8;
+    /// Characters of a name that are shown.
+    const NAME_CHARS: usize = 40;
     let unknown = program.unknown_commands(limits);
     if unknown.is_empty() {
         return;
     }
-    let named = unknown.iter().take(NAMED).map(|command| command.name.as_str());
-    let mut names = named.collect::<Vec<_>>().join(", ");
+    let name = |command: &UnknownCommand| {
+        command.name.chars().take(NAME_CHARS).flat_map(char::escape_debug).collect::<String>()
+    };
+    let mut names: Vec<String> = unknown.iter().take(NAMED).map(name).collect();
     if unknown.len() > NAMED {
-        names += &format!(" and {} more", unknown.len() - NAMED);
+        names.push(format!("and {} more", unknown.len() - NAMED));
     }
+    let names = names.join(", ");
     let times: usize = unknown.iter().map(|command| command.count).sum();
     eprintln!(
         "beadwork: {} of the program {} no effect here: {names}",

@@ -30,6 +30,9 @@ const SAME_HEIGHT: f64 = 0.05;
 /// Share of the beads that must lie in layers of the stated height.
 const STATED_SHARE: f64 = 0.1;
 
+/// Maximum height of a bead in widths.
+const ASPECT: f64 = 0.85;
+
 /// Widths of beads that can be printed, in mm.
 const PRINTABLE_MM: std::ops::RangeInclusive<f64> = 0.05..=5.0;
 
@@ -67,7 +70,9 @@ pub(super) fn voxel_mm(program: &Program) -> anyhow::Result<[f64; 2]> {
         Ok(heights) => heights,
         Err(error) => bail!(error),
     };
-    let common = heights.first();
+    // A bead is not much higher than wide: a larger step in z has supports below it.
+    let max_mm = ASPECT * width.unwrap_or(f64::INFINITY);
+    let common = heights.iter().find(|(mm, _)| *mm <= max_mm);
     let height = match (height, common) {
         (Some(stated), Some(&(common, share))) => {
             let same = |&&(mm, _): &&(f64, f64)| (mm - stated).abs() <= SAME_HEIGHT * stated;
@@ -182,6 +187,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::float_cmp, reason = "sizes are rounded decimals")]
     fn missing_sizes_are_measured() {
         let beads = "M83\nG1 Z0.3 F6000\nG1 X50 E2\nG1 Z0.5\nG1 X0 E2\nG1 Z0.7\nG1 X50 E2\n";
         let program = |text: &str| text.parse::<Program>().unwrap();

@@ -60,6 +60,7 @@ fn other_formats_are_refused_by_name() {
         (b"\x89PNG\r\n", "PNG"),
         (b"solid a\nfacet normal 0 0 1\n", "STL"),
         (&stl, "STL"),
+        (b"# cube\nv 0 0 0\nv 1 0 0\nv 0 1.5e-3 0\nf 1 2 3\n", "OBJ"),
         (b"<!DOCTYPE html>", "HTML"),
         (b"\xff\xfe\0\0G\0\0\0", "UTF-32"),
         (b"G1 X1\nG1 \0X2\n", "line 2: byte 9"),

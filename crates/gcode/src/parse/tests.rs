@@ -154,6 +154,8 @@ fn broken_numbers_are_named_with_their_line() {
     assert_eq!(error("G28\n;\nG1 X1 Y1.2.3 Z1"), "line 3: 'Y1.2.3' is not a number");
     assert_eq!(error("G1 X Y2"), "line 1: 'X Y2' is not a number");
     assert_eq!(error("G1 X99999999999999999999"), "line 1: 'X99999999999999999999' is too large");
+    assert_eq!(error("G1 X1e-5"), "line 1: 'X1e-5' is not a number");
+    assert_eq!(error("G1 X1 E4.9e-1"), "line 1: 'E4.9e-1' is not a number");
     assert_eq!(error("M104 S{first}"), "line 1: 'S{first}' is not a number");
     assert_eq!(error("G1 X1 =2"), "line 1: '=2' is not a word of a command");
     assert_eq!(error("SET_VELOCITY_LIMIT ACCEL=fast"), "line 1: 'ACCEL=fast' is not a number");

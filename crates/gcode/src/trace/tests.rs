@@ -313,7 +313,12 @@ fn ambiguous_lines_are_refused() {
         assert!(error.contains("is not supported: words of a motion after"), "{error}");
     }
     assert_eq!(error("X5"), "line 1: words without a command, and no motion command before them");
-    assert_eq!(error("G1 X5\nX1.2.3"), "line 2: a word of the command is not a number");
+    assert_eq!(error("G1 X5\nX1.2.3"), "line 2: part of the line is not a number");
+    for text in ["G1\u{fffd}X5", "G1,X5", "g28:", "G1=5"] {
+        assert_eq!(error(text), "line 1: part of the line is not a word of a command");
+    }
+    assert_eq!(events("G1_SLOW\nG29.1\nT1_PREPARE\nM84_LATER"), []);
+    assert!(error("G90\n/G1 X5").starts_with("line 2: begins with a slash"));
     assert!(error("G1 X5\nG80\nX6").starts_with("line 3: words without"));
 }
 
@@ -384,7 +389,7 @@ fn tools_are_selected_in_all_dialects() {
     ] {
         assert_eq!(events(text), change, "{text}");
     }
-    assert_eq!(events("T?\nTx\nTc\nM6"), []);
+    assert_eq!(events("T?\nTx\nTc\nT-1\nM6"), []);
 }
 
 #[test]
@@ -462,8 +467,10 @@ fn the_speed_factor_scales_feed_rates() {
 #[test]
 fn commands_without_an_effect_are_listed() {
     let text = "START_PRINT BED_TEMP=60 EXTRUDER_TEMP=215\nM862.3 P\"MK4\"\nM106 S255\nM117 Hi\n\
-        M600\nG10\nG28\nG1 X1 A5\nM600\nM141 S50\nT?\nM73 P5\nM205 X8\nM205 X5 Y5 J0.01\nG21 M221 S95\n\
-        SAVE_GCODE_STATE NAME=a\nEXCLUDE_OBJECT_START NAME=a\nSET_GCODE_OFFSET Z=0.1\nM221 S100\n\
+        M600\nG10\nG28\nG1 X1 A5\nM600\nM141 S50\nT?\nM73 P5\nM205 X8\nM205 X5 Y5 J0.01\n\
+        G21 M221 S95\n\
+        SAVE_GCODE_STATE NAME=a\nEXCLUDE_OBJECT_START NAME=a\nSET_GCODE_OFFSET Z=0.1\n\
+        M221 S100\n\
         G10 P0 S215\nG10 P0 X5\nX5 B1\n(only a comment)\n";
     let unknown = text.parse::<Program>().unwrap().unknown_commands(LIMITS);
     let found: Vec<_> =
@@ -496,10 +503,11 @@ mod random {
             4 => (prop::sample::select(vec!["G0", "G1"]), number.clone(), number.clone(), 0..9_i32)
                 .prop_map(|(code, x, y, e)| format!("{code} X{x} Y{y} E{e} F600")),
             1 => (number.clone(), 1..20_i32).prop_map(|(x, i)| format!("G2 X{x} I{i} J1 E1")),
-            1 => prop::sample::select(vec!["G90", "G91", "M82", "M83", "G21", "G92 E0", "G92 X1 Y2"])
-                .prop_map(str::to_owned),
-            1 => prop::sample::select(vec!["T0", "T1", "M220 S50", "G4 P100"])
-                .prop_map(str::to_owned),
+            2 => prop::sample::select(vec![
+                "G90", "G91", "M82", "M83", "G21", "G92 E0", "G92 X1 Y2", "T0", "T1", "M220 S50",
+                "G4 P100",
+            ])
+            .prop_map(str::to_owned),
         ]
     }
 

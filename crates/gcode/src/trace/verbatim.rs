@@ -7,7 +7,7 @@ use crate::event::{Event, Motion, TraceError};
 use crate::meaning::{Meaning, name_of, parameter};
 use crate::number::Number;
 use crate::parse::motion;
-use crate::words::{ParenthesisComments, Words};
+use crate::words::{ParenthesisComments, ParseFault, Words};
 
 /// Name of the state that Klipper saves if the command names none.
 const DEFAULT_STATE: &str = "default";
@@ -85,7 +85,9 @@ impl<'a> Trace<'a> {
             Meaning::Acceleration(value) => self.set_acceleration(Some(value), line)?,
             Meaning::ClearOffsets => self.origin_mm = [0.0; 3],
             // On a line of its own, Marlin uses the printer's coordinates until G54.
-            Meaning::MachineCoordinates if self.rest.is_empty() && self.origin_mm != [0.0; 3] => {
+            Meaning::MachineCoordinates
+                if self.rest.is_empty() && self.origin_mm.iter().any(|&at| at != 0.0) =>
+            {
                 return Err(TraceError::Unsupported {
                     line,
                     code: code.name,
@@ -107,6 +109,14 @@ impl<'a> Trace<'a> {
     /// Applies a command with a name, such as those of Klipper.
     fn apply_named(&mut self, text: &'a str, line: usize) -> Result<Option<Event>, TraceError> {
         let name = name_of(text);
+        if let Some(rest) = text.strip_prefix('/')
+            && (Code::first(rest).is_some() || words_without_code(rest).is_some())
+        {
+            return Err(TraceError::Optional { line });
+        }
+        if is_malformed_g_code(name) {
+            return Err(TraceError::Word { line, fault: ParseFault::Word });
+        }
         if name.eq_ignore_ascii_case("SAVE_GCODE_STATE") {
             let state = parameter(text, "NAME").unwrap_or(DEFAULT_STATE);
             self.states.insert(state, self.state());
@@ -171,4 +181,14 @@ impl<'a> Trace<'a> {
         };
         (motion.length_mm() > 0.0).then_some(Event::Motion(motion))
     }
+}
+
+/// Whether a name is a G-code followed by a character that belongs to no word, such as a blank in
+/// another encoding: it might be a motion.
+/// Names of macros may begin like a code, but contain only letters, digits and underscores.
+fn is_malformed_g_code(name: &str) -> bool {
+    let number = name.strip_prefix(['G', 'g']).unwrap_or("");
+    let rest = number.trim_start_matches(|next: char| next.is_ascii_digit());
+    let is_name = |next: char| next.is_ascii_alphanumeric() || next == '_';
+    rest.len() < number.len() && !rest.starts_with(is_name)
 }

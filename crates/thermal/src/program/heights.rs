@@ -14,10 +14,15 @@ const MAX_HEIGHTS: usize = 1 << 16;
 /// Heights closer than this are one, in mm: well below any layer.
 const SAME_MM: f64 = 0.02;
 
-/// Beads before the first layer comment are a prime line if they are not higher, in mm, and no
-/// larger a share of all beads.
+/// Beads before the first layer comment are a prime line if they are not higher, in mm.
 const PRIME_HEIGHT_MM: f64 = 1.0;
+
+/// Length of beads before the first layer comment relative to that of all others, above which they
+/// are a first layer without a comment if their height fits.
 const PRIME_SHARE: f64 = 0.5;
+
+/// Tolerance of the height of a first layer without a comment, in layers.
+const FIRST_LAYER: f64 = 0.1;
 
 /// Share of all beads below which a height is a prime line, if a lower one is printed after it.
 const STRAY_SHARE: f64 = 0.01;
@@ -40,8 +45,10 @@ pub(super) struct Heights {
     pub(super) level: Vec<Height>,
     /// Length of beads that rise or fall, as in a spiral vase, mm.
     pub(super) sloped_mm: f64,
-    /// Length of the beads before the first layer comment that are no part, mm.
+    /// Length of the beads of a prime line before the first layer comment, mm.
     pub(super) prime_mm: f64,
+    /// Length of the beads at the bed's height or below, mm.
+    pub(super) below_bed_mm: f64,
 }
 
 /// An extrusion move whose height changes less counts as level, in mm.
@@ -65,14 +72,17 @@ impl Heights {
             }
         }
         let [before, mut layers] = groups;
+        let is_short = before.length_mm < PRIME_SHARE * layers.length_mm;
         let is_prime = before.length_mm > 0.0
-            && before.length_mm < PRIME_SHARE * layers.length_mm
-            && before.top_mm <= PRIME_HEIGHT_MM;
+            && layers.length_mm > 0.0
+            && before.top_mm <= PRIME_HEIGHT_MM
+            && (is_short || !before.is_layer_below(&layers));
         if !is_prime {
             layers.merge(before.clone());
         }
         Ok(Self {
             sloped_mm: layers.sloped_mm,
+            below_bed_mm: layers.below_bed_mm(),
             level: layers.level(),
             prime_mm: if is_prime { before.length_mm } else { 0.0 },
         })
@@ -126,6 +136,22 @@ impl Group {
                 })
                 .or_insert(height);
         }
+    }
+
+    fn below_bed_mm(&self) -> f64 {
+        self.heights.values().filter(|height| height.z_mm <= 0.0).map(|low| low.length_mm).sum()
+    }
+
+    /// Whether these beads lie where the layer below the first one of `layers` would.
+    fn is_layer_below(&self, layers: &Self) -> bool {
+        let mut tops = layers.heights.values().map(|height| height.z_mm);
+        let Some(first) = tops.next() else { return true };
+        // With a single layer above, there is nothing to compare.
+        let Some(second) = tops.next() else { return true };
+        let thickness = second - first;
+        let longest = self.heights.values().max_by(|a, b| a.length_mm.total_cmp(&b.length_mm));
+        longest
+            .is_none_or(|height| (first - thickness - height.z_mm).abs() <= FIRST_LAYER * thickness)
     }
 
     /// The heights from the bed up, without those of stray beads.

@@ -128,9 +128,12 @@ impl Rows {
         })
     }
 
-    /// Length of the beads of a prime line that are left out, in mm.
-    pub(super) fn prime_mm(&self) -> f64 {
-        self.heights.prime_mm
+    /// Length of the beads before or below the first layer, in mm, which are left out.
+    pub(super) fn left_out_mm(&self) -> f64 {
+        let below = |height: &&Height| self.at(height.z_mm)[1] < 1;
+        let low_mm: f64 =
+            self.heights.level.iter().filter(below).map(|height| height.length_mm).sum();
+        self.heights.prime_mm + self.heights.below_bed_mm + low_mm
     }
 }
 
@@ -194,8 +197,8 @@ fn shift(heights: &[Height], layer_mm: f64) -> f64 {
 /// Finds out how the layers of a program fit rows of voxels of a width and a height, both in mm.
 ///
 /// The fit is `None` if all layers lie at multiples of the voxels' height.
-/// Also returns the length of the beads before the first layer, such as a prime line, which are
-/// left out, in mm.
+/// Also returns the length in mm of the beads before or below the first layer, such as a prime
+/// line, which are left out.
 /// Linear in the program's length; reports no progress.
 pub fn layer_fit(
     program: &Program,
@@ -204,7 +207,7 @@ pub fn layer_fit(
     control: &Control<'_>,
 ) -> Result<(Option<LayerFit>, f64), TraceError> {
     let rows = Rows::of(program, cell_mm, layer_mm, control)?;
-    Ok((rows.fit(), rows.prime_mm()))
+    Ok((rows.fit(), rows.left_out_mm()))
 }
 
 /// Heights of the layers of a program in mm, each with its share of the length of all beads, the

@@ -18,7 +18,7 @@ const MAX_VOXELS: f64 = (1 << 30) as f64;
 const MAX_SIDE: f64 = 65_535.0;
 
 /// Share of beads that may lie below the first layer, such as a prime line.
-const LOW_SHARE: f64 = 0.05;
+const LOW_SHARE: f64 = 0.25;
 
 /// Why the part of a program cannot be found.
 #[derive(Clone, Debug, Error, PartialEq)]
