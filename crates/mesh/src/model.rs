@@ -132,7 +132,7 @@ impl Model {
     }
 
     /// The bodies that are printed.
-    pub fn solid_bodies(&self) -> impl Iterator<Item = &Body> {
+    pub fn solid_bodies(&self) -> impl Iterator<Item = &Body> + Clone {
         self.bodies.iter().filter(|body| body.role == Role::Solid)
     }
 

@@ -32,6 +32,7 @@ use self::edges::Edges;
 pub use self::report::{RepairError, RepairReport};
 pub use self::settings::RepairSettings;
 use crate::model::Body;
+use crate::stray_vertex::StrayVertex;
 use crate::work::Work;
 
 /// Times that the triangles are visited, for the progress.
@@ -115,7 +116,8 @@ impl Body {
         // It is NaN if the coordinates are so large that the volume overflows.
         let min_volume = MIN_THICKNESS_MM * self.mesh.surface_mm2() / 2.0;
         if volume.is_nan() || volume <= 0.0 || volume < min_volume {
-            return Err(RepairError::NoVolume(triangles));
+            let stray = StrayVertex::find(std::iter::once(&*self));
+            return Err(RepairError::NoVolume { triangles, stray });
         }
         work.end_pass();
         Ok(report)

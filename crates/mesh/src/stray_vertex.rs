@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::model::Model;
+use crate::model::Body;
 
 /// A vertex that is far away from the rest of its model.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -17,28 +17,26 @@ pub struct StrayVertex {
     pub at_mm: [f64; 3],
 }
 
-/// A vertex is stray if it is this many times farther from the centre than nine tenths of the
+/// A vertex is stray if it is this many times farther from the centre than three quarters of the
 /// vertices.
 const STRAY: f64 = 10.0;
 
 impl StrayVertex {
-    /// The vertex of a model that is farthest away, if it is stray.
+    /// The vertex of some bodies that is farthest away, if it is stray.
     ///
     /// The centre is the median of the vertices, so it does not move with a few stray ones.
     /// Linear in the vertices.
-    pub(crate) fn find(model: &Model) -> Option<Self> {
-        let vertices =
-            || model.solid_bodies().flat_map(|body| body.mesh.vertices().iter().copied());
+    pub(crate) fn find<'a>(bodies: impl Iterator<Item = &'a Body> + Clone) -> Option<Self> {
+        let vertices = || bodies.clone().flat_map(|body| body.mesh.vertices().iter().copied());
         let median = |axis: usize| quantile(vertices().map(|vertex| vertex[axis]).collect(), 0.5);
         let centre = [median(0)?, median(1)?, median(2)?];
         let distance = |vertex: [f64; 3]| {
             let along = [0, 1, 2].map(|axis| (vertex[axis] - centre[axis]).abs());
             along.into_iter().fold(0.0, f64::max)
         };
-        let usual = quantile(vertices().map(distance).collect(), 0.9)?;
-        let all = model
-            .solid_bodies()
-            .flat_map(|body| body.mesh.vertices().iter().map(move |&vertex| (vertex, body)));
+        let usual = quantile(vertices().map(distance).collect(), 0.75)?;
+        let of_body = |body: &'a Body| body.mesh.vertices().iter().map(move |&at| (at, body));
+        let all = bodies.clone().flat_map(of_body);
         let (at_mm, body) = all.max_by(|a, b| distance(a.0).total_cmp(&distance(b.0)))?;
         (distance(at_mm) > STRAY * usual).then(|| Self { body: body.name.clone(), at_mm })
     }

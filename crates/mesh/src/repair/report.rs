@@ -3,6 +3,8 @@
 use beadwork_base::Interrupted;
 use thiserror::Error;
 
+use crate::stray_vertex::StrayVertex;
+
 /// What a repair changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RepairReport {
@@ -39,8 +41,16 @@ pub enum RepairError {
     #[error("surface has no area: all {0} triangles have coinciding corners")]
     NoArea(usize),
     /// The surface encloses nothing.
-    #[error("surface encloses no volume: {0} triangles")]
-    NoVolume(usize),
+    #[error(
+        "surface encloses no volume: {triangles} triangles{}",
+        .stray.as_ref().map_or_else(String::new, |stray| format!("; {stray}"))
+    )]
+    NoVolume {
+        /// Number of triangles.
+        triangles: usize,
+        /// A vertex that is far away from nearly all others, if there is one.
+        stray: Option<StrayVertex>,
+    },
     /// A hole is too large to be filled without knowing what is missing.
     #[error(
         "hole of {edges} edges, {length_mm:.2} mm around, at ({:.2}, {:.2}, {:.2}) \

@@ -117,7 +117,7 @@ fn surfaces_that_enclose_nothing_are_refused() {
     let sheet = Mesh::new(corners, vec![[0, 1, 2]]).unwrap();
     assert_eq!(
         body(sheet).repair(&RepairSettings::default(), &Control::default()),
-        Err(RepairError::NoVolume(1))
+        Err(RepairError::NoVolume { triangles: 1, stray: None })
     );
 }
 
