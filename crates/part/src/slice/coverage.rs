@@ -4,7 +4,8 @@
 
 use beadwork_base::{Control, Interrupted};
 
-use super::cut::{BodyCut, Cut};
+use super::body_cut::BodyCut;
+use super::cut::Cut;
 use super::layers::{Layer, Layers};
 use super::raster::for_each_run;
 use super::settings::Settings;

@@ -3,18 +3,16 @@
 use std::ops::Range;
 
 use beadwork_base::{Control, Interrupted};
-use beadwork_grid::{Region, Zones};
+use beadwork_grid::Zones;
 use beadwork_mesh::{Body, Bounds, Model, Role};
 
+use super::body_cut::{BodyCut, BodyMaterial};
+use super::fill::Filler;
 use super::grid_fit::fit;
-use super::layers::{Layer, Layers};
-use super::outline::{FillRule, Outline};
+use super::layers::Layers;
 use super::plane_sweep::cut_between;
-use super::raster::for_each_run;
 use super::settings::{Settings, SliceError};
-use super::surface_colours::propagate;
 use super::work::Work;
-use crate::frame::Frame;
 
 /// Cuts a model into layers of cells.
 ///
@@ -77,62 +75,6 @@ pub struct Cut {
     bodies: Vec<BodyCut>,
 }
 
-/// The outlines of one body in those layers that it reaches.
-/// Of many small bodies, outlines in all layers would take more memory than all cells.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct BodyCut {
-    role: Role,
-    /// The object it is a part of.
-    object: usize,
-    /// What its cells are made of.
-    material: BodyMaterial,
-    /// The layer of the first outline.
-    first: usize,
-    /// Outlines of consecutive layers.
-    outlines: Vec<Outline>,
-}
-
-/// What the cells of a body are made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum BodyMaterial {
-    /// One material.
-    One(u8),
-    /// None: the body is negative.
-    None,
-    /// The colours of the outlines' lines.
-    FromSurface,
-}
-
-impl BodyCut {
-    /// The outline in a layer; `None` if there is nothing.
-    pub(super) fn layer(&self, number: usize) -> Option<&Outline> {
-        self.outlines.get(number.checked_sub(self.first)?).filter(|outline| !outline.is_empty())
-    }
-
-    /// Whether cells of the body may have a material; outside is not a material.
-    pub(super) fn may_have(&self, material: u8) -> bool {
-        match self.material {
-            BodyMaterial::One(own) => material == own,
-            _ => material != Zones::OUTSIDE,
-        }
-    }
-
-    /// Writes its material into the cells that it covers in a layer.
-    fn fill(&self, number: usize, rule: FillRule, frame: &Frame, materials: &mut [u8]) {
-        let Some(outline) = self.layer(number) else { return };
-        match self.material {
-            BodyMaterial::One(material) => {
-                for_each_run(outline, rule, frame, |row, first, end| {
-                    let row = row as usize * frame.width as usize;
-                    materials[row + first as usize..row + end as usize].fill(material);
-                });
-            }
-            BodyMaterial::FromSurface => propagate(outline, rule, frame, materials),
-            BodyMaterial::None => {}
-        }
-    }
-}
-
 impl Cut {
     /// Cuts a model, which must be as for [`slice()`].
     ///
@@ -177,65 +119,17 @@ impl Cut {
 
     fn fill(&self, settings: &Settings, work: &Work<'_>) -> Result<Layers, SliceError> {
         let (frame, layer_count) = fit(&self.bounds, settings)?;
-        let layers = work.control().threads.map_numbers(layer_count, |number| {
-            work.unit(|| self.fill_layer(number, settings.fill_rule, &frame))
-        });
+        let filler = Filler::new(&self.bodies, settings, &frame);
+        let layers = work
+            .control()
+            .threads
+            .map_numbers(layer_count, |number| work.unit(|| filler.layer(number)));
         let layers = layers.into_iter().collect::<Result<Vec<_>, Interrupted>>()?;
         if layers.iter().all(Option::is_none) {
             let &Settings { cell_mm, layer_mm, .. } = settings;
             return Err(SliceError::NoCells { cell_mm, layer_mm });
         }
         Ok(Layers { frame, layers })
-    }
-
-    /// The cells of one layer: objects are filled in order, each over those before it.
-    fn fill_layer(&self, number: usize, rule: FillRule, frame: &Frame) -> Option<Layer> {
-        let (width, height) = (frame.width as usize, frame.height as usize);
-        let mut materials = vec![Zones::OUTSIDE; width * height];
-        for bodies in self.bodies.chunk_by(|a, b| a.object == b.object) {
-            if bodies.iter().all(|body| body.role == Role::Solid) {
-                bodies.iter().for_each(|body| body.fill(number, rule, frame, &mut materials));
-            } else {
-                // The others affect only this object, which therefore is filled separately.
-                let mut object = vec![Zones::OUTSIDE; width * height];
-                fill_object(bodies, number, rule, frame, &mut object);
-                let cells = materials.iter_mut().zip(object);
-                cells.filter(|(_, of)| *of != Zones::OUTSIDE).for_each(|(cell, of)| *cell = of);
-            }
-        }
-        let inside = materials.iter().map(|&material| material != Zones::OUTSIDE).collect();
-        let region = Region::from_mask(frame.width, frame.height, inside).ok()?;
-        let zones = Zones::new(&region, materials).expect("every cell has a material");
-        Some(Layer { region, zones })
-    }
-}
-
-/// Fills a layer of an object that has modifiers or negative bodies, into an empty layer.
-/// They apply after all solid bodies, wherever they are in the list.
-fn fill_object(
-    bodies: &[BodyCut],
-    number: usize,
-    rule: FillRule,
-    frame: &Frame,
-    object: &mut [u8],
-) {
-    let with_role = |role| bodies.iter().filter(move |body| body.role == role);
-    with_role(Role::Solid).for_each(|body| body.fill(number, rule, frame, object));
-    let outside = vec![Zones::OUTSIDE; object.len()];
-    for body in with_role(Role::Modifier) {
-        let mut changed = outside.clone();
-        body.fill(number, rule, frame, &mut changed);
-        for (cell, to) in object.iter_mut().zip(changed) {
-            if *cell != Zones::OUTSIDE && to != Zones::OUTSIDE {
-                *cell = to;
-            }
-        }
-    }
-    for outline in with_role(Role::Negative).filter_map(|body| body.layer(number)) {
-        for_each_run(outline, rule, frame, |row, first, end| {
-            let row = row as usize * frame.width as usize;
-            object[row + first as usize..row + end as usize].fill(Zones::OUTSIDE);
-        });
     }
 }
 
@@ -281,7 +175,9 @@ impl<'a> CutPlan<'a> {
             let (first, layer_mm) = (layers.start, self.layer_mm);
             let outlines = cut_between(&body.mesh, &body.paint, layer_mm, layers.clone(), work)?;
             let (role, object) = (body.role, body.object);
-            Ok(BodyCut { role, object, material: *material, first, outlines })
+            let is_painted = *material == BodyMaterial::FromSurface;
+            let painted = is_painted.then(|| (body.mesh.clone(), body.paint.clone()));
+            Ok(BodyCut { role, object, material: *material, first, outlines, painted })
         };
         let bodies = self.bodies.iter().map(cut_body).collect::<Result<Vec<_>, Interrupted>>()?;
         Ok(Cut { bounds: self.bounds, layer_mm: self.layer_mm, bodies })

@@ -19,11 +19,14 @@ const TOLERANCE: f64 = 0.01;
 
 /// The frame of all layers of a part that stands on z = 0, and their number.
 pub(super) fn fit(bounds: &Bounds, settings: &Settings) -> Result<(Frame, usize), SliceError> {
-    let &Settings { cell_mm, layer_mm, phase, max_cells, .. } = settings;
+    let &Settings { cell_mm, layer_mm, phase, colour_depth_mm, max_cells, .. } = settings;
     for (what, value) in [("the bead width", cell_mm), ("the layer height", layer_mm)] {
         if !(value > 0.0 && value.is_finite()) {
             return Err(SliceError::Length { what, value });
         }
+    }
+    if colour_depth_mm.is_nan() || colour_depth_mm < 0.0 {
+        return Err(SliceError::ColourDepth(colour_depth_mm));
     }
     for (axis, value) in ["x", "y"].into_iter().zip(phase) {
         if !(0.0..1.0).contains(&value) {

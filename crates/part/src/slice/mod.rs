@@ -10,15 +10,19 @@
 //! A cell belongs to a layer if its centre lies inside a body.
 //! [`Layers::voxels`] returns all layers as one array.
 
+mod body_cut;
 mod coverage;
 mod cut;
+mod fill;
 mod grid_fit;
 mod layers;
 mod outline;
 mod plane_sweep;
 mod raster;
+mod rectangle;
 mod settings;
 mod surface_colours;
+mod surface_columns;
 mod voxels;
 mod work;
 

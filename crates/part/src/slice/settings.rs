@@ -27,20 +27,26 @@ pub struct Settings {
     pub phase: [f64; 2],
     /// Which points count as inside a body whose surface intersects itself.
     pub fill_rule: FillRule,
+    /// Depth in mm to which the colours of top and bottom faces reach into painted bodies, at
+    /// least 0.
+    ///
+    /// Slicers call it the thickness of the top and bottom shells.
+    pub colour_depth_mm: f64,
     /// Maximum number of cells in the grids of all layers together; a cell takes two bytes.
     /// A layer counts as at least 64 cells.
     pub max_cells: u64,
 }
 
 impl Default for Settings {
-    /// Beads of 0.5 mm in layers of 0.25 mm (*Kim et al. 2026*, section on the domain), phase 0, at
-    /// most 2^30 cells.
+    /// Beads of 0.5 mm in layers of 0.25 mm (*Kim et al. 2026*, section on the domain), phase 0,
+    /// colours 1 mm deep, at most 2^30 cells.
     fn default() -> Self {
         Self {
             cell_mm: 0.5,
             layer_mm: 0.25,
             phase: [0.0; 2],
             fill_rule: FillRule::default(),
+            colour_depth_mm: 1.0,
             max_cells: 1 << 30,
         }
     }
@@ -58,6 +64,9 @@ pub enum SliceError {
         /// Its value in mm.
         value: f64,
     },
+    /// The depth of colours is negative or not a number.
+    #[error("the colour depth is {0} mm: it must be at least 0")]
+    ColourDepth(f64),
     /// The phase of the grid is not from 0 to below 1.
     #[error("the grid phase along {axis} is {value}: it must be at least 0 and below 1")]
     Phase {

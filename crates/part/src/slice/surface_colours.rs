@@ -4,12 +4,15 @@
 //! Cells along the outline take the colour of the line that passes nearest to their centre.
 //! A breadth-first search then carries the colours inwards: every other cell takes the colour of an
 //! outline cell that is the fewest steps away.
+//! Where a top or bottom face is nearer than the outline, and not deeper than the depth of colours,
+//! cells take its colour instead.
 
 use std::collections::VecDeque;
-use std::ops::Range;
 
 use super::outline::{FillRule, Outline};
 use super::raster::for_each_run;
+use super::rectangle::Rectangle;
+use super::surface_columns::SurfaceColumns;
 use crate::frame::Frame;
 
 /// Writes the colours of a body's cells into the materials of a layer; other cells stay unchanged.
@@ -17,12 +20,21 @@ use crate::frame::Frame;
 /// Cells that no colour reaches take the first colour of the outline.
 /// Linear in the length of the outline and in the cells of its bounding rectangle, not of the whole
 /// layer: there may be many small bodies on a large grid.
-pub(super) fn propagate(outline: &Outline, rule: FillRule, frame: &Frame, materials: &mut [u8]) {
-    let Some(rectangle) = Rectangle::around(outline, frame) else { return };
+pub(super) fn propagate(
+    outline: &Outline,
+    faces: &Faces<'_>,
+    rule: FillRule,
+    frame: &Frame,
+    materials: &mut [u8],
+) {
+    let Some(rectangle) = Rectangle::around(outline.loops().flatten().copied(), frame) else {
+        return;
+    };
     let mut cells = Cells::new(rectangle);
     cells.fill(outline, rule, frame);
     let first_colour = cells.colour_outline(outline, frame);
-    cells.propagate();
+    cells.propagate(frame.cell_mm);
+    cells.colour_faces(faces);
     let unreached = first_colour.unwrap_or_default();
     for index in (0..cells.inside.len()).filter(|&index| cells.inside[index]) {
         let is_reached = cells.distance_mm[index].is_finite();
@@ -32,20 +44,28 @@ pub(super) fn propagate(outline: &Outline, rule: FillRule, frame: &Frame, materi
     }
 }
 
+/// The top and bottom faces of a body, as seen from the cells of a layer.
+pub(super) struct Faces<'a> {
+    pub(super) columns: &'a SurfaceColumns,
+    /// Height of the cells' centres in mm.
+    pub(super) z_mm: f64,
+    /// Depth to which colours reach, in mm.
+    pub(super) depth_mm: f64,
+}
+
 /// The cells of a rectangle, row by row.
 struct Cells {
     rectangle: Rectangle,
     /// Whether each belongs to the body.
     inside: Vec<bool>,
     colours: Vec<u8>,
-    /// Distance from the centre of each outline cell to the line it has its colour from, in mm;
-    /// [`Cells::PROPAGATED`] where a neighbour passed its colour on, infinite without a colour.
+    /// Distance from the centre of each outline cell to the line it has its colour from, in mm; in
+    /// other cells one cell more than in the neighbour that passed its colour on; infinite without
+    /// a colour.
     distance_mm: Vec<f64>,
 }
 
 impl Cells {
-    const PROPAGATED: f64 = f64::MAX;
-
     fn new(rectangle: Rectangle) -> Self {
         let count = rectangle.columns.len() * rectangle.rows.len();
         Self {
@@ -102,7 +122,7 @@ impl Cells {
     }
 
     /// Passes colours on from cell to cell: a breadth-first search from all coloured cells at once.
-    fn propagate(&mut self) {
+    fn propagate(&mut self, cell_mm: f64) {
         let count = self.inside.len();
         let width = self.rectangle.columns.len();
         let mut queue: VecDeque<usize> =
@@ -115,54 +135,26 @@ impl Cells {
             let above = index.checked_sub(width);
             for neighbour in [right, below, left, above].into_iter().flatten() {
                 if self.inside[neighbour] && self.distance_mm[neighbour].is_infinite() {
-                    self.distance_mm[neighbour] = Self::PROPAGATED;
+                    self.distance_mm[neighbour] = self.distance_mm[index] + cell_mm;
                     self.colours[neighbour] = self.colours[index];
                     queue.push_back(neighbour);
                 }
             }
         }
     }
-}
 
-/// Columns and rows of a layer's grid.
-struct Rectangle {
-    columns: Range<usize>,
-    rows: Range<usize>,
-}
-
-impl Rectangle {
-    /// The cells that an outline reaches, and one more on every side because positions are rounded;
-    /// `None` if the grid has none of them.
-    fn around(outline: &Outline, frame: &Frame) -> Option<Self> {
-        let mut min = [f64::INFINITY; 2];
-        let mut max = [f64::NEG_INFINITY; 2];
-        for &[x, y] in outline.loops().flatten() {
-            let cell =
-                [x - frame.left_mm, frame.back_mm - y].map(|mm| (mm / frame.cell_mm).floor());
-            min = [0, 1].map(|axis| cell[axis].min(min[axis]));
-            max = [0, 1].map(|axis| cell[axis].max(max[axis]));
+    /// Gives cells the colour of a face above or below them that is nearer than the outline.
+    fn colour_faces(&mut self, faces: &Faces<'_>) {
+        for index in (0..self.inside.len()).filter(|&index| self.inside[index]) {
+            let (column, row) = self.rectangle.column_and_row(index);
+            let nearest = faces.columns.nearest(column, row, faces.z_mm);
+            if let Some((distance_mm, colour)) = nearest
+                && distance_mm <= faces.depth_mm
+                && distance_mm < self.distance_mm[index]
+            {
+                self.distance_mm[index] = distance_mm;
+                self.colours[index] = colour;
+            }
         }
-        let range = |axis: usize, count: u32| {
-            let bound = |cell: f64| cell.clamp(0.0, f64::from(count)) as usize;
-            bound(min[axis] - 1.0)..bound(max[axis] + 2.0)
-        };
-        let (columns, rows) = (range(0, frame.width), range(1, frame.height));
-        (!columns.is_empty() && !rows.is_empty()).then_some(Self { columns, rows })
-    }
-
-    fn contains(&self, column: f64, row: f64) -> bool {
-        (self.columns.start as f64..self.columns.end as f64).contains(&column)
-            && (self.rows.start as f64..self.rows.end as f64).contains(&row)
-    }
-
-    /// Index of a cell within the rectangle.
-    fn index(&self, column: usize, row: usize) -> usize {
-        (row - self.rows.start) * self.columns.len() + column - self.columns.start
-    }
-
-    /// Column and row, in the layer, of an index within the rectangle.
-    fn column_and_row(&self, index: usize) -> (usize, usize) {
-        let width = self.columns.len();
-        (self.columns.start + index % width, self.rows.start + index / width)
     }
 }

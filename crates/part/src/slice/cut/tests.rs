@@ -6,7 +6,7 @@ use beadwork_base::{CancelToken, Progress};
 use proptest::prelude::*;
 
 use super::*;
-use crate::slice::{Voxels, cut};
+use crate::slice::{FillRule, Layer, Voxels, cut};
 use beadwork_mesh::{Material, MaterialRule, Mesh, Solid, Transform};
 
 fn body(mesh: Mesh, material: usize) -> Body {
@@ -123,11 +123,37 @@ fn colours_reach_the_nearest_cells() {
     let mut coloured = body(moved(&Solid::Cuboid { size_mm: [10.0, 10.0, 1.0] }, [0.0; 3]), 0);
     coloured.paint = vec![0; 12];
     coloured.paint[4..6].fill(1);
-    let layers = slice(&model(vec![coloured]), &Settings::default(), &Control::default()).unwrap();
+    // Without the colours of top and bottom.
+    let settings = Settings { colour_depth_mm: 0.0, ..Settings::default() };
+    let layers = slice(&model(vec![coloured]), &settings, &Control::default()).unwrap();
     let layer = layers.layers[1].as_ref().unwrap();
     let at = |x: u32, y: u32| layer.zones.id(layer.region.cell(x, y));
     // The front is row 19; the border between the colours runs along the diagonals.
     assert_eq!([at(10, 19), at(10, 11), at(10, 8), at(0, 15), at(19, 3)], [1, 1, 0, 0, 0]);
+}
+
+#[test]
+fn colours_of_top_faces_reach_down() {
+    let mut coloured = body(moved(&Solid::Cuboid { size_mm: [10.0, 10.0, 3.0] }, [0.0; 3]), 0);
+    coloured.paint = vec![0; 12];
+    let is_top = |corners: [[f64; 3]; 3]| corners.iter().all(|corner| corner[2] == 3.0);
+    for (triangle, colour) in coloured.mesh.triangles().iter().zip(&mut coloured.paint) {
+        *colour = u8::from(is_top(coloured.mesh.corners(*triangle)));
+    }
+    let coloured = model(vec![coloured]);
+    let counts = |colour_depth_mm: f64| -> Vec<usize> {
+        let settings = Settings { colour_depth_mm, ..Settings::default() };
+        let layers = slice(&coloured, &settings, &Control::default()).unwrap().layers;
+        let count = |layer: &Layer| layer.materials().iter().filter(|&&id| id == 1).count();
+        layers.iter().flatten().map(count).collect()
+    };
+    // The walls keep the cells that are nearer to them than to the top: none of 20 x 20 in the top
+    // layer, then one ring of cells, and two from 0.75 mm, but for a few in the corners.
+    let reached = counts(1.0);
+    assert_eq!(reached[..8], [0; 8]);
+    assert!((16 * 16..16 * 16 + 4).contains(&reached[8]), "{reached:?}");
+    assert_eq!(reached[9..], [18 * 18, 18 * 18, 20 * 20]);
+    assert_eq!(counts(0.0), [0; 12]);
 }
 
 #[test]
