@@ -44,6 +44,10 @@ fn number_of(comment: &str, name: &str) -> Option<f64> {
     if !key.trim().eq_ignore_ascii_case(name) {
         return None;
     }
+    // `LAYER_HEIGHT: 0.3` is that of a single layer (Bambu Studio).
+    if name.contains('_') && !comment.contains('=') {
+        return None;
+    }
     // A list has one value per tool.
     let value = value.split([',', ';', '(']).next()?.trim();
     let number = value.strip_suffix("mm").unwrap_or(value).trim_end();
@@ -179,6 +183,7 @@ mod tests {
             ("; extrusion_width_mm = 0.4\n; layer_thickness_mm = 0.1", Some(0.4), Some(0.1)),
             ("; perimeters extrusion width = 0.45mm (2.7mm^3/s)", Some(0.45), None),
             ("; line_width = 0.42,0.42", Some(0.42), None),
+            ("; LAYER_HEIGHT: 0.3\n; layer_height = 0.2", None, Some(0.2)),
             ("; initial_layer_height = 0.3\n; first_layer_height = 0.3", None, None),
             ("; extrusion_width = nan\n; layer_height = -1", None, None),
         ] {

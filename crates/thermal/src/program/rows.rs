@@ -19,7 +19,7 @@ const FITS: f64 = 0.1;
 /// Share of beads that need not fit, such as a prime line.
 const MISFITS: f64 = 0.01;
 
-/// Share of sloped beads above which a program has no layers.
+/// Share of sloped beads above which a program prints a spiral.
 const SLOPED: f64 = 0.1;
 
 /// Parts into which a layer is divided to find the shift of the grid.
@@ -55,7 +55,10 @@ pub struct LayerFit {
 pub(super) struct Rows {
     heights: Heights,
     layer_mm: f64,
-    /// The layers from the bed up; empty if all lie at multiples of the voxels' height.
+    /// Height of the lower side of the first row, in mm: not 0 for a spiral on layers that do not
+    /// lie at multiples of the voxels' height.
+    bottom_mm: f64,
+    /// The layers from the bed up; empty if rows follow from the height alone.
     layers: Vec<Layer>,
 }
 
@@ -83,12 +86,17 @@ impl Rows {
     }
 
     fn new(heights: Heights, cell_mm: f64, layer_mm: f64) -> Self {
-        let layers = if is_uniform(&heights, cell_mm, layer_mm) {
+        let total: f64 = heights.level.iter().map(|height| height.length_mm).sum();
+        let is_spiral = heights.sloped_mm > SLOPED * (total + heights.sloped_mm);
+        let is_uniform = is_uniform(&heights.level, cell_mm, layer_mm);
+        let bottom_mm =
+            if is_spiral && !is_uniform { shift(&heights.level, layer_mm) } else { 0.0 };
+        let layers = if is_spiral || is_uniform {
             Vec::new()
         } else {
             layers(&heights.level, cell_mm, layer_mm)
         };
-        Self { heights, layer_mm, layers }
+        Self { heights, layer_mm, bottom_mm, layers }
     }
 
     /// Whether a motion is a bead of the part.
@@ -99,7 +107,7 @@ impl Rows {
     /// The first row that a bead at a height fills, and the row after the last.
     pub(super) fn at(&self, z_mm: f64) -> [i64; 2] {
         if self.layers.is_empty() {
-            let row = (z_mm / self.layer_mm - 1.0).round() as i64;
+            let row = ((z_mm - self.bottom_mm) / self.layer_mm - 1.0).round() as i64;
             return [row, row.saturating_add(1)];
         }
         let above = self.layers.partition_point(|layer| layer.top_mm < z_mm);
@@ -111,8 +119,8 @@ impl Rows {
 
     /// How the layers fit; `None` if all lie at multiples of the voxels' height.
     pub(super) fn fit(&self) -> Option<LayerFit> {
-        let last = self.layers.last()?;
         let rows_mm = |rows: i64| rows as f64 * self.layer_mm;
+        let Some(last) = self.layers.last() else { return self.spiral_fit() };
         let deviation = |layer: &Layer| (layer.top_mm - rows_mm(layer.rows[1])).abs();
         let of_all = |measure: &dyn Fn(&Layer) -> f64| self.layers.iter().map(measure).sum::<f64>();
         let printed = of_all(&|layer| layer.length_mm * layer.thickness_mm);
@@ -128,6 +136,22 @@ impl Rows {
         })
     }
 
+    /// How a spiral fits if the first row does not begin at the bed.
+    fn spiral_fit(&self) -> Option<LayerFit> {
+        let height_mm = self.heights.top_mm;
+        let [_, rows] = self.at(height_mm);
+        let rows_mm = rows as f64 * self.layer_mm;
+        (self.bottom_mm != 0.0 && rows > 0).then_some(LayerFit {
+            layers: rows as usize,
+            rows: rows as usize,
+            height_mm,
+            rows_mm,
+            max_deviation_mm: self.bottom_mm.abs(),
+            volume_error: rows_mm / height_mm - 1.0,
+            layers_without_row: 0,
+        })
+    }
+
     /// Length of the beads before or below the first layer, in mm, which are left out.
     pub(super) fn left_out_mm(&self) -> f64 {
         let below = |height: &&Height| self.at(height.z_mm)[1] < 1;
@@ -138,21 +162,18 @@ impl Rows {
 }
 
 /// Whether nearly all beads lie at multiples of the voxels' height, with no thick layer among them.
-fn is_uniform(heights: &Heights, cell_mm: f64, layer_mm: f64) -> bool {
-    let total: f64 = heights.level.iter().map(|height| height.length_mm).sum();
-    if heights.sloped_mm > SLOPED * (total + heights.sloped_mm) {
-        return true;
-    }
+fn is_uniform(heights: &[Height], cell_mm: f64, layer_mm: f64) -> bool {
+    let total: f64 = heights.iter().map(|height| height.length_mm).sum();
     let misfit = |height: &&Height| {
         let rows = height.z_mm / layer_mm;
         (rows - rows.round()).abs() > FITS || rows < 0.5
     };
-    let misfits: f64 = heights.level.iter().filter(misfit).map(|height| height.length_mm).sum();
+    let misfits: f64 = heights.iter().filter(misfit).map(|height| height.length_mm).sum();
     if misfits > MISFITS * total {
         return false;
     }
     let mut below = 0.0;
-    let tops = heights.level.iter().filter(|height| !misfit(height)).map(|height| height.z_mm);
+    let tops = heights.iter().filter(|height| !misfit(height)).map(|height| height.z_mm);
     !tops.into_iter().any(|top_mm| {
         let thickness = top_mm - std::mem::replace(&mut below, top_mm);
         thickness > 1.5 * layer_mm && thickness <= ASPECT * cell_mm
