@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use beadwork_base::Control;
-use beadwork_gcode::{Event, Motion, Program, TraceError};
+use beadwork_gcode::{Event, Feature, Motion, Program, TraceError};
 
 use super::bead::is_bead;
 use super::poll::Poll;
@@ -62,6 +62,8 @@ pub(super) struct Heights {
     pub(super) prime_mm: f64,
     /// Height of the highest bead, mm.
     pub(super) top_mm: f64,
+    /// Height of the lowest bead of a support or a raft, mm; infinite without one.
+    pub(super) support_mm: f64,
     /// Whether beads before the first layer comment are prime lines.
     needs_layer: bool,
     /// Number of the last line of prime lines that have no comments.
@@ -81,13 +83,15 @@ impl Heights {
         // Beads before the first layer comment, and all others.
         let mut groups = [Group::default(), Group::default()];
         let mut poll = Poll::new(&control, 0, program.lines.len());
+        let mut support_mm = f64::INFINITY;
         for event in program.trace() {
             let event = event?;
             poll.count(&event)?;
-            if let Event::Motion(motion) = event
-                && is_bead(&motion)
-            {
+            let Event::Motion(motion) = event else { continue };
+            if is_bead(&motion) {
                 groups[usize::from(motion.layer.is_some())].add(&motion);
+            } else if motion.is_extrusion() && motion.feature == Feature::Support {
+                support_mm = support_mm.min(motion.to_mm[2]);
             }
         }
         let [before, mut layers] = groups;
@@ -104,6 +108,7 @@ impl Heights {
             sloped_mm: layers.sloped_mm,
             below_bed_mm: layers.below_bed_mm(),
             top_mm: layers.top_mm,
+            support_mm,
             needs_layer: is_prime,
             prime_mm: if is_prime { before.length_mm } else { 0.0 }
                 + strays.iter().map(|stray| stray.length_mm).sum::<f64>(),

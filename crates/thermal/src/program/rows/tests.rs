@@ -89,6 +89,20 @@ fn a_prime_line_is_no_layer() {
 }
 
 #[test]
+fn a_part_on_a_raft_begins_above_it() {
+    let raft = ";TYPE:Support\nG1 Z0.3 F6000\nG1 X20 E2\n;TYPE:Perimeter\n";
+    let part = program(&[0.95, 1.15, 1.35]).emit();
+    let text = format!("M83\n{raft}{part}").parse().unwrap();
+    let rows = Rows::of(&text, 0.5, 0.2, &Control::default()).unwrap();
+    assert_eq!([0.95, 1.15, 1.35].map(|z| rows.at(z)), [[0, 1], [1, 2], [2, 3]]);
+    assert_eq!(rows.fit(), None);
+    let fit = program_fit(&text, 0.5, 0.2, &Control::default()).unwrap();
+    assert!((fit.raft_mm - 0.75).abs() < 1e-9 && fit.left_out_mm == 0.0);
+    let [(height, _)] = layer_heights(&text, &Control::default()).unwrap()[..] else { panic!() };
+    assert!((height - 0.2).abs() < 1e-9);
+}
+
+#[test]
 fn common_heights_of_layers() {
     let heights = |thicknesses: &[f64]| {
         layer_heights(&program(&tops(thicknesses)), &Control::default()).unwrap()
