@@ -45,8 +45,8 @@ fn mesh(min: [u32; 3], size: [u32; 3], attribute: impl Fn(usize) -> String) -> S
 
 fn document(resources: &str, build: &str) -> String {
     format!(
-        r#"<model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">
-        <resources>{resources}</resources><build>{build}</build></model>"#
+        r#"<model unit="millimeter"
+        xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>{resources}</resources><build>{build}</build></model>"#
     )
 }
 

@@ -61,7 +61,13 @@
 //! - STL, binary and text: each `solid` is a body.
 //! - 3MF: all objects of the build with their transforms, units, components (also those in other
 //!   documents of the archive), materials and colours, of whole objects and of triangles.
-//!   Other extensions of the format are ignored.
+//!   A composite material is its largest constituent, multiproperties are the colour that covers
+//!   them, and of a gradient the first corner of each triangle counts.
+//! - Projects of PrusaSlicer, Bambu Studio and Orca Slicer in 3MF files: painted facets, filaments
+//!   of objects and parts, negative volumes, modifiers that change the filament, filament colours,
+//!   and purge volumes; of several plates, the first one.
+//!
+//! [`Model::warnings`] lists what a file contains and the model does not.
 //! - OBJ: polygons, objects and materials.
 //!   Colours (`.mtl` files), texture coordinates, normals and curved surfaces are ignored.
 //!
@@ -69,6 +75,9 @@
 //! Files that are malformed, with the line or the byte at fault; coordinates that are not finite;
 //! files without triangles; files beyond the [`ReadLimits`], by default 32 million triangles or an
 //! archive that unpacks to 1 GiB; more than 256 materials in one file.
+//! Of 3MF files also those with an empty build, those that require extensions other than materials
+//! and production, and objects whose shape is defined by another extension, such as beam lattices
+//! and boolean operations.
 //! A repair refuses bodies that enclose no volume, and holes that are neither small nor flat: they
 //! are damage that a mesh editor has to fix.
 //!

@@ -21,7 +21,8 @@ pub struct ReadLimits {
 
 impl Default for ReadLimits {
     /// 1 GiB unpacked, 32 million triangles.
-    /// Reading takes at most about ten times the unpacked bytes in memory.
+    /// Reading takes at most about ten times the unpacked bytes in memory, or 70 bytes for each
+    /// triangle of painted facets, whose text is shorter than a triangle.
     fn default() -> Self {
         Self { unpacked_bytes: 1 << 30, triangles: 32_000_000 }
     }
@@ -98,12 +99,12 @@ pub enum ReadError {
         what: &'static str,
     },
     /// The mesh of a body is invalid.
-    #[error("body {body}: {error}")]
+    #[error("body {body}: {source}")]
     Mesh {
         /// Name of the body, or its number if it has none.
         body: String,
         /// Why.
-        error: MeshError,
+        source: MeshError,
     },
     /// The file contains nothing to print.
     #[error("file contains no triangles")]

@@ -70,7 +70,7 @@ fn root_entry(entry: &str, source: &mut dyn BufRead) -> Result<Option<String>, R
     let mut found = None;
     each_element(entry, source, |element| {
         if let Element::Start(tag) = element
-            && tag.name() == "Relationship"
+            && tag.name == "Relationship"
             && tag.attribute("Type")?.is_some_and(|kind| kind.ends_with("/3dmodel"))
         {
             found = found.take().or(tag.attribute("Target")?.map(Cow::into_owned));

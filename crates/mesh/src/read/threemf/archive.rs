@@ -49,7 +49,7 @@ impl<'a> Archive<'a> {
         Ok(Self { zip, names, remaining: limit, limit, position: 0, total, control })
     }
 
-    /// Whether there is an entry with this name; a slash at its start and the case do not matter.
+    /// Whether there is an entry with this name, however it is written.
     pub(super) fn contains(&self, entry: &str) -> bool {
         self.names.contains_key(&normalized(entry))
     }
@@ -96,8 +96,21 @@ impl<'a> Archive<'a> {
     }
 }
 
+/// A name for comparison: without a slash at its start, in lower case, with slashes between folders
+/// (some programs write backslashes), and without percent-encoding, which references may have and
+/// names of entries not.
 fn normalized(entry: &str) -> String {
-    entry.trim_start_matches('/').to_ascii_lowercase()
+    let name = entry.trim_start_matches('/').replace('\\', "/").to_ascii_lowercase();
+    let mut bytes = Vec::with_capacity(name.len());
+    let mut rest = name.as_bytes();
+    while let Some((&byte, after)) = rest.split_first() {
+        let digits =
+            after.get(..2).filter(|_| byte == b'%').and_then(|it| std::str::from_utf8(it).ok());
+        let decoded = digits.and_then(|digits| u8::from_str_radix(digits, 16).ok());
+        bytes.push(decoded.unwrap_or(byte));
+        rest = if decoded.is_some() { &after[2..] } else { after };
+    }
+    String::from_utf8(bytes).unwrap_or(name)
 }
 
 /// Reads until the limit is reached or the call is interrupted, and keeps the reason: an XML reader

@@ -55,7 +55,7 @@ fn read_objects(source: &mut dyn BufRead, project: &mut Project) -> Result<(), R
     let mut instance: Option<(u32, u32)> = None;
     each_element(OBJECTS, source, |element| {
         match element {
-            Element::Start(tag) => match tag.name() {
+            Element::Start(tag) => match tag.name {
                 "object" => {
                     let id = tag.integer("id")?.ok_or("object has no id")?;
                     object = Some((id, ObjectSettings::default()));

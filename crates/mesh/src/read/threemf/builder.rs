@@ -377,12 +377,15 @@ impl<'a> Builder<'a> {
             };
             of_property.iter_mut().for_each(|material| *material = material.or(default));
         }
-        let used = triangles.map(|triangle| {
+        if surface.filaments.is_empty() && surface.paint.is_empty() {
+            body.material = of_property[0];
+            return Ok(());
+        }
+        paint_body(body, triangles, |triangle| {
             let filament = surface.filaments.get(triangle).copied().unwrap_or_default();
             let property = surface.paint.get(triangle).copied().unwrap_or_default();
             of_filament[usize::from(filament)].or(of_property[usize::from(property)])
         });
-        paint_body(body, &used.collect::<Vec<_>>());
         Ok(())
     }
 
@@ -402,9 +405,9 @@ impl<'a> Builder<'a> {
         } else {
             part_of(&surface.vertices, triangles)
         };
-        let mut mesh = Mesh::new(vertices, triangles).map_err(|error| {
+        let mut mesh = Mesh::new(vertices, triangles).map_err(|source| {
             let body = name.strip_prefix("object ").unwrap_or(name).to_owned();
-            ReadError::Mesh { body, error }
+            ReadError::Mesh { body, source }
         })?;
         place.transform.apply(&mut mesh);
         let sides = mesh.bounds().size_mm();
@@ -635,15 +638,19 @@ fn name_of(object: &Object, id: u32) -> String {
     if object.name.is_empty() { format!("object {id}") } else { object.name.clone() }
 }
 
-/// Gives a body the materials of its triangles.
-fn paint_body(body: &mut Body, used: &[Option<usize>]) {
-    let Some(&first) = used.first() else { return };
-    if used.iter().all(|&other| other == first) {
+/// Gives a body the materials of a range of triangles; `used` returns that of each of them.
+fn paint_body(
+    body: &mut Body,
+    triangles: Range<usize>,
+    used: impl Fn(usize) -> Option<usize> + Copy,
+) {
+    let first = used(triangles.start);
+    if triangles.clone().all(|triangle| used(triangle) == first) {
         body.material = first;
     } else {
         // Triangles without paint have the material of the body.
         // If it has none either, they get the first paint.
-        let fallback = used.iter().flatten().next().copied().unwrap_or_default();
-        body.paint = used.iter().map(|material| material.unwrap_or(fallback) as u8).collect();
+        let fallback = triangles.clone().find_map(used).unwrap_or_default();
+        body.paint = triangles.map(|triangle| used(triangle).unwrap_or(fallback) as u8).collect();
     }
 }

@@ -82,7 +82,7 @@ impl Document {
         let mut is_model = false;
         each_element(entry, source, |element| match element {
             Element::Start(tag) => {
-                if tag.depth == 0 && tag.name() == "model" {
+                if tag.depth == 0 && tag.name == "model" {
                     if tag.namespace != Namespace::Core {
                         let name = tag.extension();
                         return Err(format!("<model> is not a 3MF model, but of the {name}"));
@@ -135,6 +135,7 @@ impl DocumentReader {
                 self.start_foreign(tag);
                 Ok(())
             }
+            Namespace::Slic3r => self.start_slic3r(tag),
             // Names of sets of triangles, other models of the same object, and the like.
             _ => Ok(()),
         }
@@ -142,7 +143,7 @@ impl DocumentReader {
 
     fn start_core(&mut self, tag: &Tag<'_>) -> Result<(), String> {
         let notes = &mut self.document.notes;
-        match (tag.name(), &mut self.object) {
+        match (tag.name, &mut self.object) {
             ("vertex", Some((_, Object { content: Content::Mesh(surface), .. })))
                 if self.in_mesh =>
             {
@@ -185,6 +186,7 @@ impl DocumentReader {
                 let items = self.document.items.get_or_insert_default();
                 items.push(Item { reference, is_printable });
             }
+            ("metadata", Some(_)) => self.object_metadata(tag)?,
             ("basematerials", None) => self.start_group(tag)?,
             ("base", None) => {
                 if let Some((_, group)) = &mut self.group {
@@ -221,7 +223,7 @@ impl DocumentReader {
     }
 
     fn start_group(&mut self, tag: &Tag<'_>) -> Result<(), String> {
-        if tag.name() == "texture2d" {
+        if tag.name == "texture2d" {
             self.document.notes.ignored("textures");
         }
         let Some(group) = Group::start(tag)? else { return Ok(()) };
@@ -233,6 +235,38 @@ impl DocumentReader {
         Ok(())
     }
 
+    /// An element of Slic3r, the predecessor of PrusaSlicer: parts of an object and their settings.
+    fn start_slic3r(&mut self, tag: &Tag<'_>) -> Result<(), String> {
+        let Some((_, object)) = &mut self.object else { return Ok(()) };
+        if tag.name == "volume" && tag.attribute("modifier")?.is_some_and(|value| value == "1") {
+            object.refusal = Some("has a modifier of Slic3r, which is not supported".into());
+        }
+        if tag.name == "metadata" {
+            self.document.notes.ignored("settings of parts that Slic3r states");
+        }
+        Ok(())
+    }
+
+    /// Metadata of the object that is being read.
+    fn object_metadata(&mut self, tag: &Tag<'_>) -> Result<(), String> {
+        let (Some((_, object)), Some(name)) = (&mut self.object, tag.attribute("name")?) else {
+            return Ok(());
+        };
+        // Names of programs have a prefix; others are descriptions.
+        let Some((program, setting)) = name.split_once(':') else { return Ok(()) };
+        let is_auxiliary = matches!(
+            setting,
+            "anti_overhang_mesh" | "cutting_mesh" | "infill_mesh" | "support_mesh"
+        );
+        if program == "cura" && is_auxiliary {
+            let setting = setting.replace('_', " ");
+            object.refusal =
+                Some(format!("is marked as {setting} of Cura, which is not supported"));
+        }
+        self.document.notes.ignored_of("settings of objects", &name);
+        Ok(())
+    }
+
     /// An element of an extension that is not supported.
     fn start_foreign(&mut self, tag: &Tag<'_>) {
         let name = tag.extension();
@@ -240,7 +274,7 @@ impl DocumentReader {
         let Some((_, object)) = &mut self.object else { return };
         // The mesh of such objects is not their shape, or only part of it.
         let is_shape = matches!(
-            tag.name(),
+            tag.name,
             "booleanshape" | "boolean" | "beamlattice" | "displacementmesh" | "levelset"
         );
         if is_shape && object.refusal.is_none() {

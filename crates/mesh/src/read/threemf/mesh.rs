@@ -83,15 +83,15 @@ impl MeshReader {
         let (mut own_group, mut indices) = (None, [None; 3]);
         let number = surface.triangles.len();
         tag.each_attribute(|name, value| {
-            let target = match name {
-                "v1" => &mut corners[0],
-                "v2" => &mut corners[1],
-                "v3" => &mut corners[2],
-                "pid" => &mut own_group,
-                "p1" => &mut indices[0],
-                "p2" => &mut indices[1],
-                "p3" => &mut indices[2],
-                "paint_color" => return self.paint(value, number, &mut surface.filaments),
+            let target = match name.as_bytes() {
+                [b'v', b'1'] => &mut corners[0],
+                [b'v', b'2'] => &mut corners[1],
+                [b'v', b'3'] => &mut corners[2],
+                [b'p', b'1'] => &mut indices[0],
+                [b'p', b'2'] => &mut indices[1],
+                [b'p', b'3'] => &mut indices[2],
+                b"pid" => &mut own_group,
+                b"paint_color" => return self.paint(value, number, &mut surface.filaments),
                 _ => {
                     let (prefix, local) = name.split_once(':').unwrap_or(("", name));
                     let is_slic3r = tag.scope.namespace(prefix) == Namespace::Slic3r;
@@ -209,10 +209,11 @@ impl MeshReader {
 pub(super) fn vertex(tag: &Tag<'_>, notes: &mut Notes) -> Result<[f64; 3], String> {
     let mut point = [None; 3];
     tag.each_attribute(|name, value| {
-        let axis = match name {
-            "x" => 0,
-            "y" => 1,
-            "z" => 2,
+        // Patterns of bytes are compared without a call, which counts here.
+        let axis = match name.as_bytes() {
+            [b'x'] => 0,
+            [b'y'] => 1,
+            [b'z'] => 2,
             _ => {
                 note_attribute(tag, name, "vertices", notes);
                 return Ok(());

@@ -143,17 +143,24 @@ struct Declaration {
 }
 
 /// The declarations that are in effect at a position of a document.
-#[derive(Default)]
 pub(super) struct Scope {
     declarations: Vec<Declaration>,
+    /// The namespace of elements without a prefix, which most elements are.
+    default: Namespace,
+}
+
+impl Default for Scope {
+    fn default() -> Self {
+        Self { declarations: Vec::new(), default: Namespace::Core }
+    }
 }
 
 impl Scope {
     /// Adds the declarations of an element at a depth.
     pub(super) fn enter(&mut self, start: &BytesStart<'_>, depth: u32) -> Result<(), String> {
-        // Almost no element has declarations, and a search for the word is faster than a look at
-        // all attributes.
-        if !start.contains("xmlns") {
+        // Almost no element has declarations, and a search for a letter, and then for the word, is
+        // faster than a look at all attributes.
+        if !start.contains('m') || !start.contains("xmlns") {
             return Ok(());
         }
         for attribute in start.attributes().with_checks(false) {
@@ -177,13 +184,15 @@ impl Scope {
                 depth,
             });
         }
+        self.default = self.find("").map_or(Namespace::Core, |found| found.namespace);
         Ok(())
     }
 
     /// Removes the declarations of the element that ends at a depth.
     pub(super) fn leave(&mut self, depth: u32) {
-        while self.declarations.last().is_some_and(|last| last.depth >= depth) {
-            self.declarations.pop();
+        if self.declarations.last().is_some_and(|last| last.depth >= depth) {
+            self.declarations.retain(|declaration| declaration.depth < depth);
+            self.default = self.find("").map_or(Namespace::Core, |found| found.namespace);
         }
     }
 
@@ -193,9 +202,11 @@ impl Scope {
 
     /// The namespace of a prefix; the empty prefix is that of elements without one.
     pub(super) fn namespace(&self, prefix: &str) -> Namespace {
+        if prefix.is_empty() {
+            return self.default;
+        }
         match (self.find(prefix), prefix) {
             (Some(declaration), _) => declaration.namespace,
-            (None, "") => Namespace::Core,
             (None, "xml" | "xmlns") => Namespace::Xml,
             // PrusaSlicer itself recognizes its attributes by their prefix.
             (None, "slic3rpe") => Namespace::Slic3r,

@@ -50,7 +50,7 @@ impl Group {
     /// Starts a group: an element of the core specification or of the materials extension.
     /// `None` if the element is not a group.
     pub(super) fn start(tag: &Tag<'_>) -> Result<Option<Self>, String> {
-        Ok(Some(match tag.name() {
+        Ok(Some(match tag.name {
             "basematerials" => Self::Materials(Vec::new()),
             "colorgroup" => Self::Colours(Vec::new()),
             "compositematerials" => {
@@ -74,7 +74,7 @@ impl Group {
 
     /// Adds an entry; other elements have no effect.
     pub(super) fn add(&mut self, tag: &Tag<'_>) -> Result<(), String> {
-        match (self, tag.name()) {
+        match (self, tag.name) {
             (Self::Materials(materials), "base") => materials.push(base_material(tag)?),
             (Self::Colours(colours), "color") => {
                 let text = tag.attribute("color")?.ok_or("color has no value")?;

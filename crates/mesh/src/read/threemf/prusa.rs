@@ -40,6 +40,9 @@ pub(super) fn read(archive: &mut Archive<'_>, project: &mut Project) -> Result<(
         let settings = archive.read(entry, |source| read_settings(entry, source))?;
         apply(&settings, project).map_err(|message| entry_error(entry, message))?;
     }
+    if archive.contains("Metadata/PrusaSlicer3_project.json") {
+        project.notes.ignored("settings and paint of PrusaSlicer 3");
+    }
     for (entry, what) in LAYERS {
         if archive.contains(entry) && has_content(archive, entry)? {
             project.notes.ignored(what);
@@ -61,7 +64,7 @@ pub(super) fn has_content(archive: &mut Archive<'_>, entry: &str) -> Result<bool
         let mut found = false;
         each_element(entry, source, |element| {
             if let Element::Start(tag) = element {
-                found |= matches!(tag.name(), "code" | "layer" | "range");
+                found |= matches!(tag.name, "code" | "layer" | "range");
             }
             Ok(())
         })?;
@@ -78,7 +81,7 @@ fn read_objects(
     let mut volume: Option<Volume> = None;
     each_element(entry, source, |element| {
         match element {
-            Element::Start(tag) => match (tag.name(), &mut object) {
+            Element::Start(tag) => match (tag.name, &mut object) {
                 ("object", _) => {
                     let id = tag.integer("id")?.ok_or("object has no id")?;
                     object = Some((id, ObjectSettings::default()));

@@ -10,6 +10,7 @@ use zip::write::SimpleFileOptions;
 use super::*;
 use crate::{Format, MaterialRule};
 
+mod painted;
 mod projects;
 mod specification;
 

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::io::BufRead;
 
 use quick_xml::events::{BytesStart, Event};
+use quick_xml::name::Prefix;
 use quick_xml::{Reader, XmlVersion};
 
 use super::namespace::{Namespace, Scope};
@@ -19,6 +20,9 @@ pub(super) enum Element<'a> {
 /// The start of an element.
 pub(super) struct Tag<'a> {
     start: &'a BytesStart<'a>,
+    /// The name of the element, without a prefix.
+    pub(super) name: &'a str,
+    prefix: &'a str,
     /// The namespace of the element.
     pub(super) namespace: Namespace,
     /// The declarations that are in effect.
@@ -86,22 +90,18 @@ fn enter(
     visit: &mut impl FnMut(Element<'_>) -> Result<(), String>,
 ) -> Result<Namespace, String> {
     scope.enter(start, depth)?;
-    let (_, prefix) = start.name().decompose();
-    let namespace = scope.namespace(prefix.as_ref().map_or("", |prefix| prefix.as_ref()));
-    visit(Element::Start(&Tag { start, namespace, scope, depth: depth - 1 }))?;
+    let (name, prefix) = start.name().decompose();
+    let (name, prefix) = (name.into_inner(), prefix.map_or("", Prefix::into_inner));
+    let namespace = scope.namespace(prefix);
+    let scope = &*scope;
+    visit(Element::Start(&Tag { start, name, prefix, namespace, scope, depth: depth - 1 }))?;
     Ok(namespace)
 }
 
 impl Tag<'_> {
-    /// The name of the element, without a prefix.
-    pub(super) fn name(&self) -> &str {
-        self.start.local_name().into_inner()
-    }
-
     /// The name of the extension that the element belongs to, for messages after "the".
     pub(super) fn extension(&self) -> String {
-        let (_, prefix) = self.start.name().decompose();
-        self.scope.extension(prefix.as_ref().map_or("", |prefix| prefix.as_ref()))
+        self.scope.extension(self.prefix)
     }
 
     /// The value of an attribute without a prefix, if the element has it.

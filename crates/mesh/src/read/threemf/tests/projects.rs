@@ -357,3 +357,26 @@ fn changes_of_layers_are_reported() {
     let model = read_entries(&[("3D/3dmodel.model", &assembly(1)), (entry, empty)]).unwrap();
     assert_eq!(warnings(&model), [""; 0]);
 }
+
+#[test]
+fn parts_of_a_painted_mesh_are_ranges_of_its_facets() {
+    let mesh =
+        two_cubes().replacen(r#"v3="3"/>"#, r#"v3="3" slic3rpe:mmu_segmentation="480C043"/>"#, 1);
+    // The tree is malformed: five children.
+    let text = document(&format!(r#"<object id="1">{mesh}</object>"#), r#"<item objectid="1"/>"#);
+    assert!(read_entries(&[("3D/3dmodel.model", &text)]).is_err());
+    let text = text.replace("480C043", "480C03");
+    let volumes =
+        volume(0, 11, &[("extruder", "4")]) + &volume(12, 23, &[("volume_type", "NegativeVolume")]);
+    let objects = format!(r#"<config><object id="1">{volumes}</object></config>"#);
+    let model = read_entries(&[("3D/3dmodel.model", &text), (PRUSA, &objects)]).unwrap();
+    let [solid, negative] = &model.bodies[..] else { panic!("two bodies") };
+    // Four quarters, and three neighbours in two parts each.
+    assert_eq!((solid.mesh.triangles().len(), negative.mesh.triangles().len()), (18, 12));
+    assert!((solid.mesh.volume_mm3() - 1.0).abs() < 1e-12);
+    assert!((negative.mesh.volume_mm3() - 1.0).abs() < 1e-12);
+    let names: Vec<_> = model.materials.iter().map(|material| material.name.as_str()).collect();
+    assert_eq!(names, ["filament 1", "filament 2", "filament 3", "filament 4"]);
+    let count = |wanted| solid.paint.iter().filter(|paint| **paint == wanted).count();
+    assert_eq!([0, 1, 2, 3].map(count), [1, 1, 1, 15]);
+}

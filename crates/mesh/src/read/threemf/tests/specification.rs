@@ -312,3 +312,44 @@ fn data_that_is_not_known_is_reported_once() {
         ["attributes of vertices (r): not used", "attributes of triangles (face): not used"]
     );
 }
+
+#[test]
+fn names_of_entries_are_compared_by_their_meaning() {
+    let root = model(
+        r#"<object id="1"><components><component p:path="/3D/my%20part.model" objectid="7"/>
+        </components></object>"#,
+        &item(1),
+    );
+    let other = model(&format!(r#"<object id="7">{}</object>"#, tetra()), "");
+    let entries = [("3D\\3dmodel.model", &root[..]), ("3d/My part.model", &other)];
+    assert_eq!(read_entries(&entries).unwrap().bodies.len(), 1);
+}
+
+#[test]
+fn objects_that_only_other_programs_understand_are_refused() {
+    let with = |metadata: &str| {
+        format!(
+            r#"<object id="1"><metadatagroup><metadata name="{metadata}">True</metadata>
+            <metadata name="note">x</metadata></metadatagroup>{}</object>"#,
+            tetra()
+        )
+    };
+    let error = refused(&with("cura:support_mesh"), &item(1));
+    assert!(error.ends_with("object 1 is marked as support mesh of Cura, which is not supported"));
+    let model = read_model(&with("cura:extruder_nr"), &item(1)).unwrap();
+    assert_eq!(warnings(&model), ["settings of objects (cura:extruder_nr): not used"]);
+
+    let slic3r = r#"xmlns:slic3r="http://schemas.slic3r.org/3mf/2017/06""#;
+    let volumes = r#"<slic3r:volumes><slic3r:volume ts="0" te="3" modifier="0"/></slic3r:volumes>"#;
+    let object = format!(
+        r#"<object id="1">{}</object>"#,
+        tetra().replace("</mesh>", &format!("{volumes}</mesh>"))
+    );
+    assert_eq!(warnings(&with_attributes(slic3r, &object, &item(1)).unwrap()), [""; 0]);
+    let object = object.replace(r#"modifier="0""#, r#"modifier="1""#);
+    let error = with_attributes(slic3r, &object, &item(1)).unwrap_err().to_string();
+    assert!(
+        error.ends_with("object 1 has a modifier of Slic3r, which is not supported"),
+        "{error}"
+    );
+}
