@@ -99,13 +99,14 @@ fn xml_of_long_attributes_and_deep_elements() {
         text
     });
     assert!(matches!(
-        read_package(&format!("<object {many} id='1'/>"), ""),
+        read_package(&format!("<object {many} id='1'/>"), r#"<item objectid="1"/>"#),
         Err(ReadError::NoTriangles)
     ));
     let deep = "<a>".repeat(1 << 20);
     assert!(matches!(read_package(&deep, ""), Err(ReadError::Entry { .. })));
-    let deep = deep + &"</a>".repeat(1 << 20);
-    assert!(matches!(read_package(&deep, ""), Err(ReadError::NoTriangles)));
+    let deep = deep + &"</a>".repeat(1 << 20) + "<object id='1'/>";
+    let item = r#"<item objectid="1"/>"#;
+    assert!(matches!(read_package(&deep, item), Err(ReadError::NoTriangles)));
 }
 
 #[test]
