@@ -7,7 +7,7 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use beadwork_base::Control;
+use beadwork_base::{Control, Threads};
 use beadwork_console::progress::ProgressBar;
 use beadwork_console::{cancel, control, output, progress};
 use beadwork_dataset::{Dataset, ShardReader, Trajectory, search_times};
@@ -129,7 +129,8 @@ fn listed_shards(dataset: &Dataset, folder: &Path) -> Vec<Shard> {
 /// Reads a shard without a manifest, and checks all of its bytes.
 fn read_shard(path: &Path) -> anyhow::Result<Shard> {
     let mut reader = open(path)?;
-    let summary = reader.verify().with_context(|| format!("cannot read '{}'", path.display()))?;
+    let summary = control::with_bar("verify", Threads::One, |control| reader.verify(control))?
+        .with_context(|| format!("cannot read '{}'", path.display()))?;
     Ok(Shard {
         path: path.to_owned(),
         first_record: reader.header().first_record,
@@ -171,9 +172,10 @@ fn verify(shards: &[Shard], dataset: Option<&Dataset>, threads: usize) -> anyhow
         .collect();
     let verified = pool.install(|| {
         if let Some(dataset) = dataset {
+            let control = control::cancellable(Threads::One)?;
             (0..shards.len())
                 .into_par_iter()
-                .try_for_each(|shard| dataset.verify_shard(shard).map(drop))?;
+                .try_for_each(|shard| dataset.verify_shard(shard, &control).map(drop))?;
         }
         let moves = blocks.par_iter().map(|&(shard, block)| {
             if cancel.is_cancelled() {

@@ -3,6 +3,7 @@
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
+use beadwork_base::Control;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -89,13 +90,18 @@ impl Dataset {
 
     /// Checks every byte of one shard, against its checksums and against the manifest.
     /// Linear in its length; shards can be checked in parallel.
+    /// Progress counts blocks.
     ///
     /// # Panics
     /// If there is no shard of this number.
-    pub fn verify_shard(&self, shard: usize) -> Result<ShardSummary, DatasetError> {
+    pub fn verify_shard(
+        &self,
+        shard: usize,
+        control: &Control<'_>,
+    ) -> Result<ShardSummary, DatasetError> {
         let entry = &self.manifest.shards[shard];
         let path = self.path(entry);
-        let summary = self.open_shard(shard)?.verify();
+        let summary = self.open_shard(shard)?.verify(control);
         let summary = summary.map_err(|cause| DatasetError::Shard { path: path.clone(), cause })?;
         if ShardEntry::new(entry.file.clone(), entry.first, summary.clone()) != *entry {
             return Err(DatasetError::OtherShard { path });

@@ -116,7 +116,7 @@ impl<'a> Shards<'a> {
             (0..self.count).filter(|&number| shards[number as usize].is_none()).collect();
         let found = control.threads.map(&numbers, |&number| {
             control.check()?;
-            self.find(number)
+            self.find(number, control)
         });
         for (number, found) in numbers.into_iter().zip(found) {
             shards[number as usize] = found?;
@@ -125,7 +125,11 @@ impl<'a> Shards<'a> {
     }
 
     /// Reads a finished shard and checks every byte; `None` if it is not in the folder.
-    fn find(&self, number: u32) -> Result<Option<FinishedShard>, GenerateError> {
+    fn find(
+        &self,
+        number: u32,
+        control: &Control<'_>,
+    ) -> Result<Option<FinishedShard>, GenerateError> {
         let path = self.path(number);
         let file = match File::open(&path) {
             Ok(file) => file,
@@ -138,13 +142,17 @@ impl<'a> Shards<'a> {
             for trajectory in reader.records::<Trajectory>() {
                 moves += trajectory?.moves.len() as u64;
             }
-            Ok((*reader.header(), FinishedShard { summary: reader.verify()?, moves }))
+            Ok((
+                *reader.header(),
+                FinishedShard { summary: reader.verify(&control.without_progress())?, moves },
+            ))
         };
         match read(file) {
             Ok((header, _)) if header != self.header(number) => {
                 Err(GenerateError::OtherDataset { path })
             }
             Ok((_, shard)) => Ok(Some(shard)),
+            Err(ShardError::Interrupted(interrupted)) => Err(interrupted.into()),
             Err(cause) => Err(GenerateError::Shard { path, cause }),
         }
     }

@@ -2,6 +2,7 @@
 
 use std::io::{self, Read, Seek, SeekFrom};
 
+use beadwork_base::{Control, Interrupted};
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 use zstd::bulk::Decompressor;
@@ -60,6 +61,9 @@ pub enum ShardError {
     /// Reading failed.
     #[error(transparent)]
     Io(#[from] io::Error),
+    /// The caller ended the call early.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 /// Reads one shard; it trusts none of the bytes.
@@ -135,12 +139,17 @@ impl<R: Read + Seek> ShardReader<R> {
     /// Checks every byte of the blocks ([`ShardReader::open`] has checked the rest) and returns a
     /// summary.
     /// Records are not decoded, so this works for any schema.
-    pub fn verify(&mut self) -> Result<ShardSummary, ShardError> {
+    /// Progress counts blocks.
+    pub fn verify(&mut self, control: &Control<'_>) -> Result<ShardSummary, ShardError> {
         let mut hasher = Sha256::new_with_prefix(self.outline.header_bytes());
-        for block in 0..self.block_count() {
+        let blocks = self.block_count();
+        for block in 0..blocks {
+            control.check()?;
+            control.report(block as usize, blocks as usize);
             self.unpack(block)?;
             hasher.update(&self.packed);
         }
+        control.report(blocks as usize, blocks as usize);
         Ok(self.outline.summary(hasher))
     }
 

@@ -3,6 +3,7 @@
 use std::cell::Cell;
 use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 
+use beadwork_base::Control;
 use proptest::prelude::*;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -70,7 +71,7 @@ fn write(blocks: &[Vec<Sample>]) -> (Vec<u8>, ShardSummary) {
 /// Opens, verifies and reads a shard; any damage must give an error.
 fn read_all(bytes: &[u8]) -> Result<Vec<Sample>, ShardError> {
     let mut reader = ShardReader::open(Cursor::new(bytes))?;
-    reader.verify()?;
+    reader.verify(&Control::default())?;
     reader.records().collect()
 }
 
@@ -92,7 +93,7 @@ fn a_written_shard_reads_back() {
     assert_eq!((*reader.header(), reader.block_count(), reader.record_count()), (HEADER, 3, 12));
     assert_eq!(reader.read_block::<Sample>(2).unwrap(), samples(6..12));
     assert_eq!(reader.read_block::<Sample>(0).unwrap(), samples(0..5));
-    assert_eq!(reader.verify().unwrap(), summary);
+    assert_eq!(reader.verify(&Control::default()).unwrap(), summary);
     assert_eq!(reader.records().collect::<Result<Vec<Sample>, _>>().unwrap(), samples(0..12));
 }
 
@@ -202,7 +203,10 @@ fn a_damaged_block_leaves_the_others() {
     assert!(matches!(items[0], Err(ShardError::DamagedBlock { block: 0 })));
     let rest: Vec<_> = items.into_iter().skip(1).map(Result::unwrap).collect();
     assert_eq!(rest, samples(5..12));
-    assert!(matches!(reader.verify(), Err(ShardError::DamagedBlock { block: 0 })));
+    assert!(matches!(
+        reader.verify(&Control::default()),
+        Err(ShardError::DamagedBlock { block: 0 })
+    ));
 }
 
 #[test]
@@ -359,7 +363,7 @@ proptest! {
         let (bytes, summary) = writer.finish().unwrap();
         prop_assert_eq!((summary.blocks as usize, summary.records), (sizes.len(), u64::from(next)));
         prop_assert_eq!(read_all(&bytes).unwrap(), samples(0..next));
-        prop_assert_eq!(ShardReader::open(Cursor::new(&bytes)).unwrap().verify().unwrap(), summary);
+        prop_assert_eq!(ShardReader::open(Cursor::new(&bytes)).unwrap().verify(&Control::default()).unwrap(), summary);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use std::cell::Cell;
 use std::collections::BTreeMap;
 
+use beadwork_base::Control;
 use proptest::prelude::*;
 use serde::{Deserialize, Deserializer, Serialize};
 use tempfile::TempDir;
@@ -119,7 +120,7 @@ proptest! {
         sorted.sort_unstable();
         prop_assert_eq!(sorted, all);
         for shard in 0..shape.len() {
-            dataset.verify_shard(shard).unwrap();
+            dataset.verify_shard(shard, &Control::default()).unwrap();
         }
     }
 
@@ -210,7 +211,7 @@ fn damaged_blocks_are_named_and_skipped() {
     fs::write(&path, bytes).unwrap();
     let dataset = Dataset::open(folder.path()).unwrap();
     let message = format!("cannot read '{}': block 0 is damaged", path.display());
-    assert_eq!(dataset.verify_shard(1).unwrap_err().to_string(), message);
+    assert_eq!(dataset.verify_shard(1, &Control::default()).unwrap_err().to_string(), message);
 
     let check = |items: Vec<Result<Number, DatasetError>>| {
         let (intact, faults): (Vec<_>, Vec<_>) = items.into_iter().partition(Result::is_ok);
@@ -262,7 +263,10 @@ fn a_shard_of_another_dataset_is_refused() {
     let mut writer = ShardWriter::new(Vec::new(), header).unwrap();
     writer.block(&Block::pack(&[Number(0), Number(1), Number(2)], 1).unwrap()).unwrap();
     fs::write(&first, writer.finish().unwrap().0).unwrap();
-    assert!(matches!(dataset.verify_shard(0), Err(DatasetError::OtherShard { .. })));
+    assert!(matches!(
+        dataset.verify_shard(0, &Control::default()),
+        Err(DatasetError::OtherShard { .. })
+    ));
 }
 
 #[test]
