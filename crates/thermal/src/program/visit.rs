@@ -75,7 +75,7 @@ impl Visits {
         seconds_to: impl Fn(f64) -> f64,
         emit: &mut impl FnMut(&Visit),
     ) {
-        let Frame { left_mm, back_mm, cell_mm, .. } = self.frame;
+        let Frame { left_mm, back_mm, cell_mm, width, height, .. } = self.frame;
         // In cells, x right and y down.
         let to_cells = |[x, y, _]: [f64; 3]| [(x - left_mm) / cell_mm, (back_mm - y) / cell_mm];
         let (from, to) = (to_cells(motion.from_mm), to_cells(motion.to_mm));
@@ -83,7 +83,7 @@ impl Visits {
         let length_mm = motion.length_mm();
         let layers = self.rows.at(f64::midpoint(motion.from_mm[2], motion.to_mm[2]));
         let mut before_s = 0.0;
-        for ends in crossings(from, step).windows(2) {
+        for ends in crossings(from, step, [width, height]).windows(2) {
             let [begin, end] = [ends[0], ends[1]];
             let at = |fraction: f64| [0, 1].map(|axis| from[axis] + fraction * step[axis]);
             let cell = at(f64::midpoint(begin, end)).map(f64::floor);
@@ -153,11 +153,15 @@ impl Visits {
 
 /// Where a straight motion crosses sides of cells, as fractions of its length: rising from 0 to 1,
 /// both included.
-fn crossings(from: [f64; 2], step: [f64; 2]) -> Vec<f64> {
+///
+/// Sides more than a cell beyond the grid do not count: they are at no voxel, and a motion of
+/// thousands of kilometres would have too many of them.
+fn crossings(from: [f64; 2], step: [f64; 2], grid: [u32; 2]) -> Vec<f64> {
     let mut fractions = vec![0.0];
     for axis in 0..2 {
         let (a, b) = (from[axis], from[axis] + step[axis]);
-        let (low, high) = (a.min(b).floor() as i64 + 1, a.max(b).ceil() as i64);
+        let low = (a.min(b).floor() as i64).saturating_add(1).max(-1);
+        let high = (a.max(b).ceil() as i64).min(i64::from(grid[axis]) + 2);
         fractions.extend((low..high).map(|side| ((side as f64 - a) / step[axis]).clamp(0.0, 1.0)));
     }
     fractions.push(1.0);
@@ -183,13 +187,18 @@ fn distance(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
 
+    const GRID: [u32; 2] = [10, 10];
+
     #[test]
     fn motions_are_cut_at_the_sides_of_cells() {
-        assert_eq!(crossings([0.0, 0.5], [2.0, 0.0]), [0.0, 0.5, 1.0]);
-        assert_eq!(crossings([2.0, 0.5], [-2.0, 0.0]), [0.0, 0.5, 1.0]);
-        assert_eq!(crossings([0.5, 0.5], [0.0, 0.25]), [0.0, 1.0]);
-        assert_eq!(crossings([0.5, 0.5], [2.0, 2.0]), [0.0, 0.25, 0.75, 1.0]);
-        assert_eq!(crossings([-0.5, 0.25], [1.0, 1.0]), [0.0, 0.5, 0.75, 1.0]);
+        assert_eq!(crossings([0.0, 0.5], [2.0, 0.0], GRID), [0.0, 0.5, 1.0]);
+        assert_eq!(crossings([2.0, 0.5], [-2.0, 0.0], GRID), [0.0, 0.5, 1.0]);
+        assert_eq!(crossings([0.5, 0.5], [0.0, 0.25], GRID), [0.0, 1.0]);
+        assert_eq!(crossings([0.5, 0.5], [2.0, 2.0], GRID), [0.0, 0.25, 0.75, 1.0]);
+        assert_eq!(crossings([-0.5, 0.25], [1.0, 1.0], GRID), [0.0, 0.5, 0.75, 1.0]);
+        let far = crossings([0.5, 0.5], [1e13, -1e13], GRID);
+        assert!(far.len() < 20 && far.is_sorted(), "{far:?}");
+        assert_eq!(crossings([100.5, 0.5], [5.0, 0.0], GRID), [0.0, 1.0]);
     }
 
     #[test]
