@@ -24,6 +24,7 @@ mod mesh;
 mod namespace;
 mod notes;
 mod painting;
+mod parts;
 mod project;
 mod properties;
 mod prusa;

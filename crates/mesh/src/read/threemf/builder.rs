@@ -12,7 +12,8 @@ use super::document::{Content, Document, Item, Object, Reference};
 use super::entry_error;
 use super::mesh::Surface;
 use super::notes::Notes;
-use super::project::{ObjectSettings, PartRole, PartSettings, Project};
+use super::parts::{part_of, parts};
+use super::project::{PartRole, PartSettings, Project};
 use super::properties::{self, Property};
 use crate::mesh::Mesh;
 use crate::model::{Body, Material, Model, Role};
@@ -47,9 +48,6 @@ pub(super) struct Builder<'a> {
     /// Triangles and components so far.
     triangles: usize,
 }
-
-/// Triangles that are one body, and what the project states about them.
-type Part = (Range<usize>, PartSettings);
 
 /// Where an object is reached from the build.
 struct Place<'a> {
@@ -148,20 +146,17 @@ impl<'a> Builder<'a> {
                 self.notes.ignored_of("objects that are marked printable=\"0\"", &name(item));
             }
         }
-        let is_used = |instances: &HashSet<(u32, u32)>| {
-            printed.iter().any(|(instance, _)| instances.contains(instance))
-        };
-        let mut plates: Vec<(u32, HashSet<(u32, u32)>)> = self
-            .project
-            .plates
-            .iter()
-            .map(|plate| (plate.number, plate.instances.iter().copied().collect()))
-            .filter(|(_, instances)| is_used(instances))
+        let all: HashSet<_> = printed.iter().map(|(instance, _)| *instance).collect();
+        let plates = self.project.plates.iter();
+        let mut plates: Vec<_> = plates
+            .filter(|plate| plate.instances.iter().any(|instance| all.contains(instance)))
             .collect();
-        plates.sort_by_key(|(number, _)| *number);
+        plates.sort_by_key(|plate| plate.number);
         // Plates lie beside each other and are printed one after another.
-        if let [(first, chosen), _, ..] = &plates[..] {
-            let what = format!("objects that are not on plate {first}, the first one");
+        if let [first, _, ..] = plates[..] {
+            let chosen: HashSet<_> = first.instances.iter().copied().collect();
+            let number = first.number;
+            let what = format!("objects that are not on plate {number}, the first one");
             for (_, item) in printed.iter().filter(|(instance, _)| !chosen.contains(instance)) {
                 self.notes.ignored_of(&what, &name(item));
             }
@@ -267,7 +262,9 @@ impl<'a> Builder<'a> {
     ) -> Result<(), ReadError> {
         let mut ids = place.path.iter().chain([&place.id]);
         let settings = ids.find_map(|id| self.project.objects.get(id));
-        let (parts, is_stated) = parts(settings, object, surface, place)
+        let of_project = settings.map_or("", |settings| &settings.name);
+        let name = if object.name.is_empty() { of_project } else { &object.name }.to_owned();
+        let (parts, is_stated) = parts(settings, surface, place.id, &place.path)
             .map_err(|message| entry_error(place.entry, message))?;
         // The roles of a project decide before the type of the object: Bambu Studio writes all
         // parts that are not solid as "other".
@@ -276,7 +273,10 @@ impl<'a> Builder<'a> {
             self.notes.ignored_of(&what, &name_of(object, place.id));
             return Ok(());
         }
-        for (triangles, part) in parts {
+        for (triangles, mut part) in parts {
+            if part.name.is_empty() {
+                part.name.clone_from(&name);
+            }
             self.add_part(object, surface, place, triangles, &part)?;
         }
         Ok(())
@@ -291,10 +291,7 @@ impl<'a> Builder<'a> {
         triangles: Range<usize>,
         part: &PartSettings,
     ) -> Result<(), ReadError> {
-        let name = match &part.name[..] {
-            "" => object.name.clone(),
-            name => name.to_owned(),
-        };
+        let name = part.name.clone();
         let shown = if name.is_empty() { format!("object {}", place.id) } else { name.clone() };
         let role = match part.role {
             PartRole::Solid => Role::Solid,
@@ -557,80 +554,6 @@ impl<'a> Builder<'a> {
         let volume = |(from, to): (usize, usize)| purge[[rows[from], rows[to]]];
         self.model.purge_mm3 = Some(Array2::from_shape_fn((count, count), volume));
     }
-}
-
-/// The parts of an object that is a mesh: ranges of triangles and their settings, and whether the
-/// project states them.
-fn parts(
-    settings: Option<&ObjectSettings>,
-    object: &Object,
-    surface: &Surface,
-    place: &Place<'_>,
-) -> Result<(Vec<Part>, bool), String> {
-    let all = 0..surface.triangles.len();
-    let Some(settings) = settings else { return Ok((vec![(all, PartSettings::default())], false)) };
-    // What a part does not state, it has from the object.
-    let complete = |part: &PartSettings| {
-        let mut part = part.clone();
-        if part.name.is_empty() && object.name.is_empty() {
-            part.name.clone_from(&settings.name);
-        }
-        if part.role == PartRole::Solid {
-            part.filament = part.filament.or(settings.filament);
-        }
-        part
-    };
-    let remainder = complete(&PartSettings::default());
-    if settings.volumes.is_empty() {
-        let mut ids = [place.id].into_iter().chain(place.path.iter().rev().copied());
-        let stated = ids.find_map(|id| settings.parts.get(&id));
-        return Ok((vec![(all, stated.map_or(remainder, complete))], stated.is_some()));
-    }
-    let facets = surface.facet_count();
-    let mut volumes: Vec<_> = settings.volumes.iter().collect();
-    volumes.sort_by_key(|volume| volume.ends);
-    let mut parts = Vec::new();
-    let mut next = 0;
-    for volume in volumes {
-        let [first, last] = volume.ends.map(|end| end as usize);
-        if first < next || last < first || last >= facets {
-            return Err(format!(
-                "object {}: project has a part of the triangles {first} to {last}, expected ranges \
-                 within 0 to {} that do not overlap",
-                place.id,
-                facets.saturating_sub(1)
-            ));
-        }
-        if first > next {
-            let between = surface.first_triangle(next)..surface.first_triangle(first);
-            parts.push((between, remainder.clone()));
-        }
-        let range = surface.first_triangle(first)..surface.first_triangle(last + 1);
-        parts.push((range, complete(&volume.part)));
-        next = last + 1;
-    }
-    if next < facets {
-        parts.push((surface.first_triangle(next)..surface.triangles.len(), remainder));
-    }
-    Ok((parts, true))
-}
-
-/// Some triangles of a mesh, with the vertices that they refer to.
-fn part_of(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
-    let mut number_of = HashMap::new();
-    let mut kept = Vec::new();
-    let mut renumber = |vertex: u32| {
-        *number_of.entry(vertex).or_insert_with(|| match vertices.get(vertex as usize) {
-            Some(&point) => {
-                kept.push(point);
-                kept.len() as u32 - 1
-            }
-            // The mesh is refused, with the number in the file.
-            None => vertex.max(vertices.len() as u32),
-        })
-    };
-    let triangles = triangles.iter().map(|corners| corners.map(&mut renumber)).collect::<Vec<_>>();
-    (kept, triangles)
 }
 
 /// The name of an object, for messages.

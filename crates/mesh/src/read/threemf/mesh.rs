@@ -98,7 +98,7 @@ impl MeshReader {
                     if is_slic3r && local == "mmu_segmentation" {
                         return self.paint(value, number, &mut surface.filaments);
                     }
-                    note_attribute(tag, name, "triangles", notes);
+                    note_attribute(tag, name, "attributes of triangles", notes);
                     return Ok(());
                 }
             };
@@ -215,7 +215,7 @@ pub(super) fn vertex(tag: &Tag<'_>, notes: &mut Notes) -> Result<[f64; 3], Strin
             [b'y'] => 1,
             [b'z'] => 2,
             _ => {
-                note_attribute(tag, name, "vertices", notes);
+                note_attribute(tag, name, "attributes of vertices", notes);
                 return Ok(());
             }
         };
@@ -228,7 +228,7 @@ pub(super) fn vertex(tag: &Tag<'_>, notes: &mut Notes) -> Result<[f64; 3], Strin
     }
 }
 
-/// Notes an attribute of a vertex or a triangle that is not used.
+/// Notes an attribute of a vertex or a triangle that is not used; `elements` names them all.
 fn note_attribute(tag: &Tag<'_>, name: &str, elements: &str, notes: &mut Notes) {
     let (prefix, local) = name.split_once(':').unwrap_or(("", name));
     match tag.scope.namespace(prefix) {
@@ -238,11 +238,8 @@ fn note_attribute(tag: &Tag<'_>, name: &str, elements: &str, notes: &mut Notes) 
             notes.ignored("painted supports, seams and fuzzy skin");
         }
         Namespace::Slic3r => notes.ignored("painted supports, seams and fuzzy skin"),
-        Namespace::Core if name != "xmlns" => {
-            notes.ignored_of(&format!("attributes of {elements}"), local);
-        }
-        Namespace::Other if prefix.is_empty() => {
-            notes.ignored_of(&format!("attributes of {elements}"), local);
+        Namespace::Core | Namespace::Other if prefix.is_empty() && name != "xmlns" => {
+            notes.ignored_of(elements, local);
         }
         Namespace::Other => {
             notes.ignored(&format!("data of the {}", tag.scope.extension(prefix)));
