@@ -51,7 +51,7 @@ const MACRO_CODES: std::ops::RangeInclusive<u32> = 810..=819;
 
 /// G- and M-codes after which `T` and a number begin a tool change; in others it is a word.
 const PLAIN_G: [u32; 17] = [0, 1, 2, 3, 4, 17, 18, 19, 20, 21, 28, 53, 54, 90, 91, 92, 94];
-const PLAIN_M: [u32; 17] = [2, 3, 5, 7, 8, 9, 17, 18, 73, 82, 83, 84, 107, 140, 190, 220, 400];
+const PLAIN_M: [u32; 14] = [2, 3, 5, 7, 8, 9, 17, 18, 73, 82, 83, 84, 220, 400];
 
 impl<'a> Code<'a> {
     /// Splits a text after its first code; returns the code and the rest.

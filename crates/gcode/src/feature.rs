@@ -39,8 +39,8 @@ pub(crate) enum Marker {
 }
 
 impl Feature {
-    /// The feature with this name in the comments of PrusaSlicer and its relatives or of Cura, in
-    /// any case; [`Feature::Other`] if none has it.
+    /// The feature with this name in the comments of PrusaSlicer and its relatives, Cura,
+    /// Simplify3D or ideaMaker, in any case; [`Feature::Other`] if none has it.
     pub fn from_name(name: &str) -> Self {
         let name = name.trim();
         let is = |names: &[&str]| names.iter().any(|known| name.eq_ignore_ascii_case(known));
@@ -53,13 +53,23 @@ impl Feature {
             "Bridge",
             "Bridge infill",
             "Internal Bridge",
+            "Internal bridge infill",
+            "Solid layer",
+            "SOLID-FILL",
             "Ironing",
             "SKIN",
         ]) {
             Self::SolidInfill
-        } else if is(&["Internal infill", "Sparse infill", "FILL"]) {
+        } else if is(&["Internal infill", "Sparse infill", "FILL", "Infill"]) {
             Self::Infill
-        } else if is(&["External perimeter", "Outer wall", "Thin wall", "WALL-OUTER"]) {
+        } else if is(&[
+            "External perimeter",
+            "Outer wall",
+            "Thin wall",
+            "WALL-OUTER",
+            "Outer perimeter",
+            "OUTER-SHELL",
+        ]) {
             Self::OuterWall
         } else if is(&[
             "Perimeter",
@@ -69,9 +79,12 @@ impl Feature {
             "Gap fill",
             "Gap infill",
             "WALL-INNER",
+            "Internal perimeter",
+            "Inner perimeter",
+            "INNER-SHELL",
         ]) {
             Self::InnerWall
-        } else if is(&["Prime tower", "Wipe tower", "PRIME-TOWER"]) {
+        } else if is(&["Prime tower", "Wipe tower", "PRIME-TOWER", "Prime pillar"]) {
             Self::PrimeTower
         } else if is(&[
             "Support material",
@@ -79,9 +92,13 @@ impl Feature {
             "Support",
             "Support interface",
             "SUPPORT-INTERFACE",
+            "Support transition",
+            "Support ironing",
+            "Dense support",
+            "Raft",
         ]) {
             Self::Support
-        } else if is(&["Skirt", "Skirt/Brim", "Brim"]) {
+        } else if is(&["Skirt", "Skirt/Brim", "Brim", "Draft shield", "Ooze shield"]) {
             Self::Skirt
         } else if is(&["Custom"]) {
             Self::Custom
@@ -115,9 +132,16 @@ impl Marker {
         } else if let Some(number) = comment.strip_prefix("LAYER:") {
             let number: i64 = number.trim().parse().ok()?;
             Some(Self::Layer(u32::try_from(number).ok()))
+        } else if let Some(layer) = comment.strip_prefix("layer ") {
+            // Simplify3D: `; layer 1, Z = 0.200`, counted from 1.
+            let (number, _) = layer.split_once(", Z = ")?;
+            let number: i64 = number.parse().ok()?;
+            Some(Self::Layer(u32::try_from(number - 1).ok()))
+        } else if comment.starts_with("BEGIN_LAYER_OBJECT") {
+            Some(Self::NextLayer)
         } else {
-            let name =
-                comment.strip_prefix("TYPE:").or_else(|| comment.strip_prefix("FEATURE:"))?;
+            let prefixes = ["TYPE:", "FEATURE:", "feature "];
+            let name = prefixes.iter().find_map(|prefix| comment.strip_prefix(prefix))?;
             Some(Self::Feature(Feature::from_name(name)))
         }
     }
@@ -155,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn comments_of_three_dialects() {
+    fn comments_of_all_dialects() {
         for (comment, marker) in [
             ("LAYER_CHANGE", Some(Marker::NextLayer)),
             (" CHANGE_LAYER", Some(Marker::NextLayer)),
@@ -165,6 +189,11 @@ mod tests {
             ("TYPE:Solid infill", Some(Marker::Feature(Feature::SolidInfill))),
             (" FEATURE: Prime tower", Some(Marker::Feature(Feature::PrimeTower))),
             ("LAYER_COUNT:3", None),
+            (" layer 1, Z = 0.200", Some(Marker::Layer(Some(0)))),
+            (" layer height", None),
+            (" layer end", None),
+            (" feature outer perimeter", Some(Marker::Feature(Feature::OuterWall))),
+            ("BEGIN_LAYER_OBJECT z=0.25", Some(Marker::NextLayer)),
             ("Z:0.2", None),
             ("", None),
         ] {

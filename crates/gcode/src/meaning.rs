@@ -55,13 +55,13 @@ const HARMLESS_G: [u32; 28] = [
 
 /// M-codes that only set up or query the printer.
 /// Fans, display, lights, sounds, sensors, calibration, files, settings in its memory.
-const HARMLESS_M: [u32; 102] = [
+const HARMLESS_M: [u32; 107] = [
     5, 7, 8, 9, 17, 20, 21, 22, 27, 31, 42, 70, 73, 74, 75, 76, 77, 78, 80, 82, 83, 85, 92, 105,
     106, 107, 108, 110, 111, 113, 114, 115, 116, 117, 118, 119, 122, 123, 126, 127, 142, 143, 145,
     150, 154, 155, 207, 208, 211, 250, 256, 260, 261, 280, 300, 301, 302, 304, 305, 307, 308, 309,
     355, 401, 402, 403, 404, 405, 406, 407, 412, 413, 420, 421, 425, 500, 501, 502, 503, 504, 524,
     532, 555, 569, 571, 572, 591, 592, 593, 851, 861, 862, 900, 906, 907, 911, 912, 913, 914, 915,
-    960, 1006,
+    960, 973, 975, 981, 991, 1002, 1006,
 ];
 
 /// Klipper commands that only set up or query the printer, marks of the end of a file, and "no
@@ -337,13 +337,9 @@ fn of_m<'a>(code: &Code<'a>) -> Result<Meaning, Fault<'a>> {
                 _ => Nothing,
             }
         }
-        486 => {
-            if code.words.contains(['P', 'p', 'C', 'c']) && !code.words.contains('"') {
-                Unknown
-            } else {
-                Nothing
-            }
-        }
+        // Cancels an object; other words name objects.
+        486 if code.words.trim_start().starts_with(['P', 'p', 'C', 'c']) => Unknown,
+        486 => Nothing,
         400 => {
             if code.words.is_empty() {
                 Nothing

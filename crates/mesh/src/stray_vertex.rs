@@ -17,8 +17,7 @@ pub struct StrayVertex {
     pub at_mm: [f64; 3],
 }
 
-/// A vertex is stray if it is this many times farther from the centre than three quarters of the
-/// vertices.
+/// A vertex is stray if it is this many times farther from the centre than half of the vertices.
 const STRAY: f64 = 10.0;
 
 impl StrayVertex {
@@ -28,13 +27,13 @@ impl StrayVertex {
     /// Linear in the vertices.
     pub(crate) fn find<'a>(bodies: impl Iterator<Item = &'a Body> + Clone) -> Option<Self> {
         let vertices = || bodies.clone().flat_map(|body| body.mesh.vertices().iter().copied());
-        let median = |axis: usize| quantile(vertices().map(|vertex| vertex[axis]).collect(), 0.5);
-        let centre = [median(0)?, median(1)?, median(2)?];
+        let along = |axis: usize| median(vertices().map(|vertex| vertex[axis]).collect());
+        let centre = [along(0)?, along(1)?, along(2)?];
         let distance = |vertex: [f64; 3]| {
-            let along = [0, 1, 2].map(|axis| (vertex[axis] - centre[axis]).abs());
-            along.into_iter().fold(0.0, f64::max)
+            let apart = [0, 1, 2].map(|axis| (vertex[axis] - centre[axis]).abs());
+            apart.into_iter().fold(0.0, f64::max)
         };
-        let usual = quantile(vertices().map(distance).collect(), 0.75)?;
+        let usual = median(vertices().map(distance).collect())?;
         let of_body = |body: &'a Body| body.mesh.vertices().iter().map(move |&at| (at, body));
         let all = bodies.clone().flat_map(of_body);
         let (at_mm, body) = all.max_by(|a, b| distance(a.0).total_cmp(&distance(b.0)))?;
@@ -42,10 +41,10 @@ impl StrayVertex {
     }
 }
 
-/// The value that this share of the values is below; `None` without values.
-fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
-    let at = ((values.len() as f64 * share) as usize).min(values.len().checked_sub(1)?);
-    Some(*values.select_nth_unstable_by(at, f64::total_cmp).1)
+/// The median; `None` without values.
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    let half = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(half, f64::total_cmp).1)
 }
 
 /// A length with one decimal, or in scientific notation if it is beyond all reason.

@@ -35,7 +35,10 @@ fn pack<'a>(parts: impl IntoIterator<Item = (&'a str, &'a str)>) -> Vec<u8> {
 }
 
 fn model(resources: &str, build: &str) -> String {
-    format!("<model><resources>{resources}</resources><build>{build}</build></model>")
+    format!(
+        "<model xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/06\">\
+         <resources>{resources}</resources><build>{build}</build></model>"
+    )
 }
 
 fn read_package(resources: &str, build: &str) -> Result<Model, ReadError> {

@@ -16,7 +16,7 @@ use beadwork_part::slice::{Layers, Voxels};
 use beadwork_part::{Frame, Pattern};
 use beadwork_thermal::Simulation;
 use beadwork_thermal::program::{
-    self, LayerFit, ProgramEvents, layer_fit, program_events, program_voxels,
+    self, LayerFit, ProgramEvents, ProgramFit, program_events, program_fit, program_voxels,
 };
 
 use super::args::{Args, Temperatures};
@@ -189,9 +189,16 @@ fn explain(error: anyhow::Error, program: &Program, part: &Voxels) -> anyhow::Er
 
 /// Reports how the layers of a program fit voxels of one height, and prime lines that are left out.
 fn report_fit(program: &Program, frame: &Frame) -> anyhow::Result<Option<LayerFit>> {
-    let (fit, left_out_mm) = control::quiet(Threads::One, |control| {
-        layer_fit(program, frame.cell_mm, frame.layer_mm, control)
+    let fit = control::quiet(Threads::One, |control| {
+        program_fit(program, frame.cell_mm, frame.layer_mm, control)
     })??;
+    let ProgramFit { layers: fit, left_out_mm, raft_mm } = fit;
+    if raft_mm > 0.0 {
+        eprintln!(
+            "beadwork: the part stands on a raft or supports {raft_mm:.2} mm high; simulated \
+             directly on the build plate"
+        );
+    }
     if left_out_mm > 0.0 {
         eprintln!(
             "beadwork: {left_out_mm:.0} mm of beads before or below the first layer, such as a \

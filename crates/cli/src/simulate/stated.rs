@@ -4,7 +4,7 @@ use anyhow::bail;
 use beadwork_base::Threads;
 use beadwork_console::control;
 use beadwork_gcode::{Event, Feature, Filament, Program};
-use beadwork_thermal::program::layer_heights;
+use beadwork_thermal::program::{bead_lengths, layer_heights};
 
 /// Names of the bead width in comments, the more general ones first.
 /// They are those of PrusaSlicer, Slic3r, Bambu Studio, Orca Slicer, `KISSlicer` and Simplify3D,
@@ -42,6 +42,10 @@ const PRINTABLE_MM: std::ops::RangeInclusive<f64> = 0.05..=5.0;
 fn number_of(comment: &str, name: &str) -> Option<f64> {
     let (key, value) = comment.split_once(['=', ':', ','])?;
     if !key.trim().eq_ignore_ascii_case(name) {
+        return None;
+    }
+    // `LAYER_HEIGHT: 0.3` is that of a single layer (Bambu Studio).
+    if name.contains('_') && !comment.contains('=') {
         return None;
     }
     // A list has one value per tool.
@@ -97,25 +101,28 @@ pub(super) fn voxel_mm(program: &Program) -> anyhow::Result<[f64; 2]> {
         }
         (None, None) => bail!("no bead width and layer height in the comments: name the part, too"),
     };
-    let width = match width {
-        Some(width) => width,
-        None => measured_width(program, height)?,
+    let width = if let Some(width) = width {
+        width
+    } else {
+        let mean_mm: f64 = heights.iter().map(|(mm, share)| mm * share).sum();
+        measured_width(program, mean_mm)?
     };
     Ok([width, height])
 }
 
 /// The bead width of a program whose comments do not state one: that of most beads according to
 /// `;WIDTH:` comments, or the mean by the extruded volume.
-fn measured_width(program: &Program, layer_mm: f64) -> anyhow::Result<f64> {
+/// `height_mm` is the mean height of the beads.
+fn measured_width(program: &Program, height_mm: f64) -> anyhow::Result<f64> {
     let mut widths: Vec<(f64, f64)> = Vec::new();
-    let mut marks = program
-        .lines
-        .iter()
-        .enumerate()
-        .filter_map(|(index, line)| Some((index + 1, number_of(line.comment()?, "WIDTH")?)));
+    let mut marks = (1..).zip(&program.lines).filter_map(|(number, line)| {
+        let comment = line.comment()?.trim_start();
+        let width = number_of(comment.strip_prefix("LINE_").unwrap_or(comment), "WIDTH")?;
+        // Slicers write widths such as 0.449999.
+        Some((number, (width * 1e3).round() / 1e3))
+    });
     let mut next = marks.next();
     let mut width = None;
-    let (mut extruded_mm, mut length_mm) = (0.0, 0.0);
     for event in program.trace() {
         let Event::Motion(motion) = event? else { continue };
         while let Some((_, mm)) = next.filter(|&(line, _)| line <= motion.line) {
@@ -126,8 +133,6 @@ fn measured_width(program: &Program, layer_mm: f64) -> anyhow::Result<f64> {
         if !motion.is_extrusion() || not_part.contains(&motion.feature) {
             continue;
         }
-        extruded_mm += motion.extruded_mm;
-        length_mm += motion.length_mm();
         if let Some(width) = width {
             let known = widths.iter().position(|(other, _)| (other - width).abs() < 1e-6);
             match known {
@@ -143,7 +148,9 @@ fn measured_width(program: &Program, layer_mm: f64) -> anyhow::Result<f64> {
     }
     let diameter = stated(program, &["filament_diameter", "filamentdiameters"]);
     let filament = Filament { diameter_mm: diameter.unwrap_or(1.75), density_g_cm3: 1.0 };
-    let width = extruded_mm * filament.area_mm2() / (length_mm * layer_mm);
+    let [extruded_mm, length_mm] =
+        control::quiet(Threads::One, |control| bead_lengths(program, control))??;
+    let width = extruded_mm * filament.area_mm2() / (length_mm * height_mm);
     // To hundredths of a millimetre.
     let width = (width * 100.0).round() / 100.0;
     if !PRINTABLE_MM.contains(&width) {
@@ -179,6 +186,7 @@ mod tests {
             ("; extrusion_width_mm = 0.4\n; layer_thickness_mm = 0.1", Some(0.4), Some(0.1)),
             ("; perimeters extrusion width = 0.45mm (2.7mm^3/s)", Some(0.45), None),
             ("; line_width = 0.42,0.42", Some(0.42), None),
+            ("; LAYER_HEIGHT: 0.3\n; layer_height = 0.2", None, Some(0.2)),
             ("; initial_layer_height = 0.3\n; first_layer_height = 0.3", None, None),
             ("; extrusion_width = nan\n; layer_height = -1", None, None),
         ] {

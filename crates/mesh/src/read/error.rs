@@ -99,12 +99,12 @@ pub enum ReadError {
         what: &'static str,
     },
     /// The mesh of a body is invalid.
-    #[error("body {body}: {source}")]
+    #[error("body {body}: {error}")]
     Mesh {
         /// Name of the body, or its number if it has none.
         body: String,
         /// Why.
-        source: MeshError,
+        error: MeshError,
     },
     /// The file contains nothing to print.
     #[error("file contains no triangles")]

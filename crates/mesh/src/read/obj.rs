@@ -115,7 +115,7 @@ impl Reader {
             Some("usemtl") => {
                 self.material = Some(self.material(line, &words.collect::<Vec<_>>().join(" "))?);
             }
-            Some("mtllib") => self.ignore("colours of materials, which are in another file,"),
+            Some("mtllib") => self.ignore("colours of materials (mtllib)"),
             Some("p" | "l") => self.ignore("points and lines"),
             Some("curv" | "curv2" | "surf" | "vp" | "cstype" | "parm" | "end") => {
                 self.ignore("curves and surfaces of higher order");
@@ -193,7 +193,7 @@ impl Reader {
             if self.materials.is_empty() {
                 self.use_vertex_colours(&mut warnings)?;
             } else {
-                let what = "colours of vertices, because there are materials,".into();
+                let what = "colours of vertices (the file has materials)".into();
                 warnings.push(ReadWarning::Ignored { what });
             }
         }

@@ -93,7 +93,7 @@ fn read_binary(
     let mut model = Model::default();
     add_body(&mut model, String::new(), welder)?;
     if has_attributes {
-        let what = "attributes of triangles, such as colours,".into();
+        let what = "attributes of triangles (colours)".into();
         model.warnings.push(ReadWarning::Ignored { what });
     }
     Ok(model)
@@ -108,9 +108,9 @@ fn check_count(count: usize, limits: &ReadLimits) -> Result<(), ReadError> {
 
 fn add_body(model: &mut Model, name: String, welder: Welder) -> Result<(), ReadError> {
     let number = model.bodies.len() + 1;
-    let mesh = welder.into_mesh().map_err(|source| {
+    let mesh = welder.into_mesh().map_err(|error| {
         let body = if name.is_empty() { number.to_string() } else { name.clone() };
-        ReadError::Mesh { body, source }
+        ReadError::Mesh { body, error }
     })?;
     model.bodies.push(Body { name, mesh, material: None, ..Body::default() });
     Ok(())
@@ -340,7 +340,7 @@ mod tests {
         nan[HEADER + 12..HEADER + 16].copy_from_slice(&f32::NAN.to_le_bytes());
         let error = refused(&nan);
         assert!(
-            matches!(error, ReadError::Mesh { source: MeshError::NotFinite { .. }, .. }),
+            matches!(error, ReadError::Mesh { error: MeshError::NotFinite { .. }, .. }),
             "{error}"
         );
         let few = ReadLimits { triangles: 11, ..ReadLimits::default() };

@@ -7,17 +7,19 @@ use super::error::ReadError;
 /// Characters of a malformed word that an error shows.
 const SHOWN_CHARS: usize = 20;
 
-/// The bytes of a text without a byte order mark, converted to UTF-8 if they are UTF-16 with one.
+/// The bytes of a text without a byte order mark, converted to UTF-8 if they are UTF-16.
+///
+/// UTF-16 without a mark is recognised by the zero bytes of its first two characters.
 pub(super) fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
     let unit: fn([u8; 2]) -> u16 = match bytes {
         [0xef, 0xbb, 0xbf, rest @ ..] => return Cow::Borrowed(rest),
-        [0xff, 0xfe, ..] => u16::from_le_bytes,
-        [0xfe, 0xff, ..] => u16::from_be_bytes,
+        [0xff, 0xfe, ..] | [1..=255, 0, 1..=255, 0, ..] => u16::from_le_bytes,
+        [0xfe, 0xff, ..] | [0, 1..=255, 0, 1..=255, ..] => u16::from_be_bytes,
         _ => return Cow::Borrowed(bytes),
     };
-    let units = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
+    let units = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
     let text = char::decode_utf16(units).map(|char| char.unwrap_or(char::REPLACEMENT_CHARACTER));
-    Cow::Owned(text.collect::<String>().into_bytes())
+    Cow::Owned(text.skip_while(|&char| char == '\u{feff}').collect::<String>().into_bytes())
 }
 
 /// The lines of a text, which end in LF, CR LF or CR: offset of the line in bytes, and its content
@@ -133,11 +135,14 @@ mod tests {
         let utf16 = |unit: fn(u16) -> [u8; 2]| -> Vec<u8> {
             "\u{feff}v ü 𝄞".encode_utf16().flat_map(unit).collect()
         };
+        let unmarked = |unit: fn(u16) -> [u8; 2]| utf16(unit)[2..].to_vec();
         for bytes in [
             "v ü 𝄞".as_bytes().to_vec(),
             "\u{feff}v ü 𝄞".as_bytes().to_vec(),
             utf16(u16::to_le_bytes),
             utf16(u16::to_be_bytes),
+            unmarked(u16::to_le_bytes),
+            unmarked(u16::to_be_bytes),
         ] {
             assert_eq!(decoded(&bytes), "v ü 𝄞".as_bytes());
         }

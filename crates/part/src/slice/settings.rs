@@ -27,8 +27,8 @@ pub struct Settings {
     pub phase: [f64; 2],
     /// Which points count as inside a body whose surface intersects itself.
     pub fill_rule: FillRule,
-    /// Depth in mm to which the colours of top and bottom faces reach into painted bodies, at
-    /// least 0.
+    /// Depth in mm to which the colours of top and bottom faces reach into painted bodies; 0 for
+    /// not at all.
     ///
     /// Slicers call it the thickness of the top and bottom shells.
     pub colour_depth_mm: f64,

@@ -86,7 +86,7 @@ impl From<TraceError> for ProgramError {
 /// The event lasts until the nozzle leaves the cell, at the speed that acceleration and corners
 /// allow.
 /// A bead in a layer of another height deposits the voxels whose centres lie within the layer, in
-/// equal parts of that time; [`layer_fit`](super::layer_fit) measures the error.
+/// equal parts of that time; [`program_fit`](super::program_fit) measures the error.
 /// Everything else is a pause: travel, retraction, beads next to the part (prime tower, skirt,
 /// supports), and beads over voxels that are deposited already.
 /// The events add up to [`Program::print_seconds`], which does not include waiting for heaters.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use beadwork_base::Control;
-use beadwork_gcode::{Event, Motion, Program, TraceError};
+use beadwork_gcode::{Event, Feature, Motion, Program, TraceError};
 
 use super::bead::is_bead;
 use super::poll::Poll;
@@ -24,8 +24,12 @@ const PRIME_SHARE: f64 = 0.5;
 /// Tolerance of the height of a first layer without a comment, in layers.
 const FIRST_LAYER: f64 = 0.1;
 
-/// Share of all beads below which a height is a prime line, if a lower one is printed after it.
-const STRAY_SHARE: f64 = 0.01;
+/// Share of all beads below which a height is a prime line, if all lower ones are printed later.
+const STRAY_SHARE: f64 = 0.25;
+
+/// Maximum number of heights of prime lines; more belong to an object that is printed before
+/// another.
+const MAX_STRAYS: usize = 2;
 
 /// A height at which beads are printed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,8 +38,17 @@ pub(super) struct Height {
     pub(super) z_mm: f64,
     /// Length of all beads at this height, mm.
     pub(super) length_mm: f64,
-    /// Number of the line with the first of them.
-    first_line: usize,
+    /// Numbers of the lines with the first and the last of them.
+    lines: [usize; 2],
+}
+
+impl Height {
+    /// Adds beads at the same height.
+    fn add(&mut self, other: &Self) {
+        self.length_mm += other.length_mm;
+        let ([first, last], [other_first, other_last]) = (self.lines, other.lines);
+        self.lines = [first.min(other_first), last.max(other_last)];
+    }
 }
 
 /// The heights of the beads of a program.
@@ -45,8 +58,16 @@ pub(super) struct Heights {
     pub(super) level: Vec<Height>,
     /// Length of beads that rise or fall, as in a spiral vase, mm.
     pub(super) sloped_mm: f64,
-    /// Length of the beads of a prime line before the first layer comment, mm.
+    /// Length of the beads of prime lines, mm.
     pub(super) prime_mm: f64,
+    /// Height of the highest bead, mm.
+    pub(super) top_mm: f64,
+    /// Height of the lowest bead of a support or a raft, mm; infinite without one.
+    pub(super) support_mm: f64,
+    /// Whether beads before the first layer comment are prime lines.
+    needs_layer: bool,
+    /// Number of the last line of prime lines that have no comments.
+    prime_end_line: usize,
     /// Length of the beads at the bed's height or below, mm.
     pub(super) below_bed_mm: f64,
 }
@@ -62,13 +83,15 @@ impl Heights {
         // Beads before the first layer comment, and all others.
         let mut groups = [Group::default(), Group::default()];
         let mut poll = Poll::new(&control, 0, program.lines.len());
+        let mut support_mm = f64::INFINITY;
         for event in program.trace() {
             let event = event?;
             poll.count(&event)?;
-            if let Event::Motion(motion) = event
-                && is_bead(&motion)
-            {
+            let Event::Motion(motion) = event else { continue };
+            if is_bead(&motion) {
                 groups[usize::from(motion.layer.is_some())].add(&motion);
+            } else if motion.is_extrusion() && motion.feature == Feature::Support {
+                support_mm = support_mm.min(motion.to_mm[2]);
             }
         }
         let [before, mut layers] = groups;
@@ -80,17 +103,25 @@ impl Heights {
         if !is_prime {
             layers.merge(before.clone());
         }
+        let (level, strays) = layers.level();
         Ok(Self {
             sloped_mm: layers.sloped_mm,
             below_bed_mm: layers.below_bed_mm(),
-            level: layers.level(),
-            prime_mm: if is_prime { before.length_mm } else { 0.0 },
+            top_mm: layers.top_mm,
+            support_mm,
+            needs_layer: is_prime,
+            prime_mm: if is_prime { before.length_mm } else { 0.0 }
+                + strays.iter().map(|stray| stray.length_mm).sum::<f64>(),
+            prime_end_line: strays.iter().map(|stray| stray.lines[1]).max().unwrap_or(0),
+            level,
         })
     }
 
-    /// Whether a motion is a bead of the part, or a prime line.
+    /// Whether a motion is a bead of the part, and not of a prime line.
     pub(super) fn is_part(&self, motion: &Motion) -> bool {
-        is_bead(motion) && (self.prime_mm == 0.0 || motion.layer.is_some())
+        is_bead(motion)
+            && motion.line > self.prime_end_line
+            && (!self.needs_layer || motion.layer.is_some())
     }
 }
 
@@ -114,9 +145,9 @@ impl Group {
             self.sloped_mm += length_mm;
             return;
         }
-        let height = Height { z_mm: to, length_mm, first_line: motion.line };
+        let height = Height { z_mm: to, length_mm, lines: [motion.line; 2] };
         if let Some(same) = self.heights.get_mut(&micrometres(to)) {
-            same.length_mm += length_mm;
+            same.add(&height);
         } else if self.heights.len() < MAX_HEIGHTS {
             self.heights.insert(micrometres(to), height);
         } else {
@@ -127,14 +158,9 @@ impl Group {
     fn merge(&mut self, other: Self) {
         self.sloped_mm += other.sloped_mm;
         self.length_mm += other.length_mm;
+        self.top_mm = self.top_mm.max(other.top_mm);
         for (key, height) in other.heights {
-            self.heights
-                .entry(key)
-                .and_modify(|same| {
-                    same.length_mm += height.length_mm;
-                    same.first_line = same.first_line.min(height.first_line);
-                })
-                .or_insert(height);
+            self.heights.entry(key).and_modify(|same| same.add(&height)).or_insert(height);
         }
     }
 
@@ -154,34 +180,37 @@ impl Group {
             .is_none_or(|height| (first - thickness - height.z_mm).abs() <= FIRST_LAYER * thickness)
     }
 
-    /// The heights from the bed up, without those of stray beads.
-    fn level(self) -> Vec<Height> {
+    /// The heights from the bed up, and those of prime lines that have no comments.
+    fn level(&self) -> (Vec<Height>, Vec<Height>) {
         let mut merged: Vec<Height> = Vec::new();
-        for height in self.heights.into_values().filter(|height| height.z_mm > 0.0) {
+        for height in self.heights.values().filter(|height| height.z_mm > 0.0) {
             match merged.last_mut() {
                 Some(last) if height.z_mm - last.z_mm < SAME_MM => {
-                    let z_mm =
-                        if height.length_mm > last.length_mm { height.z_mm } else { last.z_mm };
-                    *last = Height {
-                        z_mm,
-                        length_mm: last.length_mm + height.length_mm,
-                        first_line: last.first_line.min(height.first_line),
-                    };
+                    if height.length_mm > last.length_mm {
+                        last.z_mm = height.z_mm;
+                    }
+                    last.add(height);
                 }
-                _ => merged.push(height),
+                _ => merged.push(*height),
             }
         }
-        // A prime line is printed first, often higher than the first layer.
-        let mut last_line = 0;
-        let mut stray = vec![false; merged.len()];
-        for (index, height) in merged.iter().enumerate() {
-            let comes_before_lower = height.first_line < last_line;
-            stray[index] = comes_before_lower && height.length_mm < STRAY_SHARE * self.length_mm;
-            last_line = last_line.max(height.first_line);
-        }
-        let mut stray = stray.into_iter();
-        merged.retain(|_| !stray.next().unwrap_or(false));
-        merged
+        // A prime line is printed before the first layer, often higher.
+        let mut first_line_below = None;
+        let is_stray = |height: &Height| {
+            let [first, last] = height.lines;
+            let is_before = first_line_below.is_some_and(|line| last < line);
+            first_line_below = Some(first_line_below.map_or(first, |line: usize| line.min(first)));
+            is_before
+                && height.z_mm <= PRIME_HEIGHT_MM
+                && height.length_mm < STRAY_SHARE * self.length_mm
+        };
+        let (strays, level): (Vec<_>, Vec<_>) = merged.iter().copied().partition(is_stray);
+        let end = strays.iter().map(|stray| stray.lines[1]).max();
+        // The lowest layer follows; otherwise the heights are those of an object.
+        let begin = level.iter().map(|height| height.lines[0]).min();
+        let is_lowest_first = level.first().map(|height| height.lines[0]) == begin;
+        let is_prime = strays.len() <= MAX_STRAYS && is_lowest_first && end < begin;
+        if is_prime { (level, strays) } else { (merged, Vec::new()) }
     }
 }
 

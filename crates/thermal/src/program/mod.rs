@@ -13,6 +13,6 @@ mod voxels;
 mod tests;
 
 pub use self::events::{ProgramError, ProgramEvents, Settings, program_events};
-pub use self::rows::{LayerFit, layer_fit, layer_heights};
+pub use self::rows::{LayerFit, ProgramFit, bead_lengths, layer_heights, program_fit};
 pub use self::temperatures::{ProgramTemperatures, TemperatureShare, program_temperatures};
 pub use self::voxels::{VoxelsError, program_voxels};

@@ -9,7 +9,7 @@
 //! Every row between the lowest and the highest layer belongs to one layer.
 
 use beadwork_base::Control;
-use beadwork_gcode::{Motion, Program, TraceError};
+use beadwork_gcode::{Event, Motion, Program, TraceError};
 
 use super::heights::{Height, Heights};
 
@@ -19,7 +19,7 @@ const FITS: f64 = 0.1;
 /// Share of beads that need not fit, such as a prime line.
 const MISFITS: f64 = 0.01;
 
-/// Share of sloped beads above which a program has no layers.
+/// Share of sloped beads above which a program prints a spiral.
 const SLOPED: f64 = 0.1;
 
 /// Parts into which a layer is divided to find the shift of the grid.
@@ -55,7 +55,12 @@ pub struct LayerFit {
 pub(super) struct Rows {
     heights: Heights,
     layer_mm: f64,
-    /// The layers from the bed up; empty if all lie at multiples of the voxels' height.
+    /// Height of the raft below the part, mm; 0 without one.
+    raft_mm: f64,
+    /// Height of the lower side of the first row, in mm: not 0 for a spiral on layers that do not
+    /// lie at multiples of the voxels' height.
+    bottom_mm: f64,
+    /// The layers from the bed up; empty if rows follow from the height alone.
     layers: Vec<Layer>,
 }
 
@@ -83,12 +88,23 @@ impl Rows {
     }
 
     fn new(heights: Heights, cell_mm: f64, layer_mm: f64) -> Self {
-        let layers = if is_uniform(&heights, cell_mm, layer_mm) {
+        let mut heights = heights;
+        let raft_mm = raft_mm(&heights, cell_mm, layer_mm);
+        for height in &mut heights.level {
+            height.z_mm -= raft_mm;
+        }
+        heights.top_mm -= raft_mm;
+        let total: f64 = heights.level.iter().map(|height| height.length_mm).sum();
+        let is_spiral = heights.sloped_mm > SLOPED * (total + heights.sloped_mm);
+        let is_uniform = is_uniform(&heights.level, cell_mm, layer_mm);
+        let bottom_mm =
+            if is_spiral && !is_uniform { shift(&heights.level, layer_mm) } else { 0.0 };
+        let layers = if is_spiral || is_uniform {
             Vec::new()
         } else {
             layers(&heights.level, cell_mm, layer_mm)
         };
-        Self { heights, layer_mm, layers }
+        Self { heights, layer_mm, raft_mm, bottom_mm, layers }
     }
 
     /// Whether a motion is a bead of the part.
@@ -96,10 +112,15 @@ impl Rows {
         self.heights.is_part(motion)
     }
 
-    /// The first row that a bead at a height fills, and the row after the last.
+    /// The first row that a bead at a height above the bed fills, and the row after the last.
     pub(super) fn at(&self, z_mm: f64) -> [i64; 2] {
+        self.above_raft(z_mm - self.raft_mm)
+    }
+
+    /// As [`Rows::at`], for a height above the raft.
+    fn above_raft(&self, z_mm: f64) -> [i64; 2] {
         if self.layers.is_empty() {
-            let row = (z_mm / self.layer_mm - 1.0).round() as i64;
+            let row = ((z_mm - self.bottom_mm) / self.layer_mm - 1.0).round() as i64;
             return [row, row.saturating_add(1)];
         }
         let above = self.layers.partition_point(|layer| layer.top_mm < z_mm);
@@ -111,8 +132,8 @@ impl Rows {
 
     /// How the layers fit; `None` if all lie at multiples of the voxels' height.
     pub(super) fn fit(&self) -> Option<LayerFit> {
-        let last = self.layers.last()?;
         let rows_mm = |rows: i64| rows as f64 * self.layer_mm;
+        let Some(last) = self.layers.last() else { return self.spiral_fit() };
         let deviation = |layer: &Layer| (layer.top_mm - rows_mm(layer.rows[1])).abs();
         let of_all = |measure: &dyn Fn(&Layer) -> f64| self.layers.iter().map(measure).sum::<f64>();
         let printed = of_all(&|layer| layer.length_mm * layer.thickness_mm);
@@ -128,31 +149,52 @@ impl Rows {
         })
     }
 
+    /// How a spiral fits if the first row does not begin at the bed.
+    fn spiral_fit(&self) -> Option<LayerFit> {
+        let height_mm = self.heights.top_mm;
+        let [_, rows] = self.above_raft(height_mm);
+        let rows_mm = rows as f64 * self.layer_mm;
+        (self.bottom_mm != 0.0 && rows > 0).then_some(LayerFit {
+            layers: rows as usize,
+            rows: rows as usize,
+            height_mm,
+            rows_mm,
+            max_deviation_mm: self.bottom_mm.abs(),
+            volume_error: rows_mm / height_mm - 1.0,
+            layers_without_row: 0,
+        })
+    }
+
     /// Length of the beads before or below the first layer, in mm, which are left out.
     pub(super) fn left_out_mm(&self) -> f64 {
-        let below = |height: &&Height| self.at(height.z_mm)[1] < 1;
+        let below = |height: &&Height| self.above_raft(height.z_mm)[1] < 1;
         let low_mm: f64 =
             self.heights.level.iter().filter(below).map(|height| height.length_mm).sum();
         self.heights.prime_mm + self.heights.below_bed_mm + low_mm
     }
 }
 
+/// Height of the raft, or of the supports, on which the whole part stands, in mm; 0 without one.
+fn raft_mm(heights: &Heights, cell_mm: f64, layer_mm: f64) -> f64 {
+    let lowest_mm = heights.level.first().map_or(0.0, |height| height.z_mm);
+    let has_gap = lowest_mm > (ASPECT * cell_mm).max(1.5 * layer_mm);
+    let has_support = heights.support_mm < lowest_mm - layer_mm / 2.0;
+    if has_gap && has_support { lowest_mm - layer_mm } else { 0.0 }
+}
+
 /// Whether nearly all beads lie at multiples of the voxels' height, with no thick layer among them.
-fn is_uniform(heights: &Heights, cell_mm: f64, layer_mm: f64) -> bool {
-    let total: f64 = heights.level.iter().map(|height| height.length_mm).sum();
-    if heights.sloped_mm > SLOPED * (total + heights.sloped_mm) {
-        return true;
-    }
+fn is_uniform(heights: &[Height], cell_mm: f64, layer_mm: f64) -> bool {
+    let total: f64 = heights.iter().map(|height| height.length_mm).sum();
     let misfit = |height: &&Height| {
         let rows = height.z_mm / layer_mm;
         (rows - rows.round()).abs() > FITS || rows < 0.5
     };
-    let misfits: f64 = heights.level.iter().filter(misfit).map(|height| height.length_mm).sum();
+    let misfits: f64 = heights.iter().filter(misfit).map(|height| height.length_mm).sum();
     if misfits > MISFITS * total {
         return false;
     }
     let mut below = 0.0;
-    let tops = heights.level.iter().filter(|height| !misfit(height)).map(|height| height.z_mm);
+    let tops = heights.iter().filter(|height| !misfit(height)).map(|height| height.z_mm);
     !tops.into_iter().any(|top_mm| {
         let thickness = top_mm - std::mem::replace(&mut below, top_mm);
         thickness > 1.5 * layer_mm && thickness <= ASPECT * cell_mm
@@ -194,20 +236,30 @@ fn shift(heights: &[Height], layer_mm: f64) -> f64 {
     layer_mm * if part > 0.5 + ROUNDING { part - 1.0 } else { part }
 }
 
-/// Finds out how the layers of a program fit rows of voxels of a width and a height, both in mm.
+/// How a program fits voxels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProgramFit {
+    /// How its layers fit; `None` if all lie at multiples of the voxels' height.
+    pub layers: Option<LayerFit>,
+    /// Length of the beads before or below the first layer, such as a prime line, which are left
+    /// out, in mm.
+    pub left_out_mm: f64,
+    /// Height of the raft or of the supports on which the whole part stands, in mm; 0 without one.
+    /// The voxels begin above it.
+    pub raft_mm: f64,
+}
+
+/// Finds out how a program fits voxels of a width and a height, both in mm.
 ///
-/// The fit is `None` if all layers lie at multiples of the voxels' height.
-/// Also returns the length in mm of the beads before or below the first layer, such as a prime
-/// line, which are left out.
 /// Linear in the program's length; reports no progress.
-pub fn layer_fit(
+pub fn program_fit(
     program: &Program,
     cell_mm: f64,
     layer_mm: f64,
     control: &Control<'_>,
-) -> Result<(Option<LayerFit>, f64), TraceError> {
+) -> Result<ProgramFit, TraceError> {
     let rows = Rows::of(program, cell_mm, layer_mm, control)?;
-    Ok((rows.fit(), rows.left_out_mm()))
+    Ok(ProgramFit { layers: rows.fit(), left_out_mm: rows.left_out_mm(), raft_mm: rows.raft_mm })
 }
 
 /// Heights of the layers of a program in mm, each with its share of the length of all beads, the
@@ -221,9 +273,13 @@ pub fn layer_heights(
 ) -> Result<Vec<(f64, f64)>, TraceError> {
     /// Coordinates are rounded to micrometres, so their differences are two micrometres off.
     const SAME_UM: i64 = 2;
-    let heights = Heights::of(program, control)?.level;
+    let Heights { level: heights, support_mm, .. } = Heights::of(program, control)?;
     let total: f64 = heights.iter().map(|height| height.length_mm).sum();
-    let mut below = 0.0;
+    // The lowest layer may lie on a raft; then it is taken to be as high as the second one.
+    let mut below = match heights[..] {
+        [first, second, ..] if support_mm < first.z_mm => (2.0 * first.z_mm - second.z_mm).max(0.0),
+        _ => 0.0,
+    };
     let mut found: Vec<(i64, f64)> = Vec::new();
     for height in &heights {
         let thickness = height.z_mm - std::mem::replace(&mut below, height.z_mm);
@@ -240,6 +296,23 @@ pub fn layer_heights(
     }
     merged.sort_by(|a, b| b.1.total_cmp(&a.1));
     Ok(merged.into_iter().map(|(height, share)| (height as f64 / 1e3, share)).collect())
+}
+
+/// Length of the filament that the beads of the part take, and length of these beads, both in mm.
+///
+/// Linear in the program's length; reports no progress.
+pub fn bead_lengths(program: &Program, control: &Control<'_>) -> Result<[f64; 2], TraceError> {
+    let heights = Heights::of(program, control)?;
+    let mut sums = [0.0; 2];
+    for event in program.trace() {
+        if let Event::Motion(motion) = event?
+            && heights.is_part(&motion)
+        {
+            sums[0] += motion.extruded_mm;
+            sums[1] += motion.length_mm();
+        }
+    }
+    Ok(sums)
 }
 
 #[cfg(test)]

@@ -84,7 +84,7 @@ impl From<TraceError> for VoxelsError {
 /// The material of a voxel is the number of the tool that fills it first.
 /// Layers are counted from the bed.
 /// A program whose layers have other heights is mapped to voxels of the given height;
-/// [`layer_fit`](super::layer_fit) measures the error.
+/// [`program_fit`](super::program_fit) measures the error.
 ///
 /// Progress counts lines of the program, each twice.
 /// Linear in the length of the program's path in cells and in the part's bounding box.

@@ -402,9 +402,9 @@ impl<'a> Builder<'a> {
         } else {
             part_of(&surface.vertices, triangles)
         };
-        let mut mesh = Mesh::new(vertices, triangles).map_err(|source| {
+        let mut mesh = Mesh::new(vertices, triangles).map_err(|error| {
             let body = name.strip_prefix("object ").unwrap_or(name).to_owned();
-            ReadError::Mesh { body, source }
+            ReadError::Mesh { body, error }
         })?;
         place.transform.apply(&mut mesh);
         let sides = mesh.bounds().size_mm();

@@ -64,6 +64,10 @@ fn layers_of_one_height_are_rows() {
     let program = "M83\nG1 Z0.2\nG1 X9 E1\nG1 X0 Z0.4 E1\nG1 X9 Z0.6 E1".parse().unwrap();
     let vase = Rows::of(&program, 0.5, 0.2, &Control::default()).unwrap();
     assert_eq!(vase.fit(), None, "a spiral has no layers");
+    let text = "M83\nG1 Z0.3\nG1 X9 E1\nG1 X0 Z0.5 E1\nG1 X9 Z0.7 E1".parse().unwrap();
+    let vase = Rows::of(&text, 0.5, 0.2, &Control::default()).unwrap();
+    assert_eq!([0.3, 0.4, 0.5, 0.6].map(|z| vase.at(z)[0]), [0, 1, 1, 2]);
+    assert!((vase.fit().unwrap().max_deviation_mm - 0.1).abs() < 1e-9);
 }
 
 #[test]
@@ -74,9 +78,28 @@ fn a_prime_line_is_no_layer() {
     assert_eq!(rows(&with_line, 0.2).fit(), None);
     let mut first_thicker = vec![0.4];
     first_thicker.extend(tops(&[0.3; 1].iter().chain(&[0.2; 299]).copied().collect::<Vec<_>>()));
-    let rows = rows(&first_thicker, 0.2);
-    assert_eq!(rows.fit().unwrap().layers, 300);
-    assert_eq!(rows.at(0.3), [0, 1]);
+    let thicker = rows(&first_thicker, 0.2);
+    assert_eq!(thicker.fit().unwrap().layers, 300);
+    assert_eq!(thicker.at(0.3), [0, 1]);
+    assert!((thicker.left_out_mm() - 20.0).abs() < 1e-9);
+    // An object in layers of another height, printed before the next one.
+    let mut objects = tops(&[0.3; 3]);
+    objects.extend(tops(&[0.2; 5]));
+    assert!(rows(&objects, 0.2).left_out_mm().abs() < 1e-9);
+}
+
+#[test]
+fn a_part_on_a_raft_begins_above_it() {
+    let raft = ";TYPE:Support\nG1 Z0.3 F6000\nG1 X20 E2\n;TYPE:Perimeter\n";
+    let part = program(&[0.95, 1.15, 1.35]).emit();
+    let text = format!("M83\n{raft}{part}").parse().unwrap();
+    let rows = Rows::of(&text, 0.5, 0.2, &Control::default()).unwrap();
+    assert_eq!([0.95, 1.15, 1.35].map(|z| rows.at(z)), [[0, 1], [1, 2], [2, 3]]);
+    assert_eq!(rows.fit(), None);
+    let fit = program_fit(&text, 0.5, 0.2, &Control::default()).unwrap();
+    assert!((fit.raft_mm - 0.75).abs() < 1e-9 && fit.left_out_mm == 0.0);
+    let [(height, _)] = layer_heights(&text, &Control::default()).unwrap()[..] else { panic!() };
+    assert!((height - 0.2).abs() < 1e-9);
 }
 
 #[test]
