@@ -1,0 +1,5 @@
+//! Traits of files from public bug reports, from the file to what the command line says.
+//!
+//! The report that a test is modelled on is named above it.
+
+mod meshes;
