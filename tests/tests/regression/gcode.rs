@@ -1,7 +1,5 @@
 //! `simulate --gcode` with programs of other slicers, for other firmware and in other encodings.
 
-#![allow(clippy::unwrap_used, reason = "a panic fails the test")]
-
 use std::fmt::Write;
 use std::fs;
 

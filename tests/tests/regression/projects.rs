@@ -1,7 +1,5 @@
 //! `plan` on projects of slicers: painted facets, roles of parts, and purge volumes.
 
-#![allow(clippy::unwrap_used, reason = "a panic fails the test")]
-
 use std::fmt::Write as _;
 use std::fs;
 use std::io::{Cursor, Write as _};
