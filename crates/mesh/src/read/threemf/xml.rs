@@ -38,6 +38,12 @@ pub(super) fn each_element(
     source: &mut dyn BufRead,
     mut visit: impl FnMut(Element<'_>) -> Result<(), String>,
 ) -> Result<(), ReadError> {
+    // Section 2.3.2 of the core specification allows only UTF-8.
+    let start = source.fill_buf().unwrap_or_default();
+    if start.starts_with(b"\xFE\xFF") || start.starts_with(b"\xFF\xFE") {
+        let message = "XML is UTF-16, expected UTF-8".into();
+        return Err(ReadError::Entry { entry: entry.to_owned(), byte: Some(0), message });
+    }
     let mut reader = Reader::from_reader(source);
     let mut buffer = Vec::new();
     let mut scope = Scope::default();
@@ -73,6 +79,9 @@ pub(super) fn each_element(
                 scope.leave(depth);
                 depth = depth.saturating_sub(1);
                 result
+            }
+            Event::DocType(_) => {
+                Err("XML has a document type definition, which is not allowed".into())
             }
             Event::Eof if depth > 0 => Err("XML ends inside an element".into()),
             Event::Eof => return Ok(()),

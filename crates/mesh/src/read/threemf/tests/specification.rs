@@ -353,3 +353,22 @@ fn objects_that_only_other_programs_understand_are_refused() {
         "{error}"
     );
 }
+
+// Core specification, section 2.3.2
+#[test]
+fn xml_that_the_specification_forbids_is_refused() {
+    let text = model(&format!(r#"<object id="1">{}</object>"#, tetra()), &item(1));
+    let marked = "\u{feff}".to_owned() + &text;
+    assert_eq!(read_entries(&[("3D/3dmodel.model", &marked)]).unwrap().bodies.len(), 1);
+    let with_dtd = text.replacen("<model", "<!DOCTYPE model [<!ENTITY e \"x\">]><model", 1);
+    let error = read_entries(&[("3D/3dmodel.model", &with_dtd)]).unwrap_err().to_string();
+    assert!(error.contains("document type definition"), "{error}");
+    let utf16: Vec<u8> = marked.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
+    writer.start_file("3D/3dmodel.model", SimpleFileOptions::default()).unwrap();
+    writer.write_all(&utf16).unwrap();
+    let bytes = writer.finish().unwrap().into_inner();
+    let limits = ReadLimits::default();
+    let error = Model::read(Format::ThreeMf, &bytes, &limits, &Control::default()).unwrap_err();
+    assert_eq!(error.to_string(), "3D/3dmodel.model, byte 0: XML is UTF-16, expected UTF-8");
+}
