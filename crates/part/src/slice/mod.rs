@@ -16,6 +16,7 @@ mod cut;
 mod fill;
 mod grid_fit;
 mod layers;
+mod nearest_seed;
 mod outline;
 mod plane_sweep;
 mod raster;

@@ -1,14 +1,13 @@
 //! Materials of a body whose triangles have colours: colours propagate from the surface inwards.
 //!
 //! A colour is the number of a material.
-//! Cells along the outline take the colour of the line that passes nearest to their centre.
-//! A breadth-first search then carries the colours inwards: every other cell takes the colour of an
-//! outline cell that is the fewest steps away.
+//! A cell takes the colour of the line of the outline that is nearest to its centre.
+//! Lines are compared in cells along the outline; every other cell compares those of the nearest
+//! outline cells.
 //! Where a top or bottom face is nearer than the outline, and not deeper than the depth of colours,
 //! cells take its colour instead.
 
-use std::collections::VecDeque;
-
+use super::nearest_seed::nearest_seeds;
 use super::outline::{FillRule, Outline};
 use super::raster::for_each_run;
 use super::rectangle::Rectangle;
@@ -32,10 +31,10 @@ pub(super) fn propagate(
     };
     let mut cells = Cells::new(rectangle);
     cells.fill(outline, rule, frame);
-    let first_colour = cells.colour_outline(outline, frame);
-    cells.propagate(frame.cell_mm);
+    cells.colour_outline(outline, frame);
+    cells.propagate(frame);
     cells.colour_faces(faces);
-    let unreached = first_colour.unwrap_or_default();
+    let unreached = cells.lines.first().map_or(0, |line| line.colour);
     for index in (0..cells.inside.len()).filter(|&index| cells.inside[index]) {
         let is_reached = cells.distance_mm[index].is_finite();
         let (column, row) = cells.rectangle.column_and_row(index);
@@ -53,26 +52,51 @@ pub(super) struct Faces<'a> {
     pub(super) depth_mm: f64,
 }
 
+/// A line of an outline, and its colour.
+#[derive(Clone, Copy)]
+struct Line {
+    from: [f64; 2],
+    to: [f64; 2],
+    colour: u8,
+}
+
+impl Line {
+    /// Distance from a point to the nearest point of the line, in mm.
+    fn distance_mm(&self, point: [f64; 2]) -> f64 {
+        let [dx, dy] = [0, 1].map(|axis| self.to[axis] - self.from[axis]);
+        let [x, y] = [0, 1].map(|axis| point[axis] - self.from[axis]);
+        let squared = dx * dx + dy * dy;
+        let along = if squared > 0.0 { ((x * dx + y * dy) / squared).clamp(0.0, 1.0) } else { 0.0 };
+        (x - along * dx).hypot(y - along * dy)
+    }
+}
+
 /// The cells of a rectangle, row by row.
 struct Cells {
     rectangle: Rectangle,
     /// Whether each belongs to the body.
     inside: Vec<bool>,
-    colours: Vec<u8>,
-    /// Distance from the centre of each outline cell to the line it has its colour from, in mm; in
-    /// other cells one cell more than in the neighbour that passed its colour on; infinite without
-    /// a colour.
+    /// The lines of the outline that have a colour.
+    lines: Vec<Line>,
+    /// The nearest line of each cell, as far as it is known; [`Cells::NO_LINE`] otherwise.
+    line: Vec<u32>,
+    /// Distance from the centre of each cell to that line, in mm; infinite without one.
     distance_mm: Vec<f64>,
+    colours: Vec<u8>,
 }
 
 impl Cells {
+    const NO_LINE: u32 = u32::MAX;
+
     fn new(rectangle: Rectangle) -> Self {
-        let count = rectangle.columns.len() * rectangle.rows.len();
+        let count = rectangle.len();
         Self {
             rectangle,
             inside: vec![false; count],
-            colours: vec![0; count],
+            lines: Vec::new(),
+            line: vec![Self::NO_LINE; count],
             distance_mm: vec![f64::INFINITY; count],
+            colours: vec![0; count],
         }
     }
 
@@ -83,61 +107,70 @@ impl Cells {
         });
     }
 
-    /// Gives the cells along the outline their colours; returns the first colour of the outline.
-    fn colour_outline(&mut self, outline: &Outline, frame: &Frame) -> Option<u8> {
-        let mut first_colour = None;
+    /// Finds the nearest lines of the cells along the outline.
+    fn colour_outline(&mut self, outline: &Outline, frame: &Frame) {
         for (from, to, colour) in outline.lines() {
             let Some(colour) = colour else { continue };
-            first_colour = first_colour.or(Some(colour));
+            let number = self.lines.len() as u32;
+            self.lines.push(Line { from, to, colour });
             let length = (to[0] - from[0]).hypot(to[1] - from[1]);
             // Two samples per cell, so that the line crosses no cell unnoticed.
             let steps = (2.0 * length / frame.cell_mm).ceil().max(1.0);
             for step in 0..=steps as u32 {
                 let part = f64::from(step) / steps;
                 let sample = [0, 1].map(|axis| from[axis] + part * (to[axis] - from[axis]));
-                self.colour_around(sample, colour, frame);
+                self.colour_around(sample, number, frame);
             }
         }
-        first_colour
     }
 
-    /// Offers a colour to the cell that holds a point of the outline and to its four neighbours:
-    /// the centre of the cell itself may be outside the body, and that of a neighbour inside.
-    fn colour_around(&mut self, point: [f64; 2], colour: u8, frame: &Frame) {
+    /// Offers a line to the cell that holds one of its points and to the four neighbours: the
+    /// centre of the cell itself may be outside the body, and that of a neighbour inside.
+    fn colour_around(&mut self, point: [f64; 2], line: u32, frame: &Frame) {
         let column = ((point[0] - frame.left_mm) / frame.cell_mm).floor();
         let row = ((frame.back_mm - point[1]) / frame.cell_mm).floor();
         for (right, down) in [(0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
             let (column, row) = (column + right, row + down);
-            if !self.rectangle.contains(column, row) {
-                continue;
-            }
-            let index = self.rectangle.index(column as usize, row as usize);
-            let centre = frame.centre(column as u32, row as u32);
-            let distance_mm = (centre[0] - point[0]).hypot(centre[1] - point[1]);
-            if self.inside[index] && distance_mm < self.distance_mm[index] {
-                self.distance_mm[index] = distance_mm;
-                self.colours[index] = colour;
+            if self.rectangle.contains(column, row) {
+                self.offer(self.rectangle.index(column as usize, row as usize), line, frame);
             }
         }
     }
 
-    /// Passes colours on from cell to cell: a breadth-first search from all coloured cells at once.
-    fn propagate(&mut self, cell_mm: f64) {
-        let count = self.inside.len();
+    /// Gives a cell inside the body a line, if it is nearer than the one it has.
+    fn offer(&mut self, cell: usize, line: u32, frame: &Frame) {
+        let (column, row) = self.rectangle.column_and_row(cell);
+        let centre = frame.centre(column as u32, row as u32);
+        let Line { colour, .. } = self.lines[line as usize];
+        let distance_mm = self.lines[line as usize].distance_mm(centre);
+        if self.inside[cell] && distance_mm < self.distance_mm[cell] {
+            (self.line[cell], self.distance_mm[cell]) = (line, distance_mm);
+            self.colours[cell] = colour;
+        }
+    }
+
+    /// Finds the nearest lines of the other cells, which are those of the nearest outline cell or
+    /// of one that is nearest to a neighbour.
+    ///
+    /// The straight line to the nearest outline cell lies within the body, or another outline cell
+    /// would be nearer.
+    fn propagate(&mut self, frame: &Frame) {
         let width = self.rectangle.columns.len();
-        let mut queue: VecDeque<usize> =
-            (0..count).filter(|&index| self.distance_mm[index].is_finite()).collect();
-        while let Some(index) = queue.pop_front() {
-            let column = index % width;
-            let right = (column + 1 < width).then_some(index + 1);
-            let left = (column > 0).then(|| index - 1);
-            let below = (index + width < count).then_some(index + width);
-            let above = index.checked_sub(width);
-            for neighbour in [right, below, left, above].into_iter().flatten() {
-                if self.inside[neighbour] && self.distance_mm[neighbour].is_infinite() {
-                    self.distance_mm[neighbour] = self.distance_mm[index] + cell_mm;
-                    self.colours[neighbour] = self.colours[index];
-                    queue.push_back(neighbour);
+        let line = self.line.clone();
+        let is_seed: Vec<bool> = line.iter().map(|&line| line != Self::NO_LINE).collect();
+        let Some(nearest) = nearest_seeds(width, &is_seed) else { return };
+        let height = is_seed.len() / width;
+        for row in 0..height {
+            for column in 0..width {
+                let cell = row * width + column;
+                if !self.inside[cell] || is_seed[cell] {
+                    continue;
+                }
+                for row in row.saturating_sub(1)..(row + 2).min(height) {
+                    for column in column.saturating_sub(1)..(column + 2).min(width) {
+                        let seed = nearest[row * width + column] as usize;
+                        self.offer(cell, line[seed], frame);
+                    }
                 }
             }
         }
@@ -154,6 +187,54 @@ impl Cells {
             {
                 self.distance_mm[index] = distance_mm;
                 self.colours[index] = colour;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig {
+            cases: 1_000,
+            failure_persistence: None,
+            ..ProptestConfig::default()
+        })]
+
+        /// Compared with the distances to all lines: the line that a cell has its colour from is
+        /// farther than the nearest one by at most half a cell.
+        #[test]
+        fn cells_have_the_nearest_line(radii in prop::collection::vec(2.0..10.0_f64, 3..30)) {
+            let mut outline = Outline::default();
+            for (number, radius) in radii.iter().enumerate() {
+                let angle = std::f64::consts::TAU * number as f64 / radii.len() as f64;
+                outline.push([radius * angle.cos(), radius * angle.sin()], Some(number as u8));
+            }
+            outline.close();
+            let frame = Frame {
+                left_mm: -10.0,
+                back_mm: 10.0,
+                cell_mm: 0.5,
+                layer_mm: 0.2,
+                width: 40,
+                height: 40,
+            };
+            let corners = outline.loops().flatten().copied();
+            let mut cells = Cells::new(Rectangle::around(corners, &frame).unwrap());
+            cells.fill(&outline, FillRule::NonZero, &frame);
+            cells.colour_outline(&outline, &frame);
+            cells.propagate(&frame);
+            for cell in (0..cells.inside.len()).filter(|&cell| cells.inside[cell]) {
+                let (column, row) = cells.rectangle.column_and_row(cell);
+                let centre = frame.centre(column as u32, row as u32);
+                let distances = cells.lines.iter().map(|line| line.distance_mm(centre));
+                let min_mm = distances.fold(f64::INFINITY, f64::min);
+                let excess_mm = cells.distance_mm[cell] - min_mm;
+                prop_assert!((0.0..0.25).contains(&excess_mm), "{} mm at {:?}", excess_mm, centre);
             }
         }
     }
