@@ -119,6 +119,11 @@ impl ReadError {
         Self::Line { line, message: message.to_string() }
     }
 
+    /// An error that concerns an entry of an archive as a whole.
+    pub(super) fn entry(entry: &str, message: String) -> Self {
+        Self::Entry { entry: entry.to_owned(), byte: None, message }
+    }
+
     pub(super) fn too_large(limit: usize, what: &'static str) -> Self {
         Self::TooLarge { limit: limit as u64, what }
     }

@@ -81,10 +81,5 @@ fn root_entry(entry: &str, source: &mut dyn BufRead) -> Result<Option<String>, R
     Ok(found.map(|target| target.trim_start_matches('/').to_owned()))
 }
 
-/// An error that concerns a whole entry.
-fn entry_error(entry: &str, message: String) -> ReadError {
-    ReadError::Entry { entry: entry.to_owned(), byte: None, message }
-}
-
 #[cfg(test)]
 mod tests;

@@ -11,7 +11,6 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::archive::Archive;
-use super::entry_error;
 use super::project::{ObjectSettings, PartRole, PartSettings, Plate, Project, filament_number};
 use super::prusa::{has_content, setting};
 use super::xml::{Element, each_element};
@@ -38,7 +37,7 @@ pub(super) fn read(archive: &mut Archive<'_>, project: &mut Project) -> Result<(
     if archive.contains(SETTINGS) {
         project.is_stated = true;
         let settings = archive.read(SETTINGS, read_settings)?;
-        settings.apply(project).map_err(|message| entry_error(SETTINGS, message))?;
+        settings.apply(project).map_err(|message| ReadError::entry(SETTINGS, message))?;
     }
     for (entry, what) in LAYERS {
         if archive.contains(entry) && has_content(archive, entry)? {
@@ -127,7 +126,7 @@ fn read_settings(mut source: &mut dyn BufRead) -> Result<Settings, ReadError> {
         source.consume(3);
     }
     serde_json::from_reader(&mut source)
-        .map_err(|error| entry_error(SETTINGS, format!("not valid JSON: {error}")))
+        .map_err(|error| ReadError::entry(SETTINGS, format!("not valid JSON: {error}")))
 }
 
 impl Settings {

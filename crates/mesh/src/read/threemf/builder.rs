@@ -9,7 +9,6 @@ use ndarray::Array2;
 
 use super::archive::Archive;
 use super::document::{Content, Document, Item, Object, Reference};
-use super::entry_error;
 use super::mesh::Surface;
 use super::notes::Notes;
 use super::parts::{part_of, parts};
@@ -89,12 +88,12 @@ impl<'a> Builder<'a> {
         let document = self.document(root)?;
         let items = match &document.items {
             Some(items) if !items.is_empty() => items,
-            _ => return Err(entry_error(root, self.empty_build(&document))),
+            _ => return Err(ReadError::entry(root, self.empty_build(&document))),
         };
         let printed = self.printed_items(&document, items);
         if printed.is_empty() {
             let message = "build has no printable items: all are marked printable=\"0\"";
-            return Err(entry_error(root, message.into()));
+            return Err(ReadError::entry(root, message.into()));
         }
         let unit = Transform::scaling(document.unit_mm);
         for item in printed {
@@ -192,14 +191,14 @@ impl<'a> Builder<'a> {
             let message = format!(
                 "object {id} contains itself, or nests components more than {MAX_DEPTH} deep"
             );
-            return Err(entry_error(entry, message));
+            return Err(ReadError::entry(entry, message));
         }
         let document = self.document(entry)?;
         let object = document.objects.get(&id);
         let object =
-            object.ok_or_else(|| entry_error(entry, format!("object {id} does not exist")))?;
+            object.ok_or_else(|| ReadError::entry(entry, format!("object {id} does not exist")))?;
         if let Some(refusal) = &object.refusal {
-            return Err(entry_error(entry, format!("object {id} {refusal}")));
+            return Err(ReadError::entry(entry, format!("object {id} {refusal}")));
         }
         let components = match &object.content {
             Content::Mesh(surface) => {
@@ -221,7 +220,7 @@ impl<'a> Builder<'a> {
                     "object {id} refers to {other}: only objects of {root} may refer to other \
                      documents"
                 );
-                return Err(entry_error(entry, message));
+                return Err(ReadError::entry(entry, message));
             }
             let transform = self.unit_of(other, &document)?;
             let transform = transform.then(&component.transform).then(&place.transform);
@@ -248,7 +247,7 @@ impl<'a> Builder<'a> {
                     "object {id} has no triangles, but data of the {extension}, which is not \
                      supported"
                 );
-                Err(entry_error(place.entry, message))
+                Err(ReadError::entry(place.entry, message))
             }
         }
     }
@@ -265,7 +264,7 @@ impl<'a> Builder<'a> {
         let of_project = settings.map_or("", |settings| &settings.name);
         let name = if object.name.is_empty() { of_project } else { &object.name }.to_owned();
         let (parts, is_stated) = parts(settings, surface, place.id, &place.path)
-            .map_err(|message| entry_error(place.entry, message))?;
+            .map_err(|message| ReadError::entry(place.entry, message))?;
         // The roles of a project decide before the type of the object: Bambu Studio writes all
         // parts that are not solid as "other".
         if let Some(kind) = object.auxiliary.filter(|_| !is_stated) {
@@ -411,7 +410,7 @@ impl<'a> Builder<'a> {
         if !mesh.is_finite() || !sides.iter().all(|side| side.is_finite()) {
             let id = place.id;
             let message = format!("transform of object {id} makes coordinates that are not finite");
-            return Err(entry_error(place.entry, message));
+            return Err(ReadError::entry(place.entry, message));
         }
         Ok(mesh)
     }
@@ -438,7 +437,7 @@ impl<'a> Builder<'a> {
         }
         let document = self.document(entry)?;
         let material = properties::material(&document.groups, property, &mut self.notes)
-            .map_err(|message| entry_error(entry, message))?;
+            .map_err(|message| ReadError::entry(entry, message))?;
         let number = match material {
             Some(material) => Some(self.add_material(material, None)?),
             None => None,

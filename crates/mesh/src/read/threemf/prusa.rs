@@ -8,7 +8,6 @@ use std::collections::HashMap;
 use std::io::BufRead;
 
 use super::archive::Archive;
-use super::entry_error;
 use super::project::{ObjectSettings, PartSettings, Project, Volume};
 use super::xml::{Element, Tag, each_element};
 use crate::read::error::ReadError;
@@ -38,7 +37,7 @@ pub(super) fn read(archive: &mut Archive<'_>, project: &mut Project) -> Result<(
     if let Some(entry) = SETTINGS.iter().find(|entry| archive.contains(entry)) {
         project.is_stated = true;
         let settings = archive.read(entry, |source| read_settings(entry, source))?;
-        apply(&settings, project).map_err(|message| entry_error(entry, message))?;
+        apply(&settings, project).map_err(|message| ReadError::entry(entry, message))?;
     }
     if archive.contains("Metadata/PrusaSlicer3_project.json") {
         project.notes.ignored("settings and paint of PrusaSlicer 3");
@@ -133,7 +132,7 @@ fn read_settings(
     loop {
         line.clear();
         let read = source.read_until(b'\n', &mut line);
-        if read.map_err(|error| entry_error(entry, error.to_string()))? == 0 {
+        if read.map_err(|error| ReadError::entry(entry, error.to_string()))? == 0 {
             return Ok(settings);
         }
         let text = String::from_utf8_lossy(&line);
