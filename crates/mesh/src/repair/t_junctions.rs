@@ -18,7 +18,7 @@ use crate::vector::{dot, minus};
 use crate::work::Work;
 
 /// Open edges of a vertex that a walk considers; this bounds the time at a vertex with many.
-const MAX_BRANCHES: usize = 16;
+const MAX_BRANCHES: usize = 1024;
 
 /// Splits triangles at the vertices that lie on their open edges, at most `tolerance_mm` off;
 /// returns the number of edges that are split.
