@@ -31,6 +31,9 @@ pub(super) fn read(
     control: &Control<'_>,
 ) -> Result<Model, ReadError> {
     let bytes = &*decoded(bytes);
+    if bytes.iter().take(1024).any(|&byte| byte == 0) {
+        return Err(ReadError::WrongFormat { format: "OBJ", reason: "is not text" });
+    }
     let mut work = Work::new(control, 1, bytes.len());
     let mut reader = Reader { limits: *limits, ..Reader::default() };
     // A backslash at the end of a line joins it with the next one.

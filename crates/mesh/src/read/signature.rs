@@ -24,6 +24,9 @@ pub(super) fn recognise(bytes: &[u8]) -> Option<&'static str> {
     if let Some(&(_, what)) = found {
         return Some(what);
     }
+    if is_binary_stl(bytes) {
+        return Some("an STL mesh");
+    }
     let text = decoded(&bytes[..bytes.len().min(SEARCHED_BYTES)]);
     // Binary files contain control characters.
     if text.iter().any(|&byte| byte < b' ' && !byte.is_ascii_whitespace()) {
@@ -57,6 +60,13 @@ pub(super) fn recognise(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
+/// Whether the number of triangles in the header fits the length of the file.
+fn is_binary_stl(bytes: &[u8]) -> bool {
+    let Some((header, triangles)) = bytes.split_at_checked(84) else { return false };
+    let count = header[80..].try_into().map_or(0, u32::from_le_bytes);
+    count > 0 && triangles.len() as u64 == 50 * u64::from(count)
+}
+
 fn contains(text: &[u8], word: &[u8]) -> bool {
     text.windows(word.len()).any(|window| window.eq_ignore_ascii_case(word))
 }
@@ -80,6 +90,8 @@ mod tests {
             (b"solid in the header of a binary file\0\0\0", None),
             (b"", None),
         ];
+        let stl: Vec<u8> = [&[b' '; 80][..], &2_u32.to_le_bytes(), &[0; 100]].concat();
+        assert_eq!(recognise(&stl), Some("an STL mesh"));
         for (bytes, expected) in cases {
             assert_eq!(recognise(bytes), expected);
         }
