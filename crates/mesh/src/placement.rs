@@ -107,7 +107,7 @@ impl Placement {
             min >= -TOLERANCE_MM && min + size_mm[axis] <= self.bed_mm[axis] + TOLERANCE_MM
         };
         if !fits(0, min_mm[0]) || !fits(1, min_mm[1]) || !fits(2, 0.0) {
-            let stray = StrayVertex::find(model.solid_bodies());
+            let stray = StrayVertex::find(&model.solid_bodies());
             return Err(PlacementError::TooLarge { size_mm, min_mm, bed_mm: self.bed_mm, stray });
         }
         let [x, y, z] = bounds.min;

@@ -116,7 +116,7 @@ impl Body {
         // It is NaN if the coordinates are so large that the volume overflows.
         let min_volume = MIN_THICKNESS_MM * self.mesh.surface_mm2() / 2.0;
         if volume.is_nan() || volume <= 0.0 || volume < min_volume {
-            let stray = StrayVertex::find(std::iter::once(&*self));
+            let stray = StrayVertex::find(&std::iter::once(&*self));
             return Err(RepairError::NoVolume { triangles, stray });
         }
         work.end_pass();

@@ -25,7 +25,7 @@ impl StrayVertex {
     ///
     /// The centre is the median of the vertices, so it does not move with a few stray ones.
     /// Linear in the vertices.
-    pub(crate) fn find<'a>(bodies: impl Iterator<Item = &'a Body> + Clone) -> Option<Self> {
+    pub(crate) fn find<'a>(bodies: &(impl Iterator<Item = &'a Body> + Clone)) -> Option<Self> {
         let vertices = || bodies.clone().flat_map(|body| body.mesh.vertices().iter().copied());
         let along = |axis: usize| median(vertices().map(|vertex| vertex[axis]).collect());
         let centre = [along(0)?, along(1)?, along(2)?];

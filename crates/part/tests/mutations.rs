@@ -809,7 +809,7 @@ fn seeds_are_valid() {
             let model =
                 Model::read(format, bytes, &ReadLimits::default(), &Control::default()).unwrap();
             model.bodies.into_iter().for_each(|mut body| {
-                _ = body.repair(&RepairSettings::default(), &Control::default()).unwrap()
+                _ = body.repair(&RepairSettings::default(), &Control::default()).unwrap();
             });
         };
         match &seed.content {

@@ -49,7 +49,7 @@ pub(super) fn read(
     }
     let mut work = Work::new(control, 1, bytes.len());
     let more = records.len() as u64 - declared * RECORD as u64;
-    if more > 0 && more % RECORD as u64 == 0 {
+    if more > 0 && more.is_multiple_of(RECORD as u64) {
         let mut model = read_binary(records, held as usize, limits, &mut work)?;
         model.warnings.push(ReadWarning::TriangleCount { declared, held });
         return Ok(model);

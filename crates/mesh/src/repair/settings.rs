@@ -29,7 +29,7 @@ impl Default for RepairSettings {
 
 impl RepairSettings {
     /// The maximum distance for a body with these bounds, in mm.
-    pub(super) fn max_merge_mm(&self, bounds: &Bounds) -> f64 {
+    pub(super) fn max_merge_mm(self, bounds: &Bounds) -> f64 {
         let spacing_mm = spacing_mm(bounds).min(MAX_SPACING_MM);
         self.max_merge_mm.max(spacing_mm).min(MAX_SHARE * bounds.diagonal_mm())
     }
