@@ -5,6 +5,7 @@
 mod error;
 mod format;
 mod obj;
+mod polygon;
 mod signature;
 mod stl;
 mod text;

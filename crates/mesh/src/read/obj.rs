@@ -1,30 +1,34 @@
 //! Wavefront OBJ files: polygons with objects, groups and materials.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeSet, HashMap};
 
 use beadwork_base::Control;
 
 use super::error::{ReadError, ReadLimits};
-use super::text::{decoded, lines, point, shown};
+use super::polygon::Triangulator;
+use super::text::{decoded, lines, point, shown, to_utf8};
 use super::vertex_colours::VertexColours;
 use crate::mesh::Mesh;
 use crate::model::{Body, Material, Model};
 use crate::warning::ReadWarning;
 use crate::work::Work;
 
+/// A warning shows this many unknown keywords.
+const SHOWN_UNKNOWN: usize = 5;
+
 /// Reads a file.
 ///
 /// - An object (`o`) begins a body, unless the current body has no faces yet.
 /// - A group (`g`) does not begin a body, because groups are often parts of one surface; it only
 ///   names a body that has no other name.
-/// - Polygons are split into fans of triangles.
+/// - Polygons are divided into triangles, concave ones too; `fo` is an old name of `f`.
 /// - `usemtl` names a material; a body with several is painted.
 ///   Colours are in another file (`mtllib`), which is not read.
 /// - Vertices may have a colour after their coordinates.
 ///   In a file without `usemtl`, each colour is a material.
 ///   A triangle whose corners differ has the colour of two of them, or else of the first.
-/// - Texture coordinates and normals are ignored; so are, with a warning, points, lines, and curves
-///   and surfaces of higher order.
+/// - Texture coordinates and normals are ignored; so are, with a warning, points, lines, curves and
+///   surfaces of higher order, and lines that begin with an unknown word.
 pub(super) fn read(
     bytes: &[u8],
     limits: &ReadLimits,
@@ -43,7 +47,7 @@ pub(super) fn read(
     for (line, (position, text)) in (1..).zip(lines(bytes)) {
         work.tick(position)?;
         last = line;
-        let text = String::from_utf8_lossy(text);
+        let text = to_utf8(text);
         // Old programs end a text with a control character.
         let text = without_comment(&text).trim_end_matches(|end: char| end <= ' ');
         if let Some(begun) = text.strip_suffix('\\') {
@@ -93,8 +97,11 @@ struct Reader {
     /// The current material.
     material: Option<u8>,
     colours: VertexColours,
-    /// Keywords without effect, and how often they appear.
-    ignored: BTreeMap<&'static str, usize>,
+    triangulator: Triangulator,
+    /// What has no effect, as a noun phrase.
+    ignored: BTreeSet<&'static str>,
+    /// The first unknown keywords.
+    unknown: BTreeSet<String>,
 }
 
 impl Reader {
@@ -103,9 +110,9 @@ impl Reader {
         match words.next() {
             Some("v") => {
                 self.vertices.push(point(line, &mut words)?);
-                self.colours.add(line, words)?;
+                self.ignored.extend(self.colours.add(line, words)?);
             }
-            Some("f") => self.face(line, words)?,
+            Some("f" | "fo") => self.face(line, words)?,
             Some("o") => {
                 if !self.current.triangles.is_empty() {
                     self.complete.push(std::mem::take(&mut self.current));
@@ -118,19 +125,39 @@ impl Reader {
             Some("usemtl") => {
                 self.material = Some(self.material(line, &words.collect::<Vec<_>>().join(" "))?);
             }
-            Some("mtllib") => self.ignore("colours of materials (mtllib)"),
-            Some("p" | "l") => self.ignore("points and lines"),
-            Some("curv" | "curv2" | "surf" | "vp" | "cstype" | "parm" | "end") => {
-                self.ignore("curves and surfaces of higher order");
+            Some("mtllib") => {
+                self.ignored.insert("colours of materials (mtllib)");
             }
-            Some("call" | "csh") => self.ignore("other files and commands"),
+            Some("p" | "l") => {
+                self.ignored.insert("points and lines");
+            }
+            Some(
+                "curv" | "curv2" | "surf" | "vp" | "cstype" | "deg" | "bmat" | "step" | "parm"
+                | "trim" | "hole" | "scrv" | "sp" | "con" | "end" | "bzp" | "bsp" | "res" | "cdc"
+                | "cdp",
+            ) => {
+                self.ignored.insert("curves and surfaces of higher order");
+            }
+            Some("call" | "csh") => {
+                self.ignored.insert("other files and commands");
+            }
+            // They affect only how a picture of the model looks.
+            Some(
+                "vt" | "vn" | "g" | "s" | "mg" | "bevel" | "c_interp" | "d_interp" | "lod"
+                | "ctech" | "stech" | "maplib" | "usemap" | "shadow_obj" | "trace_obj",
+            )
+            | None => {}
             // All keywords of OBJ are alphanumeric: this is a text file of another format.
             Some(word)
                 if !word.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_') =>
             {
                 return Err(ReadError::line(line, format!("unknown keyword '{}'", shown(word))));
             }
-            _ => {}
+            Some(word) => {
+                if self.unknown.len() < SHOWN_UNKNOWN {
+                    self.unknown.insert(shown(word));
+                }
+            }
         }
         Ok(())
     }
@@ -149,8 +176,9 @@ impl Reader {
         if self.triangles > self.limits.triangles {
             return Err(ReadError::too_large(self.limits.triangles, "triangles"));
         }
-        for pair in corners[1..].windows(2) {
-            self.current.triangles.push([corners[0], pair[0], pair[1]]);
+        let points: Vec<_> = corners.iter().map(|&corner| self.vertices[corner as usize]).collect();
+        for triangle in self.triangulator.divide(&points) {
+            self.current.triangles.push(triangle.map(|at| corners[at]));
             self.current.materials.push(self.material);
         }
         Ok(())
@@ -184,14 +212,15 @@ impl Reader {
         u8::try_from(number).map_err(|_| ReadError::line(line, message))
     }
 
-    fn ignore(&mut self, what: &'static str) {
-        *self.ignored.entry(what).or_default() += 1;
-    }
-
     fn finish(mut self) -> Result<Model, ReadError> {
         self.complete.push(std::mem::take(&mut self.current));
         let mut warnings: Vec<ReadWarning> =
-            self.ignored.keys().map(|&what| ReadWarning::Ignored { what: what.into() }).collect();
+            self.ignored.iter().map(|&what| ReadWarning::Ignored { what: what.into() }).collect();
+        if !self.unknown.is_empty() {
+            let words: Vec<_> = self.unknown.iter().map(|word| format!("'{word}'")).collect();
+            let what = format!("lines that begin with unknown words ({})", words.join(", "));
+            warnings.push(ReadWarning::Ignored { what });
+        }
         if self.colours.is_any() {
             if self.materials.is_empty() {
                 self.use_vertex_colours(&mut warnings)?;
@@ -357,6 +386,38 @@ mod tests {
             warnings,
             ["curves and surfaces of higher order: not used", "points and lines: not used"]
         );
+    }
+
+    // Keywords that would be faces, and numbers after the coordinates, must not vanish silently.
+    #[test]
+    fn unknown_words_and_numbers_are_reported() {
+        let read = |text: &str| {
+            read(text.as_bytes(), &ReadLimits::default(), &Control::default()).unwrap()
+        };
+        let warnings =
+            |model: &Model| model.warnings.iter().map(ToString::to_string).collect::<Vec<_>>();
+        let start = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\ns 1\nlod 2\n";
+        let model = read(&format!("{start}f 1 2 3\nfo 1 2 4\nF 1 3 4\nlump 3\nF 1 3 4\n"));
+        assert_eq!(model.triangle_count(), 2);
+        let expected = "lines that begin with unknown words ('F', 'lump'): not used";
+        assert_eq!(warnings(&model), [expected]);
+        let model = read(&format!("{start}f 1 2 3\ncstype bezier\ndeg 3\n"));
+        assert_eq!(warnings(&model), ["curves and surfaces of higher order: not used"]);
+        let model = read("v 0 0 0 1\nv 1 0 0 1.0\nv 0 1 0\nf 1 2 3\n");
+        assert!(model.warnings.is_empty());
+        let model = read("v 0 0 0 2\nv 1 0 0 1 2\nv 0 1 0 1 1 0 0 9\nf 1 2 3\n");
+        assert!(warnings(&model).contains(&"weights of vertices: not used".to_owned()));
+        let more = "more numbers of vertices than coordinates and a colour: not used";
+        assert!(warnings(&model).contains(&more.to_owned()));
+    }
+
+    // Two materials whose names are not UTF-8 would become one.
+    #[test]
+    fn names_in_latin_1_stay_different() {
+        let text = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl \xe4\nf 1 2 3\nusemtl \xf6\nf 1 3 2\n";
+        let model = read(text, &ReadLimits::default(), &Control::default()).unwrap();
+        let names: Vec<_> = model.materials.iter().map(|material| material.name.as_str()).collect();
+        assert_eq!(names, ["ä", "ö"]);
     }
 
     #[test]

@@ -21,6 +21,7 @@ const RECORD: usize = 50;
 ///
 /// A binary file that is longer than its header declares, by whole triangles, is read to its end,
 /// with a warning: programs that write the number last sometimes fail to.
+/// So is a file whose header declares none.
 pub(super) fn read(
     bytes: &[u8],
     limits: &ReadLimits,
@@ -49,12 +50,13 @@ pub(super) fn read(
     }
     let mut work = Work::new(control, 1, bytes.len());
     let more = records.len() as u64 - declared * RECORD as u64;
-    if more > 0 && more.is_multiple_of(RECORD as u64) {
-        let mut model = read_binary(records, held as usize, limits, &mut work)?;
+    let rest = more % RECORD as u64;
+    let reads_all = more > 0 && (rest == 0 || declared == 0 && held > 0);
+    let (count, more) = if reads_all { (held, rest) } else { (declared, more) };
+    let mut model = read_binary(records, count as usize, limits, &mut work)?;
+    if reads_all {
         model.warnings.push(ReadWarning::TriangleCount { declared, held });
-        return Ok(model);
     }
-    let mut model = read_binary(records, declared as usize, limits, &mut work)?;
     if more > 0 {
         let what = format!("{more} bytes after the last triangle");
         model.warnings.push(ReadWarning::Ignored { what });
@@ -311,6 +313,11 @@ mod tests {
             let warning = ReadWarning::TriangleCount { declared: declared.into(), held: 12 };
             assert_eq!(model.warnings, [warning]);
         }
+        let mut both = good.clone();
+        both[80..84].copy_from_slice(&[0; 4]);
+        both.extend([1; 7]);
+        let model = read(&both, &ReadLimits::default(), &Control::default()).unwrap();
+        assert_eq!((model.triangle_count(), model.warnings.len()), (12, 2));
         let mut longer = good;
         longer.extend([1; 7]);
         let model = read(&longer, &ReadLimits::default(), &Control::default()).unwrap();

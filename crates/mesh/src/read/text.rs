@@ -22,6 +22,15 @@ pub(super) fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
     Cow::Owned(text.skip_while(|&char| char == '\u{feff}').collect::<String>().into_bytes())
 }
 
+/// A text as UTF-8; one that is not UTF-8 is taken as Latin-1, so that different names stay
+/// different.
+pub(super) fn to_utf8(bytes: &[u8]) -> Cow<'_, str> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect()),
+    }
+}
+
 /// The lines of a text, which end in LF, CR LF or CR: offset of the line in bytes, and its content
 /// without the end.
 pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {

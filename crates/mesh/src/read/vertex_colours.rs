@@ -19,14 +19,15 @@ pub(super) struct VertexColours {
 
 impl VertexColours {
     /// Adds a vertex; `words` are those after its coordinates.
+    /// Returns what of them is not used, as a noun phrase.
     pub(super) fn add<'a>(
         &mut self,
         line: usize,
-        words: impl Iterator<Item = &'a str>,
-    ) -> Result<(), ReadError> {
+        mut words: impl Iterator<Item = &'a str>,
+    ) -> Result<Option<&'static str>, ReadError> {
         let mut values = [0.0; 4];
         let mut count = 0;
-        for word in words.take(4) {
+        for word in words.by_ref().take(4) {
             values[count] = number(word).map_err(|message| ReadError::line(line, message))?;
             count += 1;
         }
@@ -43,7 +44,14 @@ impl VertexColours {
             self.colours.push(colour);
         }
         self.max = colour.iter().flatten().fold(self.max, |max, &value| max.max(value));
-        Ok(())
+        let is_weighted = matches!(count, 1 | 4) && values[0] != 1.0;
+        Ok(if count == 2 || words.next().is_some() {
+            Some("more numbers of vertices than coordinates and a colour")
+        } else if is_weighted {
+            Some("weights of vertices")
+        } else {
+            None
+        })
     }
 
     /// Whether any vertex has a colour.
