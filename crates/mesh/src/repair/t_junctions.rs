@@ -8,7 +8,9 @@
 //! Along a T-junction both sides are open, and both boundaries run along the same line.
 //! So the vertices on an open edge are found by a walk from each of its ends along other open edges
 //! that stay on it.
-//! The time is linear in the open edges.
+//! Along a T-junction each vertex lies on one other edge, or on a few where several faces meet.
+//! If there are more vertices on edges than open edges, as where many edges lie on one line,
+//! nothing is split: so the time and the new triangles are linear in the open edges.
 
 use beadwork_base::Interrupted;
 
@@ -20,8 +22,12 @@ use crate::work::Work;
 /// Open edges of a vertex that a walk considers; this bounds the time at a vertex with many.
 const MAX_BRANCHES: usize = 1024;
 
+/// Vertices on open edges that are split, for each direction of an open edge on average.
+/// A walk from each end finds the same ones, and several faces may meet in a line.
+const VERTICES_PER_EDGE: usize = 8;
+
 /// Splits triangles at the vertices that lie on their open edges, at most `tolerance_mm` off;
-/// returns the number of edges that are split.
+/// returns the number of edges that are split, 0 if that would take too many new triangles.
 pub(super) fn close(
     body: &mut Body,
     edges: &Edges,
@@ -41,6 +47,8 @@ pub(super) fn close(
 
     // Half-edges to split, each with the vertices on it in the order from its start.
     let mut splits: Vec<(u32, Vec<u32>)> = Vec::new();
+    // Vertices that walks may still find.
+    let mut budget = VERTICES_PER_EDGE * open.len();
     let vertices = body.mesh.vertices();
     let triangles = body.mesh.triangles();
     for &[from, to, half_edge] in &open {
@@ -63,6 +71,11 @@ pub(super) fn close(
                     .filter(|&(at, _)| if forwards { at > reached } else { at < reached })
                     .min_by(|a, b| (a.0 - reached).abs().total_cmp(&(b.0 - reached).abs()));
                 let Some((at, next)) = next else { break };
+                work.poll(1)?;
+                if budget == 0 {
+                    return Ok(0);
+                }
+                budget -= 1;
                 on_edge.push((at, next));
                 (vertex, reached) = (next, at);
             }

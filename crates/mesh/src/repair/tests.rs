@@ -237,6 +237,24 @@ fn closed_regions_keep_details_smaller_than_the_tolerance() {
     assert_eq!((detailed.mesh.vertices().len(), detailed.mesh.triangles().len()), (12, 16));
 }
 
+/// Edges that lie in each other on a line, which has many vertices: splitting all of them would
+/// make a quadratic number of triangles.
+#[test]
+fn edges_on_one_line_do_not_multiply() {
+    let count = 2_000_u32;
+    let mut points: Vec<[f64; 3]> = (0..=count).map(|at| [f64::from(at), 0.0, 0.0]).collect();
+    let mut triangles = Vec::new();
+    let mut add = |from: u32, to: u32, y: f64| {
+        triangles.push([from, to, points.len() as u32]);
+        points.push([f64::from(from), y, 1.0 + f64::from(from)]);
+    };
+    (0..count / 2).for_each(|at| add(at, count - at, 500.0));
+    (0..count).for_each(|at| add(at, at + 1, -500.0));
+    let mut nested = body(Mesh::new(points, triangles).unwrap());
+    _ = nested.repair(&RepairSettings::default(), &Control::default());
+    assert!(nested.mesh.triangles().len() < 20_000, "{}", nested.mesh.triangles().len());
+}
+
 /// Splits a triangle into four with the centres of its edges, repeatedly, as `choice` decides.
 fn divide(
     mut triangle: [[f64; 3]; 3],
