@@ -6,6 +6,7 @@ use std::str::FromStr;
 
 use anyhow::{Context, bail};
 use beadwork_base::Threads;
+use beadwork_grid::Zones;
 use beadwork_mesh::{
     Bounds, Example, Format, MaterialRule, Model, Placement, ReadLimits, RepairSettings, Transform,
 };
@@ -19,6 +20,9 @@ use crate::text::count;
 
 /// Prefix of a part that is built in rather than a file.
 const EXAMPLE: &str = "example:";
+
+/// Maximum number of materials, each of which needs a tool.
+const MAX_TOOLS: usize = Zones::MAX as usize;
 
 /// Flags that name a part and set how it is placed and sliced.
 #[derive(clap::Args)]
@@ -233,6 +237,13 @@ impl PartArgs {
             Rule::Bodies => MaterialRule::PerBody,
             Rule::One => MaterialRule::Single,
         });
+        if model.materials.len() > MAX_TOOLS {
+            bail!(
+                "part needs {} tools, one for each material, maximum is {MAX_TOOLS}: \
+                 --materials one prints all bodies with one tool",
+                model.materials.len()
+            );
+        }
         remarks.extend(model.warnings.iter().map(ToString::to_string));
         remarks::report(&remarks);
         let Numbers(rotation_degrees) = self.rotate;

@@ -43,35 +43,84 @@ pub fn of_repair(body: &str, done: &RepairReport) -> String {
 
 /// What became of bodies that cells do not represent, or only in part.
 pub fn of_coverage(model: &Model, coverage: &[Coverage], settings: &Settings) -> Vec<String> {
-    // Modifiers and negative bodies remove cells of their object on purpose.
-    let others = model.bodies.iter().filter(|body| body.role != Role::Solid);
-    let changed: HashSet<usize> = others.map(|body| body.object).collect();
+    // Modifiers and negative bodies change cells of their object on purpose.
+    let objects = |role: Role| -> HashSet<usize> {
+        let bodies = model.bodies.iter().filter(|body| body.role == role);
+        bodies.map(|body| body.object).collect()
+    };
+    let (modified, reduced) = (objects(Role::Modifier), objects(Role::Negative));
+    let Settings { cell_mm, layer_mm, .. } = settings;
+    let too_small =
+        format!("it is thinner than a bead of {cell_mm} mm or lower than a layer of {layer_mm} mm");
     let mut remarks = Vec::new();
     for (body, covered) in model.bodies.iter().zip(coverage) {
-        if changed.contains(&body.object) {
-            continue;
-        }
         let &Coverage { cells, own_cells, outline_mm, lost_mm } = covered;
-        let share = lost_mm / outline_mm;
-        let Settings { cell_mm, layer_mm, .. } = settings;
         let name = &body.name;
-        if cells == 0 {
-            remarks.push(format!(
-                "body '{name}' has no cells: it is thinner than a bead of {cell_mm} mm or lower \
-                 than a layer of {layer_mm} mm"
-            ));
-        } else if own_cells == 0 {
-            remarks.push(format!(
-                "body '{name}' has no cells left: later bodies cover all of its {}",
-                count(cells, "cell")
-            ));
-        } else if share > REPORTED_SHARE {
-            remarks.push(format!(
-                "body '{name}': {:.0} % of its outline is too thin for beads of {cell_mm} mm and \
-                 is not printed",
-                100.0 * share
-            ));
+        let (is_modified, is_reduced) =
+            (modified.contains(&body.object), reduced.contains(&body.object));
+        let share = lost_mm / outline_mm;
+        match body.role {
+            Role::Solid if cells == 0 => {
+                remarks.push(format!("body '{name}' has no cells: {too_small}"));
+            }
+            Role::Solid if own_cells == 0 && !is_modified => {
+                let others = if is_reduced { "later or negative bodies" } else { "later bodies" };
+                remarks.push(format!(
+                    "body '{name}' has no cells left: {others} cover all of its {}",
+                    count(cells, "cell")
+                ));
+            }
+            Role::Solid if share > REPORTED_SHARE && !is_modified && !is_reduced => {
+                remarks.push(format!(
+                    "body '{name}': {:.0} % of its outline is too thin for beads of {cell_mm} mm \
+                     and is not printed",
+                    100.0 * share
+                ));
+            }
+            Role::Negative | Role::Modifier if cells == 0 => {
+                let what = if body.role == Role::Negative { "negative body" } else { "modifier" };
+                remarks.push(format!(
+                    "{what} '{name}' has no effect: {too_small}, or lies beside the part"
+                ));
+            }
+            _ => {}
         }
     }
     remarks
+}
+
+#[cfg(test)]
+mod tests {
+    use beadwork_mesh::Body;
+
+    use super::*;
+
+    // prusa3d/PrusaSlicer#15694: negative volumes that remove everything, or nothing
+    #[test]
+    fn bodies_without_effect_are_reported() {
+        let body =
+            |name: &str, object, role| Body { name: name.into(), object, role, ..Body::default() };
+        let bodies = vec![
+            body("wall", 0, Role::Solid),
+            body("slit", 0, Role::Negative),
+            body("cube", 1, Role::Solid),
+            body("cover", 1, Role::Negative),
+            body("plate", 2, Role::Solid),
+            body("stripe", 2, Role::Modifier),
+        ];
+        let model = Model { bodies, ..Model::default() };
+        let of = |cells, own_cells| Coverage { cells, own_cells, outline_mm: 1.0, lost_mm: 0.5 };
+        let coverage = [of(0, 0), of(0, 0), of(9, 0), of(20, 0), of(9, 0), of(0, 0)];
+        let too_small = "it is thinner than a bead of 0.5 mm or lower than a layer of 0.25 mm";
+        assert_eq!(
+            of_coverage(&model, &coverage, &Settings::default()),
+            [
+                format!("body 'wall' has no cells: {too_small}"),
+                format!("negative body 'slit' has no effect: {too_small}, or lies beside the part"),
+                "body 'cube' has no cells left: later or negative bodies cover all of its 9 cells"
+                    .to_owned(),
+                format!("modifier 'stripe' has no effect: {too_small}, or lies beside the part"),
+            ]
+        );
+    }
 }

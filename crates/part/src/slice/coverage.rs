@@ -3,6 +3,7 @@
 //! Cells cannot represent what is thinner than a bead: thin walls and small bodies vanish.
 
 use beadwork_base::{Control, Interrupted};
+use beadwork_mesh::Role;
 
 use super::body_cut::BodyCut;
 use super::cut::Cut;
@@ -12,10 +13,10 @@ use super::settings::Settings;
 use super::work::Work;
 use crate::frame::Frame;
 
-/// What became of a solid body.
+/// What became of a body; of a body that is not solid, only the number of cells is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Coverage {
-    /// Number of cells with their centre inside the body, in all layers.
+    /// Number of cells of the grid with their centre inside the body, in all layers.
     pub cells: u64,
     /// Number of these that have a material of the body: later bodies may have taken the others.
     pub own_cells: u64,
@@ -27,7 +28,7 @@ pub struct Coverage {
 
 impl Cut {
     /// What became of each body of the model, in its order, in layers that [`Cut::layers`] returned
-    /// for these settings; the default value for bodies that are not solid.
+    /// for these settings.
     ///
     /// Progress counts layers.
     /// Takes about as long as [`Cut::layers`].
@@ -38,18 +39,19 @@ impl Cut {
         control: &Control<'_>,
     ) -> Result<Vec<Coverage>, Interrupted> {
         let work = Work::new(control, layers.layers.len());
-        let bodies = self.solid_bodies();
+        let bodies = self.bodies();
         let of_layers = control.threads.map_numbers(layers.layers.len(), |number| {
             work.unit(|| {
                 let layer = layers.layers[number].as_ref();
-                let reached = bodies.iter().filter(|(_, body)| body.layer(number).is_some());
-                let of_body = |&(at, body): &(usize, &BodyCut)| {
+                let of_body = |(at, body): (usize, &BodyCut)| {
                     (at, of_layer(body, number, layer, settings, &layers.frame))
                 };
+                let all = bodies.iter().enumerate();
+                let reached = all.filter(|(_, body)| body.layer(number).is_some());
                 reached.map(of_body).collect::<Vec<_>>()
             })
         });
-        let mut sums = vec![Coverage::default(); self.body_count()];
+        let mut sums = vec![Coverage::default(); bodies.len()];
         for of_layer in of_layers {
             for (body, coverage) in of_layer? {
                 let sum = &mut sums[body];
@@ -72,6 +74,12 @@ fn of_layer(
 ) -> Coverage {
     let mut coverage = Coverage::default();
     let Some(outline) = body.layer(number) else { return coverage };
+    if body.role != Role::Solid {
+        for_each_run(outline, settings.fill_rule, frame, |_, first, end| {
+            coverage.cells += u64::from(end - first);
+        });
+        return coverage;
+    }
     let materials = layer.map(|layer| layer.zones.ids());
     let is_filled = |column: f64, row: f64| {
         let inside = (0.0..f64::from(frame.width)).contains(&column)

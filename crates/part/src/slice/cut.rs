@@ -91,14 +91,9 @@ impl Cut {
         Ok(plan.run(&Work::new(control, plan.outline_count()))?)
     }
 
-    /// Number of bodies, those that are not solid included.
-    pub(super) fn body_count(&self) -> usize {
-        self.bodies.len()
-    }
-
-    /// The solid bodies, each with its number.
-    pub(super) fn solid_bodies(&self) -> Vec<(usize, &BodyCut)> {
-        self.bodies.iter().enumerate().filter(|(_, body)| body.role == Role::Solid).collect()
+    /// The bodies, in the order of the model.
+    pub(super) fn bodies(&self) -> &[BodyCut] {
+        &self.bodies
     }
 
     /// Fills the outlines with cells.
@@ -127,7 +122,8 @@ impl Cut {
         let layers = layers.into_iter().collect::<Result<Vec<_>, Interrupted>>()?;
         if layers.iter().all(Option::is_none) {
             let &Settings { cell_mm, layer_mm, .. } = settings;
-            return Err(SliceError::NoCells { cell_mm, layer_mm });
+            let has_negative = self.bodies.iter().any(|body| body.role == Role::Negative);
+            return Err(SliceError::NoCells { cell_mm, layer_mm, has_negative });
         }
         Ok(Layers { frame, layers })
     }

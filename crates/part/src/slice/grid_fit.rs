@@ -35,7 +35,7 @@ pub(super) fn fit(bounds: &Bounds, settings: &Settings) -> Result<(Frame, usize)
     }
     let size = bounds.size_mm();
     if !size.iter().all(|&side| side > 0.0) {
-        return Err(SliceError::NoCells { cell_mm, layer_mm });
+        return Err(SliceError::NoCells { cell_mm, layer_mm, has_negative: false });
     }
     let [columns, rows] = [0, 1].map(|axis| GridAxis::fit(size[axis], cell_mm, phase[axis]));
     let (width, height) = (columns.count, rows.count);

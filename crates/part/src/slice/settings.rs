@@ -114,13 +114,16 @@ pub enum SliceError {
     Material(usize),
     /// No layer has a cell: the part is smaller than a bead.
     #[error(
-        "no layer has a cell: the part is thinner than {cell_mm} mm or lower than {layer_mm} mm"
+        "no layer has a cell: the part is thinner than {cell_mm} mm or lower than {layer_mm} mm{}",
+        if *.has_negative { ", or negative bodies remove all of it" } else { "" }
     )]
     NoCells {
         /// Width of a bead in mm.
         cell_mm: f64,
         /// Height of a layer in mm.
         layer_mm: f64,
+        /// Whether the model has negative bodies.
+        has_negative: bool,
     },
     /// The call was cancelled or ran out of time.
     #[error(transparent)]
