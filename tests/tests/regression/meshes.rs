@@ -217,6 +217,31 @@ fn groups_of_one_object_touch_or_overlap() {
     }
 }
 
+// mikedh/trimesh#2560
+#[test]
+fn faces_are_concave() {
+    // An L on its side, so that the L is a wall; its corners begin anywhere.
+    let corners = [[0, 0], [10, 0], [10, 4], [4, 4], [4, 10], [0, 10]];
+    for first in 0..6 {
+        let mut file = String::new();
+        for depth in [5, 0] {
+            for at in 0..6 {
+                let [x, z] = corners[(first + at) % 6];
+                writeln!(file, "v {x} {depth} {z}").expect("a string takes any text");
+            }
+        }
+        file += "f 6 5 4 3 2 1\nf 7 8 9 10 11 12\n";
+        for at in 0..6 {
+            let next = (at + 1) % 6;
+            let quad = [at + 1, next + 1, next + 7, at + 7];
+            writeln!(file, "f {} {} {} {}", quad[0], quad[1], quad[2], quad[3])
+                .expect("a string takes any text");
+        }
+        let (volumes, stderr) = planned("part.obj", file.as_bytes());
+        assert_eq!((volumes, stderr.as_str()), (vec![320.0], ""), "{first}");
+    }
+}
+
 // bambulab/BambuStudio#1892, #4422
 #[test]
 fn vertices_have_colours() {

@@ -136,6 +136,7 @@ mod tests {
         }
     }
 
+    // mikedh/trimesh#2560
     #[test]
     fn concave_polygons_do_not_leave_their_outline() {
         let shapes: [&[[f64; 2]]; 3] = [
@@ -205,7 +206,10 @@ mod tests {
         })]
 
         #[test]
-        fn stars_are_divided(radii in prop::collection::vec(0.1..1.0_f64, 3..40), tilt in -2.0..2.0) {
+        fn stars_are_divided(
+            radii in prop::collection::vec(0.1..1.0_f64, 3..40),
+            tilt in -2.0..2.0,
+        ) {
             let step = std::f64::consts::TAU / radii.len() as f64;
             let at = |(number, radius): (usize, &f64)| {
                 let angle = number as f64 * step;

@@ -349,6 +349,29 @@ fn negative_bodies_and_modifiers_affect_their_object_only() {
     }
 }
 
+// prusa3d/PrusaSlicer#15694, where nothing is left
+#[test]
+fn negative_bodies_that_remove_everything_are_named() {
+    let bodies =
+        vec![bar(Role::Solid, 0, Some(0), 0.0, 4.0), bar(Role::Negative, 0, None, -1.0, 9.0)];
+    let model = model(bodies);
+    let (settings, control) = (Settings::default(), Control::default());
+    let error = slice(&model, &settings, &control).unwrap_err().to_string();
+    assert!(error.ends_with("or negative bodies remove all of it"), "{error}");
+    // Beside another object.
+    let mut bodies = model.bodies;
+    bodies.push(bar(Role::Solid, 1, Some(0), 20.0, 1.0));
+    let model = Model { bodies, ..Model::default() };
+    let cut = Cut::new(&model, &settings, &control).unwrap();
+    let layers = cut.layers(&settings, &control).unwrap();
+    let [removed, negative, other] = cut.coverage(&layers, &settings, &control).unwrap()[..] else {
+        panic!("three bodies")
+    };
+    assert!(removed.cells > 0 && removed.own_cells == 0);
+    assert!(negative.cells >= removed.cells);
+    assert_eq!((other.cells, other.own_cells), (layers.cell_count(), layers.cell_count()));
+}
+
 #[test]
 fn materials_are_given_by_rule() {
     let two = || {
