@@ -349,6 +349,28 @@ fn negative_bodies_and_modifiers_affect_their_object_only() {
     }
 }
 
+/// Each object is filled like a model of its own.
+#[test]
+fn objects_with_modifiers_leave_nothing_to_the_next_one() {
+    // The modifier and the negative body of object 0 reach over object 1.
+    let bodies = vec![
+        bar(Role::Solid, 0, Some(0), 0.0, 2.0),
+        bar(Role::Modifier, 0, Some(1), 1.0, 9.0),
+        bar(Role::Negative, 0, None, 1.5, 9.0),
+        bar(Role::Solid, 1, Some(2), 2.0, 2.0),
+        bar(Role::Modifier, 1, Some(3), 3.5, 0.5),
+        bar(Role::Solid, 2, Some(4), 4.5, 0.5),
+        bar(Role::Negative, 2, None, 0.0, 1.0),
+    ];
+    let layers = slice(&model(bodies), &Settings::default(), &Control::default()).unwrap();
+    for layer in layers.layers {
+        for row in layer.unwrap().materials().rows() {
+            let empty = Voxels::EMPTY;
+            assert_eq!(row.to_vec(), [0, 0, 1, empty, 2, 2, 2, 3, empty, 4]);
+        }
+    }
+}
+
 // prusa3d/PrusaSlicer#15694, where nothing is left
 #[test]
 fn negative_bodies_that_remove_everything_are_named() {
