@@ -117,7 +117,8 @@ impl Body {
         let min_volume = MIN_THICKNESS_MM * self.mesh.surface_mm2() / 2.0;
         if volume.is_nan() || volume <= 0.0 || volume < min_volume {
             let stray = StrayVertex::find(&std::iter::once(&*self));
-            return Err(RepairError::NoVolume { triangles, stray });
+            let closed_holes = report.closed_holes;
+            return Err(RepairError::NoVolume { triangles, closed_holes, max_merge_mm, stray });
         }
         work.end_pass();
         Ok(report)

@@ -237,6 +237,15 @@ impl Reader {
             let fallback = faces.materials.iter().flatten().next().copied().unwrap_or_default();
             let paint =
                 faces.materials.iter().map(|material| material.unwrap_or(fallback)).collect();
+            if !is_one && faces.materials.contains(&None) {
+                let warning = ReadWarning::Approximated {
+                    what: "faces before the first material".into(),
+                    how: "they have the material that follows".into(),
+                };
+                if !model.warnings.contains(&warning) {
+                    model.warnings.push(warning);
+                }
+            }
             model.bodies.push(Body {
                 object: model.bodies.len(),
                 mesh: with_used_vertices(&self.vertices, faces.triangles),

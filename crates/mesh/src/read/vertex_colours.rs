@@ -44,7 +44,7 @@ impl VertexColours {
             self.colours.push(colour);
         }
         self.max = colour.iter().flatten().fold(self.max, |max, &value| max.max(value));
-        let is_weighted = matches!(count, 1 | 4) && values[0] != 1.0;
+        let is_weighted = matches!(count, 1 | 4) && (values[0] - 1.0).abs() > 0.0;
         Ok(if count == 2 || words.next().is_some() {
             Some("more numbers of vertices than coordinates and a colour")
         } else if is_weighted {

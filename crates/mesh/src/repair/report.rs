@@ -42,12 +42,17 @@ pub enum RepairError {
     NoArea(usize),
     /// The surface encloses nothing.
     #[error(
-        "surface encloses no volume: {triangles} triangles{}",
+        "surface encloses no volume: {triangles} triangles{}{}",
+        holes_hint(*.closed_holes, *.max_merge_mm),
         .stray.as_ref().map_or_else(String::new, |stray| format!("; {stray}"))
     )]
     NoVolume {
         /// Number of triangles.
         triangles: usize,
+        /// Number of holes that were filled.
+        closed_holes: usize,
+        /// Maximum distance of vertices that were merged, in mm.
+        max_merge_mm: f64,
         /// A vertex that is far away from nearly all others, if there is one.
         stray: Option<StrayVertex>,
     },
@@ -68,4 +73,15 @@ pub enum RepairError {
     /// The caller ended the call early.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
+}
+
+/// What helps if a surface was so open that filling its holes closed each triangle separately.
+fn holes_hint(closed_holes: usize, max_merge_mm: f64) -> String {
+    match closed_holes {
+        0 => String::new(),
+        holes => format!(
+            "; {holes} holes were closed: if its triangles are more than {max_merge_mm} mm apart, \
+             merge vertices over a larger distance"
+        ),
+    }
 }

@@ -115,10 +115,16 @@ fn surfaces_that_enclose_nothing_are_refused() {
     );
     let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let sheet = Mesh::new(corners, vec![[0, 1, 2]]).unwrap();
-    assert_eq!(
-        body(sheet).repair(&RepairSettings::default(), &Control::default()),
-        Err(RepairError::NoVolume { triangles: 1, stray: None })
-    );
+    let error = body(sheet).repair(&RepairSettings::default(), &Control::default()).unwrap_err();
+    assert!(matches!(error, RepairError::NoVolume { triangles: 1, stray: None, .. }), "{error}");
+    let cube = Solid::Cuboid { size_mm: [10.0; 3] }.mesh();
+    let mut shift = 0.0;
+    let apart = noisy(&cube, false, || {
+        shift += 0.1;
+        shift % 1.0
+    });
+    let error = body(apart).repair(&RepairSettings::default(), &Control::default()).unwrap_err();
+    assert!(error.to_string().contains("merge vertices over a larger distance"), "{error}");
 }
 
 #[test]

@@ -377,11 +377,15 @@ impl<'a> Builder<'a> {
             body.material = of_property[0];
             return Ok(());
         }
-        paint_body(body, triangles, |triangle| {
+        let is_complete = paint_body(body, triangles, |triangle| {
             let filament = surface.filaments.get(triangle).copied().unwrap_or_default();
             let property = surface.paint.get(triangle).copied().unwrap_or_default();
             of_filament[usize::from(filament)].or(of_property[usize::from(property)])
         });
+        if !is_complete {
+            let what = "triangles without a material, in objects where others have one";
+            self.notes.approximated(what, "they have the first one");
+        }
         Ok(())
     }
 
@@ -561,18 +565,22 @@ fn name_of(object: &Object, id: u32) -> String {
 }
 
 /// Gives a body the materials of a range of triangles; `used` returns that of each of them.
+/// Returns whether all triangles have a material, or none.
 fn paint_body(
     body: &mut Body,
     triangles: Range<usize>,
     used: impl Fn(usize) -> Option<usize> + Copy,
-) {
+) -> bool {
     let first = used(triangles.start);
     if triangles.clone().all(|triangle| used(triangle) == first) {
         body.material = first;
+        true
     } else {
         // Triangles without paint have the material of the body.
         // If it has none either, they get the first paint.
         let fallback = triangles.clone().find_map(used).unwrap_or_default();
-        body.paint = triangles.map(|triangle| used(triangle).unwrap_or(fallback) as u8).collect();
+        let materials = triangles.clone().map(|triangle| used(triangle).unwrap_or(fallback) as u8);
+        body.paint = materials.collect();
+        triangles.map(used).all(|material| material.is_some())
     }
 }
