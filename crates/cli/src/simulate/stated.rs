@@ -197,9 +197,9 @@ mod tests {
     #[test]
     #[expect(clippy::float_cmp, reason = "sizes are rounded decimals")]
     fn missing_sizes_are_measured() {
-        let beads = "M83\nG1 Z0.3 F6000\nG1 X50 E2\nG1 Z0.5\nG1 X0 E2\nG1 Z0.7\nG1 X50 E2\n";
+        let beads = "M83\nG1 Z0.3 F6000\nG1 X50 E3\nG1 Z0.5\nG1 X0 E2\nG1 Z0.7\nG1 X50 E2\n";
         let program = |text: &str| text.parse::<Program>().unwrap();
-        // 2 mm of filament are 4.81 mm³.
+        // 2 mm of filament are 4.81 mm³; the first layer is thicker.
         assert_eq!(voxel_mm(&program(beads)).unwrap(), [0.48, 0.2]);
         let marked = format!(";WIDTH:0.4\n{beads};WIDTH:0.5\n");
         assert_eq!(voxel_mm(&program(&marked)).unwrap(), [0.4, 0.2]);
