@@ -13,7 +13,7 @@ use crate::model::Body;
 pub struct StrayVertex {
     /// Name of its body.
     pub body: String,
-    /// Its position in the file, in mm.
+    /// Its position as the reader returned it, in mm.
     pub at_mm: [f64; 3],
 }
 
