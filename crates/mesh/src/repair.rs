@@ -81,21 +81,24 @@ impl Body {
         let mut edges = Edges::new(&self.mesh, &mut work)?;
         work.end_pass();
         let max_merge_mm = settings.max_merge_mm(&self.mesh.bounds());
-        let merged = near_vertices::merge(&mut self.mesh, &edges, max_merge_mm, &mut work)?;
-        if merged.vertices > 0 {
-            (report.near_vertices, report.merge_mm) = (merged.vertices, merged.tolerance_mm);
-            report.dropped_triangles += cleanup::drop_degenerate_triangles(self);
-            if self.mesh.triangles().is_empty() {
-                return Err(RepairError::NoArea(triangles));
+        let mut odd = edges.odd(&mut work)?;
+        if !odd.is_empty() {
+            let merged = near_vertices::merge(&mut self.mesh, &odd, max_merge_mm, &mut work)?;
+            if merged.vertices > 0 {
+                (report.near_vertices, report.merge_mm) = (merged.vertices, merged.tolerance_mm);
+                report.dropped_triangles += cleanup::drop_degenerate_triangles(self);
+                if self.mesh.triangles().is_empty() {
+                    return Err(RepairError::NoArea(triangles));
+                }
+                edges = Edges::new(&self.mesh, &mut work)?;
+                odd = edges.odd(&mut work)?;
             }
-            edges = Edges::new(&self.mesh, &mut work)?;
-        }
-        let tolerance_mm = merged.tolerance_mm.max(settings.max_merge_mm);
-        report.closed_t_junctions = t_junctions::close(self, &edges, tolerance_mm, &mut work)?;
-        if report.closed_t_junctions > 0 {
-            // A vertex may lie on two edges of a triangle without area.
-            report.dropped_triangles += cleanup::drop_degenerate_triangles(self);
-            edges = Edges::new(&self.mesh, &mut work)?;
+            report.closed_t_junctions = t_junctions::close(self, &odd, max_merge_mm, &mut work)?;
+            if report.closed_t_junctions > 0 {
+                // A vertex may lie on two edges of a triangle without area.
+                report.dropped_triangles += cleanup::drop_degenerate_triangles(self);
+                edges = Edges::new(&self.mesh, &mut work)?;
+            }
         }
         work.end_pass();
         let mut components = Components::new(&self.mesh, &edges, &mut work)?;

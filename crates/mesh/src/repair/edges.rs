@@ -70,6 +70,31 @@ impl Edges {
     }
 }
 
+/// An edge at which an odd number of triangles meet: the surface is open there, whichever side its
+/// triangles face.
+#[derive(Clone, Copy)]
+pub(super) struct OddEdge {
+    /// The lower and the higher vertex.
+    pub(super) vertices: [u32; 2],
+    /// One of its half-edges.
+    pub(super) half_edge: u32,
+}
+
+impl Edges {
+    /// All edges at which an odd number of triangles meet.
+    pub(super) fn odd(&self, work: &mut Work<'_>) -> Result<Vec<OddEdge>, Interrupted> {
+        let mut odd = Vec::new();
+        for (low, edge) in self.iter() {
+            work.poll(edge.len())?;
+            if edge.len() % 2 == 1 {
+                let [high, half_edge] = edge[edge.len() - 1];
+                odd.push(OddEdge { vertices: [low, high], half_edge });
+            }
+        }
+        Ok(odd)
+    }
+}
+
 /// The lower and the higher vertex of the half-edge that starts at a corner.
 fn ends(corners: [u32; 3], corner: usize) -> [u32; 2] {
     let (a, b) = (corners[corner], corners[(corner + 1) % 3]);

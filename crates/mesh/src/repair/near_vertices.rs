@@ -25,7 +25,8 @@ use std::collections::HashMap;
 
 use beadwork_base::Interrupted;
 
-use super::edges::Edges;
+use super::components::Components;
+use super::edges::OddEdge;
 use super::settings::spacing_mm;
 use crate::bounds::Bounds;
 use crate::mesh::Mesh;
@@ -47,29 +48,17 @@ pub(super) struct Merged {
     pub(super) tolerance_mm: f64,
 }
 
-/// Merges near vertices of open edges into the first of them, with tolerances up to `max_mm`.
+/// Merges near vertices of the open edges `odd` into the first of them, with tolerances up to
+/// `max_mm`.
 /// Triangles may have two equal corners afterwards.
 pub(super) fn merge(
     mesh: &mut Mesh,
-    edges: &Edges,
+    odd: &[OddEdge],
     max_mm: f64,
     work: &mut Work<'_>,
 ) -> Result<Merged, Interrupted> {
-    // Whether triangles face the same side is not known yet, so only their number counts.
-    let mut boundary = Vec::new();
-    work.set_items(edges.len());
-    let mut done = 0;
-    for (low, edge) in edges.iter() {
-        work.tick(done)?;
-        done += edge.len();
-        if edge.len() % 2 == 1 {
-            boundary.extend([low, edge[0][0]]);
-        }
-    }
-    if boundary.is_empty() {
-        return Ok(Merged::default());
-    }
-    let mut best_open = boundary.len() / 2;
+    let mut boundary: Vec<u32> = odd.iter().flat_map(|edge| edge.vertices).collect();
+    let mut best_open = odd.len();
     boundary.sort_unstable();
     boundary.dedup();
     let mut is_boundary = vec![false; mesh.vertices().len()];
@@ -127,7 +116,7 @@ fn group(
     tolerance_mm: f64,
     work: &mut Work<'_>,
 ) -> Result<Vec<u32>, Interrupted> {
-    let mut parents: Vec<u32> = (0..points.len() as u32).collect();
+    let mut groups = Components::separate(points.len());
     let mut cells: HashMap<[i64; 3], u32> = HashMap::with_capacity(points.len());
     for grid in 0..8_u32 {
         cells.clear();
@@ -137,13 +126,11 @@ fn group(
                 let shift = f64::from(grid >> axis & 1) / 2.0;
                 (point[axis] / (2.0 * tolerance_mm) + shift).floor() as i64
             });
-            let other = *cells.entry(cell).or_insert(number);
-            let (a, b) = (root(&mut parents, other), root(&mut parents, number));
-            parents[a.max(b) as usize] = a.min(b);
+            groups.join(*cells.entry(cell).or_insert(number), number, false);
         }
     }
-    (0..parents.len() as u32).for_each(|point| _ = root(&mut parents, point));
-    Ok(parents)
+    // The root of a component is the first of its members.
+    Ok((0..points.len() as u32).map(|point| groups.find(point).0).collect())
 }
 
 /// The maximum extent of a group along an axis.
@@ -153,16 +140,6 @@ fn max_extent_mm(points: &[[f64; 3]], first: &[u32]) -> f64 {
         bounds[first as usize].add(*point);
     }
     bounds.iter().flat_map(Bounds::size_mm).fold(0.0, f64::max)
-}
-
-/// The root of a point's tree; halves the path to it.
-fn root(parents: &mut [u32], mut point: u32) -> u32 {
-    while parents[point as usize] != point {
-        let parent = parents[point as usize];
-        parents[point as usize] = parents[parent as usize];
-        point = parents[point as usize];
-    }
-    point
 }
 
 /// The vertex that a vertex is merged into: itself, unless it is on the boundary.
@@ -228,7 +205,7 @@ mod tests {
             let control = Control::default();
             let first = group(&points, tolerance_mm, &mut Work::new(&control, 1, 1)).unwrap();
             // The same with all pairs, with the tolerance of the cells.
-            let mut loose: Vec<u32> = (0..points.len() as u32).collect();
+            let mut loose = Components::separate(points.len());
             for a in 0..points.len() {
                 for b in 0..a {
                     let apart = [0, 1, 2]
@@ -239,15 +216,13 @@ mod tests {
                         prop_assert_eq!(first[a], first[b]);
                     }
                     if apart < 2.0 * tolerance_mm {
-                        let (a, b) = (root(&mut loose, a as u32), root(&mut loose, b as u32));
-                        loose[a.max(b) as usize] = a.min(b);
+                        loose.join(a as u32, b as u32, false);
                     }
                 }
             }
             for a in 0..points.len() {
                 prop_assert!(first[a] <= a as u32 && first[first[a] as usize] == first[a]);
-                let (own, of_first) = (root(&mut loose, a as u32), root(&mut loose, first[a]));
-                prop_assert_eq!(own, of_first);
+                prop_assert_eq!(loose.find(a as u32), loose.find(first[a]));
             }
         }
     }

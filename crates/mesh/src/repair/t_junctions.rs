@@ -14,7 +14,7 @@
 
 use beadwork_base::Interrupted;
 
-use super::edges::Edges;
+use super::edges::OddEdge;
 use crate::model::Body;
 use crate::vector::{dot, minus};
 use crate::work::Work;
@@ -26,23 +26,19 @@ const MAX_BRANCHES: usize = 1024;
 /// A walk from each end finds the same ones, and several faces may meet in a line.
 const VERTICES_PER_EDGE: usize = 8;
 
-/// Splits triangles at the vertices that lie on their open edges, at most `tolerance_mm` off;
+/// Splits triangles at the vertices that lie on their open edges `odd`, at most `tolerance_mm` off;
 /// returns the number of edges that are split, 0 if that would take too many new triangles.
 pub(super) fn close(
     body: &mut Body,
-    edges: &Edges,
+    odd: &[OddEdge],
     tolerance_mm: f64,
     work: &mut Work<'_>,
 ) -> Result<usize, Interrupted> {
     // Both directions of every open edge: from, to, and a half-edge of it.
-    let mut open: Vec<[u32; 3]> = Vec::new();
-    for (low, edge) in edges.iter() {
-        work.poll(1)?;
-        if edge.len() % 2 == 1 {
-            let [high, half_edge] = edge[edge.len() - 1];
-            open.extend([[low, high, half_edge], [high, low, half_edge]]);
-        }
-    }
+    let both = |&OddEdge { vertices: [low, high], half_edge }: &OddEdge| {
+        [[low, high, half_edge], [high, low, half_edge]]
+    };
+    let mut open: Vec<[u32; 3]> = odd.iter().flat_map(both).collect();
     open.sort_unstable();
 
     // Half-edges to split, each with the vertices on it in the order from its start.

@@ -229,6 +229,27 @@ fn parts_with_noisy_vertices_are_read() {
 }
 
 #[test]
+fn tolerances_shrink_with_the_body() {
+    // On one side of an edge, a vertex near its centre, at most 0.002 mm off.
+    for (side_mm, t_junctions) in [(10.0, 1), (0.5, 0)] {
+        let mut mesh = Solid::Cuboid { size_mm: [side_mm; 3] }.mesh();
+        let [a, b, c] = mesh.triangles()[0];
+        let corners = mesh.corners([a, b, c]);
+        let share = 0.002 / side_mm;
+        let near = [0, 1, 2].map(|axis| {
+            let centre = f64::midpoint(corners[0][axis], corners[1][axis]);
+            centre + share * (corners[2][axis] - centre)
+        });
+        let (vertices, triangles) = mesh.parts_mut();
+        vertices.push(near);
+        triangles[0] = [a, 8, c];
+        triangles.push([8, b, c]);
+        let done = body(mesh).repair(&RepairSettings::default(), &Control::default()).unwrap();
+        assert_eq!((done.closed_t_junctions, done.closed_holes), (t_junctions, 1 - t_junctions));
+    }
+}
+
+#[test]
 fn closed_regions_keep_details_smaller_than_the_tolerance() {
     // A tiny tetrahedron on its own, beside a box of which a triangle is missing.
     let tiny = [[20.0, 0.0, 0.0], [20.001, 0.0, 0.0], [20.0, 0.001, 0.0], [20.0, 0.0, 0.001]];
