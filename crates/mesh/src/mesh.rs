@@ -1,5 +1,7 @@
 //! Triangle meshes.
 
+use std::collections::HashMap;
+
 use ndarray::ArrayView2;
 use thiserror::Error;
 
@@ -74,6 +76,22 @@ impl Mesh {
         triangles: ArrayView2<'_, u32>,
     ) -> Result<Self, MeshError> {
         Self::new(rows("vertices", vertices)?, rows("triangles", triangles)?)
+    }
+
+    /// A mesh of those vertices that the triangles use, in the order of their first use.
+    ///
+    /// # Panics
+    /// If a used vertex does not exist or is not finite.
+    pub(crate) fn of_used_vertices(vertices: &[[f64; 3]], mut triangles: Vec<[u32; 3]>) -> Self {
+        let mut number_of = HashMap::new();
+        let mut used = Vec::new();
+        for vertex in triangles.iter_mut().flatten() {
+            *vertex = *number_of.entry(*vertex).or_insert_with_key(|&old| {
+                used.push(vertices[old as usize]);
+                used.len() as u32 - 1
+            });
+        }
+        Self::new(used, triangles).expect("the vertices are finite, and the triangles use them")
     }
 
     /// The vertices: x, y and z in mm.

@@ -29,6 +29,11 @@ impl Frame {
         [self.left_mm + offset(x), self.back_mm - offset(y)]
     }
 
+    /// Column and row of the cell at a point, in mm; whole numbers that may lie beyond the grid.
+    pub(crate) fn column_and_row(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [x - self.left_mm, self.back_mm - y].map(|mm| (mm / self.cell_mm).floor())
+    }
+
     /// Sides of the grid in mm: left, front, right and back.
     pub fn sides_mm(&self) -> [f64; 4] {
         let length = |count: u32| f64::from(count) * self.cell_mm;

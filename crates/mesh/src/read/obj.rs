@@ -248,7 +248,7 @@ impl Reader {
             }
             model.bodies.push(Body {
                 object: model.bodies.len(),
-                mesh: with_used_vertices(&self.vertices, faces.triangles),
+                mesh: Mesh::of_used_vertices(&self.vertices, faces.triangles),
                 name: faces.name,
                 material: if is_one { first.map(usize::from) } else { None },
                 paint: if is_one { Vec::new() } else { paint },
@@ -284,19 +284,6 @@ impl Reader {
         }
         Ok(())
     }
-}
-
-/// A mesh of the vertices that the triangles use, in the order of their first use.
-fn with_used_vertices(vertices: &[[f64; 3]], mut triangles: Vec<[u32; 3]>) -> Mesh {
-    let mut number_of = HashMap::new();
-    let mut used = Vec::new();
-    for vertex in triangles.iter_mut().flatten() {
-        *vertex = *number_of.entry(*vertex).or_insert_with_key(|&old| {
-            used.push(vertices[old as usize]);
-            used.len() as u32 - 1
-        });
-    }
-    Mesh::new(used, triangles).expect("coordinates and vertices were checked when they were read")
 }
 
 #[cfg(test)]

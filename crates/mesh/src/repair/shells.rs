@@ -136,19 +136,8 @@ fn owners(mesh: &Mesh, shell_of: &[usize], volumes: &[f64]) -> Vec<usize> {
 
 /// A body of some of the triangles; it is not painted if they have one colour.
 fn part(body: &Body, triangles: &[usize]) -> Body {
-    let mut number_of = HashMap::new();
-    let mut vertices = Vec::new();
-    let mut renumbered = |vertex: u32| {
-        *number_of.entry(vertex).or_insert_with(|| {
-            vertices.push(body.mesh.vertices()[vertex as usize]);
-            vertices.len() as u32 - 1
-        })
-    };
-    let corners: Vec<[u32; 3]> = triangles
-        .iter()
-        .map(|&triangle| body.mesh.triangles()[triangle].map(&mut renumbered))
-        .collect();
-    let mesh = Mesh::new(vertices, corners).expect("a part of a valid mesh is valid");
+    let corners = triangles.iter().map(|&triangle| body.mesh.triangles()[triangle]).collect();
+    let mesh = Mesh::of_used_vertices(body.mesh.vertices(), corners);
     let paint: Vec<u8> = triangles.iter().map(|&triangle| body.paint[triangle]).collect();
     let is_one = paint.iter().all(|&colour| colour == paint[0]);
     Body {

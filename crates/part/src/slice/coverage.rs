@@ -101,9 +101,8 @@ fn of_layer(
         coverage.outline_mm += length_mm;
         for step in 0..steps as u32 {
             let part = (f64::from(step) + 0.5) / steps;
-            let [x, y] = [0, 1].map(|axis| from[axis] + part * (to[axis] - from[axis]));
-            let column = ((x - frame.left_mm) / frame.cell_mm).floor();
-            let row = ((frame.back_mm - y) / frame.cell_mm).floor();
+            let sample = [0, 1].map(|axis| from[axis] + part * (to[axis] - from[axis]));
+            let [column, row] = frame.column_and_row(sample);
             let near = [-1.0, 0.0, 1.0];
             let is_kept = near
                 .iter()

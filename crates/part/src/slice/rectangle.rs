@@ -16,9 +16,8 @@ impl Rectangle {
     pub(super) fn around(corners: impl Iterator<Item = [f64; 2]>, frame: &Frame) -> Option<Self> {
         let mut min = [f64::INFINITY; 2];
         let mut max = [f64::NEG_INFINITY; 2];
-        for [x, y] in corners {
-            let cell =
-                [x - frame.left_mm, frame.back_mm - y].map(|mm| (mm / frame.cell_mm).floor());
+        for corner in corners {
+            let cell = frame.column_and_row(corner);
             min = [0, 1].map(|axis| cell[axis].min(min[axis]));
             max = [0, 1].map(|axis| cell[axis].max(max[axis]));
         }

@@ -126,8 +126,7 @@ impl Cells {
 
     /// Offers a line to the cell that holds one of its points, and to the four neighbours.
     fn colour_around(&mut self, point: [f64; 2], line: u32, frame: &Frame) {
-        let column = ((point[0] - frame.left_mm) / frame.cell_mm).floor();
-        let row = ((frame.back_mm - point[1]) / frame.cell_mm).floor();
+        let [column, row] = frame.column_and_row(point);
         for (right, down) in [(0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
             let (column, row) = (column + right, row + down);
             if self.rectangle.contains(column, row) {
