@@ -80,6 +80,8 @@
     allow(clippy::float_cmp, reason = "numbers that are exact in binary are compared as such")
 )]
 
+mod area;
+mod bead;
 mod frame;
 mod pattern;
 mod picture;
@@ -87,6 +89,8 @@ pub mod print;
 pub mod slice;
 mod svg;
 
+pub use area::{Area, Ring};
+pub use bead::{Bead, BeadLayer, ExtrusionMove};
 pub use frame::Frame;
 pub use pattern::{Pattern, UnknownPattern, pattern_sheet};
 pub use picture::{Picture, PictureError};
