@@ -10,6 +10,7 @@
 //! - [`genetic`]: the genetic algorithm of Aali et al. on the moves of many annealing runs.
 //! - [`chains`]: local search that lowers the cost in few moves, as examples for learning.
 //! - [`bound`](mod@bound): lower bounds on the number of pieces and on crossings.
+//! - [`join`]: joins nested insets and infill into few beads.
 //! - [`plan`]: plans of whole parts: the order of the tools over the layers, and the beads of all
 //!   layers for the minimum cost of tool changes and lifts.
 //!
@@ -61,6 +62,7 @@ mod costs;
 mod disjoint_sets;
 pub mod exact;
 pub mod genetic;
+pub mod join;
 mod matching;
 mod moves;
 pub mod plan;

@@ -1,0 +1,103 @@
+//! Joins two beads at their ends.
+
+use super::bead::{Bead, OnLoop, Part};
+use super::solve::Input;
+use super::surroundings::Surroundings;
+
+/// Maximum number of ways of a bead.
+const MAX_WAYS: usize = 64;
+
+/// Joins the end of `first` to the beginning of `second` by a step, if there is one.
+///
+/// The ways of the result are those in which the step is possible.
+/// A bead of loops alone can begin anywhere, not only in the ways listed for it, so new ways are
+/// computed for it.
+pub(super) fn merge(
+    first: &Bead,
+    second: &Bead,
+    input: &Input<'_>,
+    near: &Surroundings<'_>,
+) -> Option<Bead> {
+    let ways = match (first.has_only_loops(), second.has_only_loops()) {
+        (false, false) => meet(first, second, input, near),
+        (false, true) => continue_into(first, second, input, near),
+        (true, false) => {
+            let reversed = continue_into(&second.reversed(), &first.reversed(), input, near);
+            reversed.into_iter().map(|way| way.into_iter().rev().collect()).collect()
+        }
+        (true, true) => begin_anywhere(first, second, near),
+    };
+    if ways.is_empty() {
+        return None;
+    }
+    let parts = first.parts.iter().chain(&second.parts).copied().collect();
+    Some(Bead { parts, ways })
+}
+
+/// Ways in which two beads meet that have fixed ways.
+fn meet(
+    first: &Bead,
+    second: &Bead,
+    input: &Input<'_>,
+    near: &Surroundings<'_>,
+) -> Vec<Vec<OnLoop>> {
+    let mut ways = Vec::new();
+    for from in 0..first.ways.len() {
+        for to in 0..second.ways.len() {
+            let [end, start] =
+                [first.end_mm(from, input.chains), second.start_mm(to, input.chains)];
+            if ways.len() < MAX_WAYS && near.is_step(end, start) {
+                ways.push([&first.ways[from][..], &second.ways[to]].concat());
+            }
+        }
+    }
+    ways
+}
+
+/// Ways in which a bead with fixed ways continues into a bead of loops.
+fn continue_into(
+    first: &Bead,
+    loops: &Bead,
+    input: &Input<'_>,
+    near: &Surroundings<'_>,
+) -> Vec<Vec<OnLoop>> {
+    let continued = |way: usize| {
+        let mut positions = first.ways[way].clone();
+        positions.extend(along(first.end_mm(way, input.chains), &loops.parts, near)?);
+        Some(positions)
+    };
+    (0..first.ways.len()).filter_map(continued).collect()
+}
+
+/// Ways of two beads of loops that are joined anywhere.
+fn begin_anywhere(first: &Bead, second: &Bead, near: &Surroundings<'_>) -> Vec<Vec<OnLoop>> {
+    let Some(&Part::Loop(last)) = first.parts.last() else { return Vec::new() };
+    let samples = near.samples(last);
+    let before: Vec<Part> = first.parts[..first.parts.len() - 1].iter().rev().copied().collect();
+    let way = |&sample: &OnLoop| {
+        let mut positions = along(sample.point_mm, &before, near)?;
+        positions.reverse();
+        positions.push(sample);
+        positions.extend(along(sample.point_mm, &second.parts, near)?);
+        Some(positions)
+    };
+    let ways: Vec<Vec<OnLoop>> = samples.iter().filter_map(way).collect();
+    // Few are enough, spread along the loop.
+    let every = ways.len().div_ceil(MAX_WAYS).max(1);
+    ways.into_iter().step_by(every).collect()
+}
+
+/// Where each of the loops begins if the first is entered from a point, and each other one from the
+/// loop before: always at the nearest point.
+fn along(from_mm: [f64; 2], loops: &[Part], near: &Surroundings<'_>) -> Option<Vec<OnLoop>> {
+    let mut here = from_mm;
+    loops
+        .iter()
+        .map(|part| {
+            let &Part::Loop(number) = part else { return None };
+            let on_loop = near.nearest(number, here)?;
+            here = on_loop.point_mm;
+            Some(on_loop)
+        })
+        .collect()
+}
