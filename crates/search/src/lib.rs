@@ -11,6 +11,8 @@
 //! - [`chains`]: local search that lowers the cost in few moves, as examples for learning.
 //! - [`bound`](mod@bound): lower bounds on the number of pieces and on crossings.
 //! - [`join`]: joins nested insets and infill into few beads.
+//! - [`link`]: infill lines linked to the fewest beads, by nearest neighbour, by break points, or
+//!   with a proven bound; made for import by other slicers.
 //! - [`plan`]: plans of whole parts: the order of the tools over the layers, and the beads of all
 //!   layers for the minimum cost of tool changes and lifts.
 //!
@@ -63,6 +65,7 @@ mod disjoint_sets;
 pub mod exact;
 pub mod genetic;
 pub mod join;
+pub mod link;
 mod matching;
 mod moves;
 pub mod plan;
