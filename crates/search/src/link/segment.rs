@@ -173,18 +173,11 @@ impl SegmentGrid {
         let slack = self.cell * 1e-6;
         let columns = [self.band(0, left[0] - slack), self.band(0, right[0] + slack)];
         for column in columns[0]..=columns[1] {
-            let at = |x: f64| {
-                let width = right[0] - left[0];
-                let share = if width > 0.0 { ((x - left[0]) / width).clamp(0.0, 1.0) } else { 0.0 };
-                left[1] + share * (right[1] - left[1])
-            };
+            let at = |x: f64| left[1] + (x - left[0]) / (right[0] - left[0]) * (right[1] - left[1]);
             let border = self.origin[0] + column as f64 * self.cell;
-            let steep = columns[0] == columns[1];
-            let [from, to] = if steep {
-                [left[1], right[1]]
-            } else {
-                [at(border - slack), at(border + self.cell + slack)]
-            };
+            let [first, last] = [border - slack, border + self.cell + slack];
+            let from = if first <= left[0] { left[1] } else { at(first) };
+            let to = if last >= right[0] { right[1] } else { at(last) };
             let rows = [self.band(1, from.min(to) - slack), self.band(1, from.max(to) + slack)];
             (rows[0]..=rows[1]).for_each(|row| visit(row * self.size[0] + column));
         }
