@@ -2,6 +2,7 @@
 //!
 //! - [`mod@slice`]: cuts meshes into layers of cells; [`Voxels`](slice::Voxels) are all layers as
 //!   an array.
+//! - [`mod@toolpath`]: lays out insets and infill in the areas of each layer.
 //! - [`Pattern`]: the 38 named deposition orders, for any region; [`pattern_sheet`] draws them all.
 //! - [`mod@print`]: writes planned layers as G-code for Marlin or Klipper, and checks such a
 //!   program from its text.
@@ -68,7 +69,7 @@
 //! the paths.
 //!
 //! # Limits
-//! A part has one bead width; layers have no perimeters, supports or bridges.
+//! A part has one bead width; there are no supports or bridges.
 //! Parts thinner than a bead may have no cells.
 //! [`Region::MAX_SIDE`](beadwork_grid::Region::MAX_SIDE) limits the cells of a side,
 //! [`Zones::MAX`](beadwork_grid::Zones::MAX) the number of materials.
@@ -86,8 +87,10 @@ mod frame;
 mod pattern;
 mod picture;
 pub mod print;
+mod simplify;
 pub mod slice;
 mod svg;
+pub mod toolpath;
 
 pub use area::{Area, Ring};
 pub use bead::{Bead, BeadLayer, ExtrusionMove};

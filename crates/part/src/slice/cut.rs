@@ -96,6 +96,26 @@ impl Cut {
         &self.bodies
     }
 
+    /// The bounding box of the model.
+    pub(super) fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+
+    /// Returns an error if the layer height of settings is not that of the cut.
+    pub(super) fn check_layer_height(&self, settings: &Settings) -> Result<(), SliceError> {
+        if settings.layer_mm.to_bits() == self.layer_mm.to_bits() {
+            return Ok(());
+        }
+        Err(SliceError::LayerHeight { cut_mm: self.layer_mm, got_mm: settings.layer_mm })
+    }
+
+    /// The error of a part that no layer has anything of.
+    pub(super) fn no_cells(&self, settings: &Settings) -> SliceError {
+        let &Settings { cell_mm, layer_mm, .. } = settings;
+        let has_negative = self.bodies.iter().any(|body| body.role == Role::Negative);
+        SliceError::NoCells { cell_mm, layer_mm, has_negative }
+    }
+
     /// Fills the outlines with cells.
     ///
     /// The settings may differ from those of [`Cut::new`] in everything but the layer height; the
@@ -104,10 +124,7 @@ impl Cut {
     /// Linear in the cells of all layers, and O(r log r) where r counts the rows of cells that each
     /// line of an outline crosses.
     pub fn layers(&self, settings: &Settings, control: &Control<'_>) -> Result<Layers, SliceError> {
-        if settings.layer_mm.to_bits() != self.layer_mm.to_bits() {
-            let (cut_mm, got_mm) = (self.layer_mm, settings.layer_mm);
-            return Err(SliceError::LayerHeight { cut_mm, got_mm });
-        }
+        self.check_layer_height(settings)?;
         let (_, layer_count) = fit(&self.bounds, settings)?;
         self.fill(settings, &Work::new(control, layer_count))
     }
@@ -121,9 +138,7 @@ impl Cut {
             .map_numbers(layer_count, |number| work.unit(|| filler.layer(number)));
         let layers = layers.into_iter().collect::<Result<Vec<_>, Interrupted>>()?;
         if layers.iter().all(Option::is_none) {
-            let &Settings { cell_mm, layer_mm, .. } = settings;
-            let has_negative = self.bodies.iter().any(|body| body.role == Role::Negative);
-            return Err(SliceError::NoCells { cell_mm, layer_mm, has_negative });
+            return Err(self.no_cells(settings));
         }
         Ok(Layers { frame, layers })
     }

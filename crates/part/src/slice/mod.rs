@@ -10,7 +10,9 @@
 //! A cell belongs to a layer if its centre lies inside a body.
 //! [`Layers::voxels`] returns all layers as one array.
 
+mod areas;
 mod body_cut;
+mod colour_areas;
 mod coverage;
 mod cut;
 mod fill;
@@ -27,6 +29,7 @@ mod surface_columns;
 mod voxels;
 mod work;
 
+pub use areas::{LayerAreas, MaterialArea};
 pub use coverage::Coverage;
 pub use cut::{Cut, slice};
 pub use layers::{Layer, Layers};

@@ -26,21 +26,33 @@ pub(super) fn propagate(
     frame: &Frame,
     materials: &mut [u8],
 ) {
-    let Some(rectangle) = Rectangle::around(outline.loops().flatten().copied(), frame) else {
-        return;
-    };
-    let mut cells = Cells::new(rectangle);
-    cells.fill(outline, rule, frame);
-    cells.colour_outline(outline, frame);
-    cells.propagate(frame);
-    cells.colour_faces(faces);
-    let unreached = cells.lines.first().map_or(0, |line| line.colour);
+    let Some(cells) = Cells::coloured(outline, faces, rule, frame) else { return };
     for index in (0..cells.inside.len()).filter(|&index| cells.inside[index]) {
-        let is_reached = cells.distance_mm[index].is_finite();
         let (column, row) = cells.rectangle.column_and_row(index);
-        materials[row * frame.width as usize + column] =
-            if is_reached { cells.colours[index] } else { unreached };
+        materials[row * frame.width as usize + column] = cells.colour(index);
     }
+}
+
+/// The colours of all cells of the rectangle around a body, also of those outside the body.
+///
+/// Cells inside have the colours that [`propagate`] writes; those outside the colour of the nearest
+/// line of the outline.
+/// `None` if the grid has no cell near the outline.
+pub(super) fn colours_around(
+    outline: &Outline,
+    faces: &Faces<'_>,
+    rule: FillRule,
+    frame: &Frame,
+) -> Option<(Rectangle, Vec<u8>)> {
+    let mut cells = Cells::coloured(outline, faces, rule, frame)?;
+    let inside = std::mem::take(&mut cells.inside);
+    let colours: Vec<u8> = (0..inside.len()).map(|index| cells.colour(index)).collect();
+    // Lines of cells outside are not compared before, so that they cannot affect those inside.
+    cells.inside = vec![true; inside.len()];
+    cells.propagate(frame);
+    let colour = |index: usize| if inside[index] { colours[index] } else { cells.colour(index) };
+    let colours = (0..inside.len()).map(colour).collect();
+    Some((cells.rectangle, colours))
 }
 
 /// The top and bottom faces of a body, as seen from the cells of a layer.
@@ -97,6 +109,31 @@ impl Cells {
             line: vec![Self::NO_LINE; count],
             distance_mm: vec![f64::INFINITY; count],
             colours: vec![0; count],
+        }
+    }
+
+    /// The cells around an outline, with the colours of those inside.
+    fn coloured(
+        outline: &Outline,
+        faces: &Faces<'_>,
+        rule: FillRule,
+        frame: &Frame,
+    ) -> Option<Self> {
+        let rectangle = Rectangle::around(outline.loops().flatten().copied(), frame)?;
+        let mut cells = Self::new(rectangle);
+        cells.fill(outline, rule, frame);
+        cells.colour_outline(outline, frame);
+        cells.propagate(frame);
+        cells.colour_faces(faces);
+        Some(cells)
+    }
+
+    /// The colour of a cell; the first one of the outline if no line reached the cell.
+    fn colour(&self, index: usize) -> u8 {
+        if self.distance_mm[index].is_finite() {
+            self.colours[index]
+        } else {
+            self.lines.first().map_or(0, |line| line.colour)
         }
     }
 

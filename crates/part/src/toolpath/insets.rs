@@ -1,0 +1,137 @@
+//! Insets, the region inside them, and the gaps between them.
+//!
+//! Inset k is the border of the island's outline offset by k + 1/2 beads, always computed from the
+//! outline, so that errors do not add up.
+//! Where less than 1.6 beads of width are left, the two sides of an inset would overlap: there the
+//! inset is cut out, and the area belongs to the residue.
+
+use super::island::Inset;
+use super::settings::Settings;
+use crate::area::{Area, Ring};
+use crate::simplify::squared_to_line;
+
+/// Half the width, in beads, below which an inset is cut out.
+const WIDE: f64 = 0.8;
+
+/// Length, in beads, by which an inset reaches into narrower places.
+const REACH: f64 = 0.3;
+
+/// Maximum deviation in mm of the outline that offsets are computed from.
+const OUTLINE_TOLERANCE_MM: f64 = 0.002;
+
+/// Maximum deviation in mm of an inset from the exact offset of that outline.
+const INSET_TOLERANCE_MM: f64 = 0.003;
+
+/// Tolerance in mm of areas that are grown again.
+/// Concave arcs of many corners take long to grow: all lines meet in their centres.
+const WIDE_TOLERANCE_MM: f64 = 0.01;
+
+/// Width, in beads, below which thin walls are dropped.
+const MIN_WALL: f64 = 0.2;
+
+/// Width, in beads, below which gaps inside the outermost inset are dropped.
+const MIN_GAP: f64 = 0.4;
+
+/// Size, in squares of a bead, below which a piece of the residue is dropped.
+const MIN_SIZE: f64 = 0.25;
+
+/// Mean width, in beads, below which a component of the infill region belongs to the residue.
+const MIN_INFILL: f64 = 0.5;
+
+/// The insets of an island, and what is inside and between them.
+pub(super) struct Walls {
+    pub(super) insets: Vec<Inset>,
+    pub(super) residue: Area,
+    /// Where the centrelines of infill may lie.
+    pub(super) infill: Area,
+}
+
+impl Walls {
+    pub(super) fn new(outline: &Area, settings: &Settings) -> Self {
+        let bead_mm = settings.bead_mm;
+        let outline = outline.simplified(OUTLINE_TOLERANCE_MM);
+        let inner = |beads: f64| outline.offset(-beads * bead_mm);
+        let mut walls =
+            Self { insets: Vec::new(), residue: Area::default(), infill: Area::default() };
+        let mut inside = outline.clone();
+        let mut outer_depth = 0..0;
+        for depth in 0..settings.perimeters {
+            let beads = f64::from(depth);
+            let wide = inner(beads + WIDE).simplified(WIDE_TOLERANCE_MM);
+            let min_width = if depth == 0 { MIN_WALL } else { MIN_GAP };
+            let reached = wide.offset((WIDE + REACH) * bead_mm);
+            let gaps = gaps(&inside, &reached, min_width, bead_mm);
+            let mut centre = inner(beads + 0.5);
+            if !gaps.is_empty() {
+                centre = centre.intersection(&wide.offset((WIDE + REACH - 0.5) * bead_mm));
+            }
+            walls.residue.append(gaps);
+            outer_depth = walls.push(depth, outer_depth, &centre);
+            inside = inner(beads + 1.0);
+            if inside.is_empty() {
+                return walls;
+            }
+        }
+        let margin = 0.5 - settings.infill_overlap;
+        let is_wide = |rings: &[Ring]| mean_width_mm(rings) >= MIN_INFILL * bead_mm;
+        let (infill, _) = inner(f64::from(settings.perimeters) + margin).split(is_wide);
+        walls.infill = infill;
+        let reached = walls.infill.simplified(WIDE_TOLERANCE_MM).offset((margin + REACH) * bead_mm);
+        walls.residue.append(gaps(&inside, &reached, MIN_GAP, bead_mm));
+        walls
+    }
+
+    /// Appends the insets of a depth, and returns their indices.
+    fn push(
+        &mut self,
+        depth: u32,
+        outer: std::ops::Range<usize>,
+        centre: &Area,
+    ) -> std::ops::Range<usize> {
+        let first = self.insets.len();
+        for ring in centre.simplified(INSET_TOLERANCE_MM).rings() {
+            let parent = nearest(ring, &self.insets, outer.clone());
+            self.insets.push(Inset { depth, ring: ring.clone(), parent });
+        }
+        first..self.insets.len()
+    }
+}
+
+/// What of an area is not reached, without pieces that are too small or narrower than a width in
+/// beads.
+fn gaps(inside: &Area, reached: &Area, min_width: f64, bead_mm: f64) -> Area {
+    let min_mm2 = MIN_SIZE * bead_mm * bead_mm;
+    let rest = inside.difference(reached).without_slivers(min_mm2);
+    if rest.is_empty() {
+        return rest;
+    }
+    rest.opened(min_width / 2.0 * bead_mm).without_slivers(min_mm2)
+}
+
+/// Twice the size divided by the length of the border: the width of a long strip.
+pub(super) fn mean_width_mm(rings: &[Ring]) -> f64 {
+    let mut border_mm = 0.0;
+    let mut twice_mm2 = 0.0;
+    for ring in rings {
+        for (from, to) in ring.iter().zip(ring.iter().skip(1).chain(ring.first())) {
+            border_mm += (to[0] - from[0]).hypot(to[1] - from[1]);
+            twice_mm2 += from[0] * to[1] - to[0] * from[1];
+        }
+    }
+    if border_mm > 0.0 { twice_mm2 / border_mm } else { 0.0 }
+}
+
+/// The inset of a range that is nearest to the first corner of a ring.
+fn nearest(ring: &Ring, insets: &[Inset], range: std::ops::Range<usize>) -> Option<usize> {
+    let &corner = ring.first()?;
+    let distance = |index: &usize| {
+        let other = &insets[*index].ring;
+        let ends = other.iter().skip(1).chain(other.first());
+        other
+            .iter()
+            .zip(ends)
+            .map(|(&from, &to)| squared_to_line(corner, from, to))
+            .fold(f64::INFINITY, f64::min)
+    };
+    range.map(|index| (index, distance(&index))).min_by(|a, b| a.1.total_cmp(&b.1)).map(|it| it.0)
+}

@@ -1,0 +1,94 @@
+//! Islands of all layers.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use beadwork_base::{Control, Interrupted};
+
+use super::infill;
+use super::insets::Walls;
+use super::island::Island;
+use super::settings::{Settings, ToolpathError};
+use super::solid::{Surfaces, divide, near_surface};
+use crate::area::Area;
+use crate::slice::LayerAreas;
+
+/// Lays out the insets and the infill of every layer.
+///
+/// The islands of a layer are in the order of their materials.
+/// Layers without areas have no islands.
+/// The result does not depend on the number of threads.
+/// Progress counts layers.
+///
+/// O(n log n) in the corners of each layer's outlines, times the number of insets; and in the
+/// infill lines.
+///
+/// # Errors
+/// [`ToolpathError::Range`] if a setting is out of range, [`ToolpathError::Size`] if a layer is
+/// longer than [`Settings::MAX_BEADS`] beads.
+pub fn islands(
+    layers: &[LayerAreas],
+    settings: &Settings,
+    control: &Control<'_>,
+) -> Result<Vec<Vec<Island>>, ToolpathError> {
+    settings.check()?;
+    check_sizes(layers, settings)?;
+    let threads = control.threads;
+    let surfaces = if settings.density < 1.0 {
+        let unions = threads.map(layers, LayerAreas::union);
+        let surfaces = threads.map_numbers(layers.len(), |number| {
+            control.check()?;
+            let below = number.checked_sub(1).map(|below| &unions[below]);
+            Ok(Surfaces::new(&unions[number], below, unions.get(number + 1)))
+        });
+        surfaces.into_iter().collect::<Result<Vec<_>, Interrupted>>()?
+    } else {
+        vec![Surfaces::default(); layers.len()]
+    };
+    let done = AtomicUsize::new(0);
+    let layer = |number: usize| {
+        control.check()?;
+        let near_surface = near_surface(&surfaces, number, settings);
+        let mut islands = Vec::new();
+        for each in &layers[number].areas {
+            for outline in each.area.clone().into_components() {
+                islands.push(island(each.material, outline, &near_surface, settings, number));
+            }
+        }
+        control.report(done.fetch_add(1, Ordering::Relaxed) + 1, layers.len());
+        Ok(islands)
+    };
+    Ok(threads.map_numbers(layers.len(), layer).into_iter().collect::<Result<_, Interrupted>>()?)
+}
+
+fn island(
+    material: u8,
+    outline: Area,
+    near_surface: &Area,
+    settings: &Settings,
+    layer: usize,
+) -> Island {
+    let Walls { insets, residue, infill } = Walls::new(&outline, settings);
+    let (solid, sparse) = divide(infill, near_surface, settings);
+    let mut infill = Vec::new();
+    if !solid.is_empty() {
+        infill.push(infill::solid(solid, settings, layer));
+    }
+    if !sparse.is_empty() {
+        infill.push(infill::sparse(sparse, settings, layer));
+    }
+    Island { material, outline, insets, residue, infill }
+}
+
+/// Returns an error if lines would be too many to hold.
+fn check_sizes(layers: &[LayerAreas], settings: &Settings) -> Result<(), ToolpathError> {
+    let bead_mm = settings.bead_mm;
+    for (layer, areas) in layers.iter().enumerate() {
+        for [min, max] in areas.areas.iter().filter_map(|each| each.area.bounds()) {
+            let side_mm = (max[0] - min[0]).max(max[1] - min[1]);
+            if side_mm > bead_mm * f64::from(Settings::MAX_BEADS) {
+                return Err(ToolpathError::Size { layer, side_mm, bead_mm });
+            }
+        }
+    }
+    Ok(())
+}
