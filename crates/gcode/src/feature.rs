@@ -7,10 +7,14 @@ pub enum Feature {
     /// No comment has named a feature so far.
     #[default]
     Unknown,
-    /// The outermost bead of a wall, or a wall of a single bead.
+    /// The outermost bead of a wall.
     OuterWall,
-    /// Other beads of a wall, including overhangs and the filling of gaps between walls.
+    /// Other beads of a wall, including overhangs.
     InnerWall,
+    /// A wall of a single bead, which may vary in width.
+    ThinWall,
+    /// The filling of gaps between walls, with beads that may vary in width.
+    GapFill,
     /// Sparse infill.
     Infill,
     /// Solid infill, including bridges and ironing; beadwork prints whole parts with it.
@@ -65,7 +69,6 @@ impl Feature {
         } else if is(&[
             "External perimeter",
             "Outer wall",
-            "Thin wall",
             "WALL-OUTER",
             "Outer perimeter",
             "OUTER-SHELL",
@@ -76,14 +79,16 @@ impl Feature {
             "Inner wall",
             "Overhang perimeter",
             "Overhang wall",
-            "Gap fill",
-            "Gap infill",
             "WALL-INNER",
             "Internal perimeter",
             "Inner perimeter",
             "INNER-SHELL",
         ]) {
             Self::InnerWall
+        } else if is(&["Thin wall"]) {
+            Self::ThinWall
+        } else if is(&["Gap fill", "Gap infill"]) {
+            Self::GapFill
         } else if is(&["Prime tower", "Wipe tower", "PRIME-TOWER", "Prime pillar"]) {
             Self::PrimeTower
         } else if is(&[
@@ -108,10 +113,14 @@ impl Feature {
     }
 
     /// The name that PrusaSlicer and beadwork use in comments.
+    ///
+    /// [`from_name`](Self::from_name) reads it as this feature, except for thin walls:
+    /// PrusaSlicer's viewer knows no name for them and counts them among the outer walls.
     pub fn name(self) -> &'static str {
         match self {
-            Self::OuterWall => "External perimeter",
+            Self::OuterWall | Self::ThinWall => "External perimeter",
             Self::InnerWall => "Perimeter",
+            Self::GapFill => "Gap fill",
             Self::Infill => "Internal infill",
             Self::SolidInfill => "Solid infill",
             Self::Support => "Support material",
@@ -154,10 +163,11 @@ mod tests {
     #[test]
     fn names_are_read_in_all_dialects() {
         use Feature::{
-            Custom, Infill, InnerWall, OuterWall, PrimeTower, Skirt, SolidInfill, Support,
+            Custom, GapFill, Infill, InnerWall, OuterWall, PrimeTower, Skirt, SolidInfill, Support,
+            ThinWall,
         };
         for feature in
-            [OuterWall, InnerWall, Infill, SolidInfill, Support, Skirt, PrimeTower, Custom]
+            [OuterWall, InnerWall, GapFill, Infill, SolidInfill, Support, Skirt, PrimeTower, Custom]
         {
             assert_eq!(Feature::from_name(feature.name()), feature);
         }
@@ -170,8 +180,8 @@ mod tests {
             ("Bridge", SolidInfill),
             ("bridge infill", SolidInfill),
             ("Ironing", SolidInfill),
-            ("Gap infill", InnerWall),
-            ("Thin wall", OuterWall),
+            ("Gap infill", GapFill),
+            ("Thin wall", ThinWall),
         ] {
             assert_eq!(Feature::from_name(name), feature);
         }
