@@ -56,7 +56,7 @@ pub fn print(
 ) -> anyhow::Result<Printed> {
     let layers = printed_layers(&part.layers, plan.layers.iter().map(|planned| &planned.path));
     let frame = &part.layers.frame;
-    let (Print { program, totals }, settings) =
+    let (Print { program, totals, .. }, settings) =
         profile.print(&part.name, &layers, frame, settings)?;
     let text = program.emit();
     drop(program);

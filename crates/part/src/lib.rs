@@ -4,8 +4,8 @@
 //!   an array.
 //! - [`mod@toolpath`]: lays out insets and infill in the areas of each layer.
 //! - [`Pattern`]: the 38 named deposition orders, for any region; [`pattern_sheet`] draws them all.
-//! - [`mod@print`]: writes planned layers as G-code for Marlin or Klipper, and checks such a
-//!   program from its text.
+//! - [`mod@print`]: writes planned layers, of cells or of beads, as G-code for Marlin or Klipper,
+//!   and checks such a program from its text.
 //! - [`Picture`]: reads a PNG picture as a layer, and writes one.
 //! - [`svg()`]: draws layers with zones, paths and crossings.
 //!
@@ -67,6 +67,8 @@
 //! Results do not depend on the number of threads, and texts not on the machine.
 //! A program that passes [`print::check()`] prints each cell of its layers once, in the order of
 //! the paths.
+//! One that passes [`print::check_beads`] prints each move of its beads once, in order, within the
+//! outlines.
 //!
 //! # Limits
 //! A part has one bead width; there are no supports or bridges.

@@ -25,7 +25,7 @@
 //! Corners of beads are in units of half a cell, as in [`toolpath`]; (0, 0) is the front left
 //! corner of row 0.
 
-use super::layer::{Layer, toolpath};
+use super::layer::toolpath;
 use super::settings::{PrimeTower, Settings};
 use super::settings_error::SettingsError;
 use crate::Frame;
@@ -55,13 +55,14 @@ pub(super) struct PrimeTowerPlan {
 }
 
 impl PrimeTowerPlan {
-    /// Plans the tower of a print; returns `None` if nothing is purged into a tower.
+    /// Plans the tower of a print, given the tools of each layer in printing order; returns `None`
+    /// if nothing is purged into a tower.
     ///
     /// # Errors
     /// If the settings' width leaves no room for a column, or their depth none for the rows of the
     /// layer that purges most.
     pub(super) fn new(
-        layers: &[Layer<'_>],
+        layers: &[Vec<u8>],
         frame: &Frame,
         settings: &Settings,
     ) -> Result<Option<Self>, SettingsError> {
@@ -75,14 +76,14 @@ impl PrimeTowerPlan {
         let mut max_rows = 0.0;
         let mut last_layer = None;
         let mut tool = None;
-        for layer in layers {
+        for (number, tools) in layers.iter().enumerate() {
             let mut rows = 0.0;
-            for run in layer.runs() {
-                let before = tool.replace(run.zone).unwrap_or(run.zone);
-                let volume = purge.prime_tower_mm3(before, run.zone);
+            for &next in tools {
+                let before = tool.replace(next).unwrap_or(next);
+                let volume = purge.prime_tower_mm3(before, next);
                 if volume > 0.0 {
                     rows += rows_for(volume, row_mm3);
-                    last_layer = Some(layer.number);
+                    last_layer = Some(number);
                 }
             }
             max_rows = f64::max(max_rows, rows);

@@ -1,12 +1,10 @@
 //! Settings of a print: printer, tools, process, and purging at tool changes.
 
-use std::f64::consts::PI;
-
 use beadwork_base::named_enum;
 use beadwork_gcode::{Filament, MotionLimits};
 use serde::Deserialize;
 
-use crate::Frame;
+use super::process::Process;
 
 /// Everything that a print depends on, except the planned layers and their frame.
 ///
@@ -154,83 +152,6 @@ impl Tool {
     }
 }
 
-/// Cross-section of a bead.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum CrossSection {
-    /// The whole cell, width times height: adjacent beads fill the part.
-    #[default]
-    Rectangle,
-    /// A rectangle with a semicircle at either side, as slicers model single beads.
-    /// It leaves gaps between beads that are one bead width apart.
-    Oval,
-}
-
-named_enum! {
-    CrossSection, "cross-section":
-    Rectangle = "rectangle",
-    Oval = "oval",
-}
-
-/// Speeds, temperatures and retraction.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Process {
-    /// Printing speed in mm/s.
-    pub print_mm_s: f64,
-    /// Printing speed in the first layer, in mm/s.
-    pub first_layer_mm_s: f64,
-    /// Travel speed in mm/s.
-    pub travel_mm_s: f64,
-    /// Temperature of the bed, in °C.
-    pub bed_c: f64,
-    /// Length of filament to retract before travel and tool changes, in mm; 0 for no retraction.
-    pub retract_mm: f64,
-    /// Speed of retracting and unretracting, in mm/s.
-    pub retract_mm_s: f64,
-    /// Length in mm up to which travel needs no retraction.
-    pub retract_beyond_mm: f64,
-    /// Height in mm by which the nozzle is raised for travel with retracted filament.
-    pub z_hop_mm: f64,
-    /// Speed of the fan, from 0 to 1.
-    pub fan: f64,
-    /// First layer that is printed with the fan on, numbered from 0.
-    pub fan_from_layer: usize,
-    /// Cross-section of a bead.
-    pub cross_section: CrossSection,
-}
-
-impl Default for Process {
-    /// As in *Kim et al. 2026*: printing at 30 mm/s, travel at 150 mm/s, the bed at 80 °C, no fan.
-    /// Retraction is typical of a direct-drive extruder.
-    fn default() -> Self {
-        Self {
-            print_mm_s: 30.0,
-            first_layer_mm_s: 20.0,
-            travel_mm_s: 150.0,
-            bed_c: 80.0,
-            retract_mm: 0.8,
-            retract_mm_s: 35.0,
-            retract_beyond_mm: 2.0,
-            z_hop_mm: 0.0,
-            fan: 0.0,
-            fan_from_layer: 1,
-            cross_section: CrossSection::Rectangle,
-        }
-    }
-}
-
-impl Process {
-    /// Cross-sectional area of a bead, in mm².
-    pub fn bead_mm2(&self, frame: &Frame) -> f64 {
-        let (width, height) = (frame.cell_mm, frame.layer_mm);
-        match self.cross_section {
-            CrossSection::Rectangle => width * height,
-            CrossSection::Oval => (width - height) * height + PI * height * height / 4.0,
-        }
-    }
-}
-
 /// Purging at tool changes.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -280,6 +201,7 @@ mod tests {
     use serde::de::value::{Error, MapDeserializer};
 
     use super::*;
+    use crate::print::CrossSection;
 
     #[test]
     fn profiles_may_use_the_former_name_of_the_maximum_speed() {

@@ -1,5 +1,6 @@
 //! Errors of settings and layers that cannot be printed.
 
+use beadwork_gcode::Feature;
 use thiserror::Error;
 
 /// Settings or layers that cannot be printed.
@@ -125,6 +126,19 @@ pub enum SettingsError {
         /// `"zones"` or `"path"`.
         what: &'static str,
     },
+    /// A bead prints a feature that does not belong to a part.
+    #[error(
+        "layer {layer}, bead {bead}: feature is {}: it must be a wall, infill or gap fill",
+        feature.name()
+    )]
+    Feature {
+        /// Number of the layer.
+        layer: usize,
+        /// Index of the bead in its layer.
+        bead: usize,
+        /// The feature.
+        feature: Feature,
+    },
     /// The numbers of the layers do not ascend.
     #[error("layer {layer} follows layer {before}: layer numbers must ascend")]
     LayerOrder {
@@ -136,6 +150,12 @@ pub enum SettingsError {
     /// A layer would be printed in the air.
     #[error("layer {layer} has nothing to rest on: the layer below has no cells")]
     Gap {
+        /// Number of the layer.
+        layer: usize,
+    },
+    /// A layer has no beads, or only beads that are too short to be printed.
+    #[error("layer {layer} has no beads: the layers above would have nothing to rest on")]
+    NoBeads {
         /// Number of the layer.
         layer: usize,
     },

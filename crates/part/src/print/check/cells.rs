@@ -8,13 +8,75 @@
 //! half number `n` of a layer belongs to cell `n / 2` of the path's order.
 
 use beadwork_base::Control;
-use beadwork_gcode::Motion;
+use beadwork_gcode::{Motion, Program};
 use beadwork_grid::Cell;
 
+use super::checker::{Part, check_program};
 use super::error::{CellPosition, CheckError};
-use super::tolerance;
+use super::{rates, tolerance};
 use crate::Frame;
 use crate::print::layer::Layer;
+use crate::print::settings::Settings;
+use crate::print::validate::validate_layers;
+
+/// Totals of a checked print of cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Number of layers of the part.
+    pub layers: usize,
+    /// Number of cells in all layers; each is printed once, with the tool of its zone.
+    pub cells: u64,
+    /// Volume of the part, in mm³.
+    pub part_mm3: f64,
+    /// Volume of the prime tower, in mm³.
+    pub prime_tower_mm3: f64,
+    /// Number of changes from one tool to another.
+    pub tool_changes: usize,
+}
+
+/// Checks that a program prints these layers, and nothing else besides the prime tower.
+///
+/// The layers must be numbered from 0 without a gap.
+///
+/// - Each cell is printed once, in the order of the path, with the tool of its zone and the volume
+///   of the settings.
+///   Motions run from edge to edge through the centres of the cells, no faster than the settings
+///   allow.
+///   Layers are printed upwards.
+/// - The prime tower is printed within its position, with the bead cross-section of the part, and
+///   in every layer up to the last one that has it.
+///   After a tool change, the part continues only after the purge volume was extruded into the
+///   tower.
+/// - The nozzle never moves below the top of the highest layer begun, and never leaves the build
+///   volume.
+/// - Filament is retracted before a tool change, and unretracted before a bead.
+///   Marlin and Klipper interpret every extrusion alike.
+/// - Before anything is printed, the program sets the temperatures of nozzle and bed and waits for
+///   them; the motors stay on until the last bead.
+///
+/// The travel speed, the fan, the shape of the prime tower, and travel across the layer that is
+/// being printed are not checked.
+///
+/// Progress counts layers.
+/// Takes time linear in the motions and cells.
+pub fn check(
+    program: &Program,
+    layers: &[Layer<'_>],
+    frame: &Frame,
+    settings: &Settings,
+    control: &Control<'_>,
+) -> Result<Report, CheckError> {
+    validate_layers(layers, frame, settings)?;
+    let mut cells = CellTracker::new(layers, frame, settings, control);
+    let totals = check_program(program, &mut cells, frame, settings, control)?;
+    Ok(Report {
+        layers: layers.len(),
+        cells: cells.cells,
+        part_mm3: totals.part_mm3,
+        prime_tower_mm3: totals.prime_tower_mm3,
+        tool_changes: totals.tool_changes,
+    })
+}
 
 /// Sides of a cell as numbers; those opposite each other differ in the last bit.
 mod side {
@@ -29,9 +91,10 @@ mod side {
 }
 
 /// Tracks which cells of the part were printed.
-pub(super) struct CellTracker<'a> {
+struct CellTracker<'a> {
     layers: &'a [Layer<'a>],
     frame: &'a Frame,
+    settings: &'a Settings,
     control: &'a Control<'a>,
     /// Index of the layer that is being printed.
     current: usize,
@@ -44,47 +107,14 @@ pub(super) struct CellTracker<'a> {
 }
 
 impl<'a> CellTracker<'a> {
-    pub(super) fn new(layers: &'a [Layer<'a>], frame: &'a Frame, control: &'a Control<'a>) -> Self {
+    fn new(
+        layers: &'a [Layer<'a>],
+        frame: &'a Frame,
+        settings: &'a Settings,
+        control: &'a Control<'a>,
+    ) -> Self {
         let halves = vec![0; frame.width as usize * frame.height as usize];
-        Self { layers, frame, control, current: 0, halves, printed: 0, cells: 0 }
-    }
-
-    /// Checks a motion that extrudes into the part, in layer `number`.
-    pub(super) fn motion(&mut self, motion: &Motion, number: usize) -> Result<(), CheckError> {
-        let line = motion.line;
-        while self.layers[self.current].number < number {
-            self.complete_layer()?;
-        }
-        let layer = self.layers[self.current];
-        let off_centre = || CheckError::OffCentre {
-            line,
-            layer: number,
-            from_mm: [motion.from_mm[0], motion.from_mm[1]],
-            to_mm: [motion.to_mm[0], motion.to_mm[1]],
-        };
-        let begin = self.half_cells(motion.from_mm).ok_or_else(off_centre)?;
-        let end = self.half_cells(motion.to_mm).ok_or_else(off_centre)?;
-        let axis = match (begin[0] == end[0], begin[1] == end[1]) {
-            (false, true) => 0,
-            (true, false) => 1,
-            _ => return Err(off_centre()),
-        };
-        // Centres have odd coordinates, edges even ones: the motion must run through centres.
-        if begin[1 - axis].rem_euclid(2) == 0 {
-            return Err(off_centre());
-        }
-        let is_ascending = begin[axis] < end[axis];
-        for step in 0..begin[axis].abs_diff(end[axis]) as i32 {
-            // Halves are numbered by the lower of the two coordinates between which they lie.
-            let half = if is_ascending { begin[axis] + step } else { begin[axis] - step - 1 };
-            let mut cell = [begin[0].div_euclid(2), begin[1].div_euclid(2)];
-            cell[axis] = half.div_euclid(2);
-            // An even half lies to the left or back of the centre, an odd one to the right or
-            // front.
-            let side = [side::LEFT, side::BACK][axis] + half.rem_euclid(2) as u8;
-            self.half(layer, cell, side, motion)?;
-        }
-        Ok(())
+        Self { layers, frame, settings, control, current: 0, halves, printed: 0, cells: 0 }
     }
 
     /// A position in half cells from the back left corner of the grid, x to the right and y to the
@@ -158,13 +188,58 @@ impl<'a> CellTracker<'a> {
         self.control.report(self.current, self.layers.len());
         Ok(())
     }
+}
 
-    /// Ends all layers; returns the number of cells.
-    pub(super) fn finish(mut self) -> Result<u64, CheckError> {
+impl Part for CellTracker<'_> {
+    fn layers(&self) -> usize {
+        self.layers.len()
+    }
+
+    fn motion(&mut self, motion: &Motion, number: usize) -> Result<(), CheckError> {
+        let line = motion.line;
+        let filament_mm2 = self.settings.tools[usize::from(motion.tool)].filament_mm2();
+        rates::check_cell_speed(motion, number, &self.settings.process)?;
+        rates::check_volume(motion, filament_mm2, self.settings.process.bead_mm2(self.frame))?;
+        while self.layers[self.current].number < number {
+            self.complete_layer()?;
+        }
+        let layer = self.layers[self.current];
+        let off_centre = || CheckError::OffCentre {
+            line,
+            layer: number,
+            from_mm: [motion.from_mm[0], motion.from_mm[1]],
+            to_mm: [motion.to_mm[0], motion.to_mm[1]],
+        };
+        let begin = self.half_cells(motion.from_mm).ok_or_else(off_centre)?;
+        let end = self.half_cells(motion.to_mm).ok_or_else(off_centre)?;
+        let axis = match (begin[0] == end[0], begin[1] == end[1]) {
+            (false, true) => 0,
+            (true, false) => 1,
+            _ => return Err(off_centre()),
+        };
+        // Centres have odd coordinates, edges even ones: the motion must run through centres.
+        if begin[1 - axis].rem_euclid(2) == 0 {
+            return Err(off_centre());
+        }
+        let is_ascending = begin[axis] < end[axis];
+        for step in 0..begin[axis].abs_diff(end[axis]) as i32 {
+            // Halves are numbered by the lower of the two coordinates between which they lie.
+            let half = if is_ascending { begin[axis] + step } else { begin[axis] - step - 1 };
+            let mut cell = [begin[0].div_euclid(2), begin[1].div_euclid(2)];
+            cell[axis] = half.div_euclid(2);
+            // An even half lies to the left or back of the centre, an odd one to the right or
+            // front.
+            let side = [side::LEFT, side::BACK][axis] + half.rem_euclid(2) as u8;
+            self.half(layer, cell, side, motion)?;
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<(), CheckError> {
         while self.current < self.layers.len() {
             self.complete_layer()?;
         }
-        Ok(self.cells)
+        Ok(())
     }
 }
 

@@ -1,70 +1,53 @@
-//! Follows the motions of a program and checks each of them.
+//! Follows the motions of a program and checks everything that does not depend on the part.
 
 use beadwork_base::Control;
 use beadwork_gcode::{Event, Feature, Motion, Program};
 
-use super::cells::CellTracker;
 use super::error::CheckError;
 use super::heat::Heaters;
 use super::purge::PurgeTracker;
-use super::{modes, tolerance};
+use super::wipe::WipeTracker;
+use super::{modes, rates, tolerance};
 use crate::Frame;
-use crate::print::layer::Layer;
 use crate::print::settings::Settings;
-use crate::print::validate::validate;
 
-/// Totals of a checked print.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Report {
-    /// Number of layers of the part.
-    pub layers: usize,
-    /// Number of cells in all layers; each is printed once, with the tool of its zone.
-    pub cells: u64,
+/// What is to be printed besides the prime tower.
+pub(super) trait Part {
+    /// Number of layers, which are numbered from 0 without a gap.
+    fn layers(&self) -> usize;
+
+    /// Checks a motion that extrudes into the part in a layer: position, order, tool, speed and
+    /// volume.
+    /// Layers never descend.
+    fn motion(&mut self, motion: &Motion, layer: usize) -> Result<(), CheckError>;
+
+    /// Ends all layers; an error if anything was not printed.
+    fn finish(&mut self) -> Result<(), CheckError>;
+}
+
+/// What the program prints, apart from the shape of the part.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct MachineTotals {
     /// Volume of the part, in mm³.
-    pub part_mm3: f64,
+    pub(super) part_mm3: f64,
     /// Volume of the prime tower, in mm³.
-    pub prime_tower_mm3: f64,
+    pub(super) prime_tower_mm3: f64,
     /// Number of changes from one tool to another.
-    pub tool_changes: usize,
+    pub(super) tool_changes: usize,
 }
 
 /// Events between two polls for interruption.
 const EVENTS_PER_POLL: usize = 4096;
 
-/// Checks that a program prints these layers, and nothing else besides the prime tower.
-///
-/// The layers must be numbered from 0 without a gap.
-///
-/// - Each cell is printed once, in the order of the path, with the tool of its zone and the volume
-///   of the settings.
-///   Motions run from edge to edge through the centres of the cells, no faster than the settings
-///   allow.
-///   Layers are printed upwards.
-/// - The prime tower is printed within its position, with the bead cross-section of the part, and
-///   in every layer up to the last one that has it.
-///   After a tool change, the part continues only after the purge volume was extruded into the
-///   tower.
-/// - The nozzle never moves below the top of the highest layer begun, and never leaves the build
-///   volume.
-/// - Filament is retracted before a tool change, and unretracted before a bead.
-///   Marlin and Klipper interpret every extrusion alike.
-/// - Before anything is printed, the program sets the temperatures of nozzle and bed and waits for
-///   them; the motors stay on until the last bead.
-///
-/// The travel speed, the fan, the shape of the prime tower, and travel across the layer that is
-/// being printed are not checked.
-///
-/// Progress counts layers.
-/// Takes time linear in the motions and cells.
-pub fn check(
+/// Checks that a program prints a part, which keeps track of what was printed, and a prime tower.
+pub(super) fn check_program(
     program: &Program,
-    layers: &[Layer<'_>],
+    part: &mut dyn Part,
     frame: &Frame,
     settings: &Settings,
     control: &Control<'_>,
-) -> Result<Report, CheckError> {
-    validate(layers, frame, settings)?;
-    let mut checker = Checker::new(layers, frame, settings, control);
+) -> Result<MachineTotals, CheckError> {
+    let mut checker = Checker::new(part, frame, settings);
     for (number, event) in program.trace().enumerate() {
         if number % EVENTS_PER_POLL == 0 {
             control.check()?;
@@ -72,41 +55,37 @@ pub fn check(
         checker.event(&event?)?;
     }
     modes::check(program)?;
-    checker.finish()
+    checker.part.finish()?;
+    Ok(checker.totals)
 }
 
 /// The state of the printer, and what was printed so far.
 struct Checker<'a> {
     frame: &'a Frame,
     settings: &'a Settings,
-    layer_count: usize,
+    part: &'a mut dyn Part,
     /// Number of the highest layer in which anything was printed.
     highest_layer: Option<usize>,
     /// For each tool, the length of filament that is retracted, in mm.
     retracted_mm: Vec<f64>,
-    cells: CellTracker<'a>,
     purge: PurgeTracker<'a>,
     heaters: Heaters<'a>,
-    report: Report,
+    wipe: WipeTracker,
+    totals: MachineTotals,
 }
 
 impl<'a> Checker<'a> {
-    fn new(
-        layers: &'a [Layer<'a>],
-        frame: &'a Frame,
-        settings: &'a Settings,
-        control: &'a Control<'a>,
-    ) -> Self {
+    fn new(part: &'a mut dyn Part, frame: &'a Frame, settings: &'a Settings) -> Self {
         Self {
             frame,
             settings,
-            layer_count: layers.len(),
+            part,
             highest_layer: None,
             retracted_mm: vec![settings.process.retract_mm; settings.tools.len()],
-            cells: CellTracker::new(layers, frame, control),
             purge: PurgeTracker::new(frame, settings),
             heaters: Heaters::new(settings),
-            report: Report { layers: layers.len(), ..Report::default() },
+            wipe: WipeTracker::new(settings.process.wipe_mm),
+            totals: MachineTotals::default(),
         }
     }
 
@@ -117,7 +96,7 @@ impl<'a> Checker<'a> {
             Event::ToolChange { from: Some(from), to, line } => {
                 self.filament_mm2(to, line)?;
                 self.check_deselected(from, line)?;
-                self.report.tool_changes += 1;
+                self.totals.tool_changes += 1;
                 self.purge.tool_change(from, to);
                 Ok(())
             }
@@ -159,18 +138,19 @@ impl<'a> Checker<'a> {
         }
         self.heaters.check(tool, line)?;
         let layer = self.layer(motion)?;
-        self.check_speed(motion, layer)?;
+        self.wipe.extrusion(motion);
         let volume_mm3 = motion.extruded_mm * filament_mm2;
-        let is_prime_tower = motion.feature == Feature::PrimeTower;
-        if is_prime_tower {
-            self.report.prime_tower_mm3 += volume_mm3;
+        if motion.feature == Feature::PrimeTower {
+            self.totals.prime_tower_mm3 += volume_mm3;
+            let process = &self.settings.process;
+            rates::check_cell_speed(motion, layer, process)?;
             self.purge.tower_motion(motion, layer, volume_mm3)?;
+            rates::check_volume(motion, filament_mm2, process.bead_mm2(self.frame))
         } else {
-            self.report.part_mm3 += volume_mm3;
+            self.totals.part_mm3 += volume_mm3;
             self.purge.part_motion(line)?;
+            self.part.motion(motion, layer)
         }
-        self.check_volume(motion, volume_mm3, filament_mm2)?;
-        if is_prime_tower { Ok(()) } else { self.cells.motion(motion, layer) }
     }
 
     /// A motion that prints nothing: travel, retraction or unretraction.
@@ -184,7 +164,7 @@ impl<'a> Checker<'a> {
         if *retracted_mm < -tolerance::FILAMENT_MM {
             return Err(CheckError::Retraction { line, tool, retracted_mm: *retracted_mm });
         }
-        Ok(())
+        self.wipe.other(motion)
     }
 
     /// Checks that the nozzle neither drags through printed layers nor leaves the build volume.
@@ -206,33 +186,6 @@ impl<'a> Checker<'a> {
         Ok(())
     }
 
-    fn check_speed(&self, motion: &Motion, layer: usize) -> Result<(), CheckError> {
-        let process = &self.settings.process;
-        let max_mm_s = if layer == 0 { process.first_layer_mm_s } else { process.print_mm_s };
-        let got_mm_s = motion.feed_mm_s;
-        if got_mm_s <= max_mm_s + tolerance::SPEED_MM_S {
-            return Ok(());
-        }
-        Err(CheckError::Speed { line: motion.line, got_mm_s, max_mm_s })
-    }
-
-    fn check_volume(
-        &self,
-        motion: &Motion,
-        got_mm3: f64,
-        filament_mm2: f64,
-    ) -> Result<(), CheckError> {
-        let bead_mm2 = self.settings.process.bead_mm2(self.frame);
-        let expected_mm3 = motion.length_mm() * bead_mm2;
-        // Both ends of the motion and the filament length were rounded.
-        let rounding_mm3 =
-            2.0 * tolerance::POSITION_MM * bead_mm2 + tolerance::FILAMENT_MM * filament_mm2;
-        if (got_mm3 - expected_mm3).abs() > tolerance::VOLUME * expected_mm3 + rounding_mm3 {
-            return Err(CheckError::Volume { line: motion.line, expected_mm3, got_mm3 });
-        }
-        Ok(())
-    }
-
     /// Number of the layer that a motion extrudes in.
     fn layer(&mut self, motion: &Motion) -> Result<usize, CheckError> {
         let (from_mm, to_mm) = (motion.from_mm[2], motion.to_mm[2]);
@@ -243,7 +196,7 @@ impl<'a> Checker<'a> {
         let number = (to_mm / self.frame.layer_mm - 1.0).round();
         let layer = number as usize;
         if number < 0.0
-            || layer >= self.layer_count
+            || layer >= self.part.layers()
             || (self.frame.top_mm(layer) - to_mm).abs() > tolerance::POSITION_MM
         {
             return Err(CheckError::Height { line, z_mm: to_mm });
@@ -251,10 +204,5 @@ impl<'a> Checker<'a> {
         // The layer is not below the highest one so far: `check_clearance` refuses such motions.
         self.highest_layer = Some(layer);
         Ok(layer)
-    }
-
-    fn finish(mut self) -> Result<Report, CheckError> {
-        self.report.cells = self.cells.finish()?;
-        Ok(self.report)
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use beadwork_base::Interrupted;
-use beadwork_gcode::{Heater, TraceError};
+use beadwork_gcode::{Feature, Heater, TraceError};
 use thiserror::Error;
 
 use crate::print::settings_error::SettingsError;
@@ -119,6 +119,156 @@ pub enum CheckError {
         position: CellPosition,
         /// Printed share of the cell: 0 or 0.5.
         share: f64,
+    },
+    /// A motion extrudes elsewhere than the next move of the beads.
+    #[error(
+        "line {line}, layer {layer}: extrudes from ({}, {}) to ({}, {}) mm \
+         where bead {bead} runs from ({}, {}) to ({}, {}) mm",
+        got_mm[0][0], got_mm[0][1], got_mm[1][0], got_mm[1][1],
+        expected_mm[0][0], expected_mm[0][1], expected_mm[1][0], expected_mm[1][1]
+    )]
+    OffBead {
+        /// Number of the line.
+        line: usize,
+        /// Number of the layer.
+        layer: usize,
+        /// Index of the bead in its layer.
+        bead: usize,
+        /// x and y of both ends of the move of the bead in mm.
+        expected_mm: [[f64; 2]; 2],
+        /// x and y of both ends of the motion in mm.
+        got_mm: [[f64; 2]; 2],
+    },
+    /// A motion extrudes after the last bead of a layer.
+    #[error(
+        "line {line}, layer {layer}: extrudes from ({}, {}) to ({}, {}) mm after the last bead",
+        from_mm[0], from_mm[1], to_mm[0], to_mm[1]
+    )]
+    AfterBeads {
+        /// Number of the line.
+        line: usize,
+        /// Number of the layer.
+        layer: usize,
+        /// x and y at the start in mm.
+        from_mm: [f64; 2],
+        /// x and y at the end in mm.
+        to_mm: [f64; 2],
+    },
+    /// A bead is printed with another tool than its own.
+    #[error(
+        "line {line}, layer {layer}: bead {bead} is printed with tool {got} instead of {expected}"
+    )]
+    BeadTool {
+        /// Number of the line.
+        line: usize,
+        /// Number of the layer.
+        layer: usize,
+        /// Index of the bead in its layer.
+        bead: usize,
+        /// The tool of the bead.
+        expected: u8,
+        /// The tool that prints it.
+        got: u8,
+    },
+    /// A move of a bead is marked as another feature.
+    #[error(
+        "line {line}, layer {layer}: bead {bead} is marked as {} instead of {}",
+        got.name(), expected.name()
+    )]
+    BeadFeature {
+        /// Number of the line.
+        line: usize,
+        /// Number of the layer.
+        layer: usize,
+        /// Index of the bead in its layer.
+        bead: usize,
+        /// The feature of the move, as it is marked in a file.
+        expected: Feature,
+        /// The feature of the last comment.
+        got: Feature,
+    },
+    /// A bead is not printed, or not to its end.
+    #[error(
+        "layer {layer}, bead {bead} is incomplete: the move to ({}, {}) mm is missing",
+        to_mm[0], to_mm[1]
+    )]
+    MissingBead {
+        /// Number of the layer.
+        layer: usize,
+        /// Index of the bead in its layer.
+        bead: usize,
+        /// x and y of the end of the missing move in mm.
+        to_mm: [f64; 2],
+    },
+    /// A bead reaches beyond the outline of its material.
+    #[error(
+        "line {line}, layer {layer}: bead {bead} is {width_mm} mm wide \
+         from ({}, {}) to ({}, {}) mm, beyond the outline of tool {tool}",
+        from_mm[0], from_mm[1], to_mm[0], to_mm[1]
+    )]
+    OutsideOutline {
+        /// Number of the line.
+        line: usize,
+        /// Number of the layer.
+        layer: usize,
+        /// Index of the bead in its layer.
+        bead: usize,
+        /// The tool.
+        tool: u8,
+        /// Width of the bead in mm.
+        width_mm: f64,
+        /// x and y at the start in mm.
+        from_mm: [f64; 2],
+        /// x and y at the end in mm.
+        to_mm: [f64; 2],
+    },
+    /// There are not as many layers of outlines as layers of beads.
+    #[error("outlines have {got} layers: expected {expected}, one for each layer of beads")]
+    OutlineLayers {
+        /// Number of layers of beads.
+        expected: usize,
+        /// Number of layers of outlines.
+        got: usize,
+    },
+    /// A material has two outlines in a layer.
+    #[error("layer {layer}: tool {tool} has two outlines: unite them")]
+    TwoOutlines {
+        /// Number of the layer.
+        layer: usize,
+        /// The tool.
+        tool: u8,
+    },
+    /// The beads of a material in a layer, or in all layers, fill too little or too much of the
+    /// outlines.
+    #[error(
+        "{}tool {tool} extrudes {extruded_mm2} mm² into outlines of {outline_mm2} mm²: \
+         the ratio must be from {} to {}",
+        layer.map_or(String::new(), |layer| format!("layer {layer}: ")), limits[0], limits[1]
+    )]
+    Fill {
+        /// Number of the layer; `None` for all layers.
+        layer: Option<usize>,
+        /// The tool.
+        tool: u8,
+        /// Sum of length times width of the beads in mm².
+        extruded_mm2: f64,
+        /// Area of the outlines in mm².
+        outline_mm2: f64,
+        /// Minimum and maximum ratio.
+        limits: [f64; 2],
+    },
+    /// Filament is retracted during a move that does not lead back along the bead just printed, or
+    /// too far.
+    #[error(
+        "line {line}: retracts on the way to ({}, {}) mm, \
+         off the bead just printed or beyond process.wipe_mm",
+        to_mm[0], to_mm[1]
+    )]
+    Wipe {
+        /// Number of the line.
+        line: usize,
+        /// x and y at the end in mm.
+        to_mm: [f64; 2],
     },
     /// A motion extrudes too much or too little.
     #[error("line {line}: extrudes {got_mm3} mm³ instead of {expected_mm3}")]

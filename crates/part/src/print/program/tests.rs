@@ -70,7 +70,7 @@ fn print(settings: &Settings) -> Result<Print, PrintError> {
 }
 
 /// Compares a text with a committed file; writes the file if the variable `BEADWORK_BLESS` is set.
-fn golden(name: &str, text: &str) {
+pub(super) fn golden(name: &str, text: &str) {
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src/print/golden").join(name);
     if std::env::var_os("BEADWORK_BLESS").is_some() {
         std::fs::write(&file, text).unwrap();
