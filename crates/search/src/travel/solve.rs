@@ -1,0 +1,72 @@
+//! Nearest neighbours, local search and kicks, one after the other.
+
+use beadwork_base::Control;
+use rand::SeedableRng;
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use super::entries::improve_entries;
+use super::item::{self, Item, TravelError};
+use super::kicks::kick;
+use super::local_search::LocalSearch;
+use super::nearest::Nearest;
+use super::neighbours::Neighbours;
+use super::problem::Problem;
+use super::route::{Route, travel_mm};
+use super::settings::{Order, Settings};
+use super::tour::Tour;
+use crate::Stop;
+
+/// Orders beads and loops for little travel.
+///
+/// Each item is printed once, in an order that [`Settings::order`] allows; the result may end
+/// anywhere.
+///
+/// An interrupted call returns the best route so far, with the reason in [`Route::stop`].
+/// Progress counts kicks.
+/// It takes O(n log n) expected steps for n items before the bound, with a factor that grows with
+/// [`Settings::kicks_per_item`]; loops take time in proportion to their entries.
+/// Works on the calling thread only.
+pub fn solve(
+    items: &[Item<'_>],
+    settings: &Settings,
+    control: &Control<'_>,
+) -> Result<Route, TravelError> {
+    item::check(items, settings.from)?;
+    let problem = Problem::new(items, settings.order, settings.from);
+    let Nearest { sequence, entry, .. } = Nearest::new(&problem);
+    let mut stop = Stop::Done;
+    let tour = Tour::new(&problem, sequence, entry);
+    let visits = if items.len() > 1 {
+        let neighbours = Neighbours::new(&problem);
+        let mut search = LocalSearch::new(tour, &neighbours);
+        improve_entries(&mut search.tour);
+        search.push_all();
+        search.run(|| control.interrupted().is_some());
+        search.clear();
+        improve_entries(&mut search.tour);
+        search.tour.commit();
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(settings.seed);
+        let kicks = u64::from(settings.kicks_per_item) * items.len() as u64;
+        stop = kick(&mut search, kicks, &mut rng, control);
+        improve_entries(&mut search.tour);
+        search.tour.visits()
+    } else {
+        tour.visits()
+    };
+    let travel_mm = travel_mm(items, &visits, settings.from);
+    Ok(Route { visits, travel_mm, bound_mm: None, stop })
+}
+
+/// The route that goes from each item to the nearest one that may follow, for comparison.
+pub fn nearest_neighbour(
+    items: &[Item<'_>],
+    order: Order,
+    from: Option<[f64; 2]>,
+) -> Result<Route, TravelError> {
+    item::check(items, from)?;
+    let problem = Problem::new(items, order, from);
+    let Nearest { sequence, entry, .. } = Nearest::new(&problem);
+    let visits = Tour::new(&problem, sequence, entry).visits();
+    let travel_mm = travel_mm(items, &visits, from);
+    Ok(Route { visits, travel_mm, bound_mm: None, stop: Stop::Done })
+}
