@@ -166,7 +166,6 @@ pub fn verify(links: &Links, beads: &[Bead]) -> Result<(), BeadsError> {
 ///
 /// The links must leave at most one at each end and close no cycle.
 /// Each bead begins at its end with the lower index; beads are sorted by that end.
-#[allow(dead_code, reason = "for the method that follows")]
 pub(super) fn beads_of(links: &Links, chosen: impl Iterator<Item = u32>) -> Vec<Bead> {
     let mut link_at = vec![None; links.points().len()];
     for link in chosen {

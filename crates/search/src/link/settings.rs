@@ -38,7 +38,7 @@ pub struct Settings {
     /// Whether nearest neighbour goes to the nearest end that may be linked, if there is one, and
     /// only otherwise to the nearest end, as in the paper.
     pub links_first: bool,
-    /// Limit of [`Method::Cover`] on the states that its dynamic programme generates, over all
+    /// Limit of [`Method::Cover`] on the states that its dynamic program generates, over all
     /// components, as a multiple of the number of lines.
     /// A limit on work rather than on time: results do not depend on the machine.
     pub states_per_line: u32,
@@ -47,8 +47,7 @@ pub struct Settings {
 }
 
 impl Default for Settings {
-    /// The fewest beads, seed 0, linkable ends first, 20,000 states a line, 4,096 states at a
-    /// time.
+    /// The fewest beads, seed 0, linkable ends first, 20,000 states a line, 4,096 states at a time.
     fn default() -> Self {
         Self {
             method: Method::default(),
@@ -67,7 +66,7 @@ pub struct Work {
     /// Runs of nearest neighbour, including those that were given up because they could not be the
     /// best.
     pub runs: u32,
-    /// States that the dynamic programme generated.
+    /// States that the dynamic program generated.
     pub states: u64,
     /// Connected components of lines and links.
     pub components: u32,

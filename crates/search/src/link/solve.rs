@@ -2,6 +2,7 @@
 
 use beadwork_base::Control;
 
+use super::cover::cover;
 use super::end::End;
 use super::links::Links;
 use super::nearest::{Nearest, breaks};
@@ -25,28 +26,35 @@ pub fn solve(links: &Links, settings: &Settings, control: &Control<'_>) -> Outco
     }
     let mut nearest = Nearest::new(links, settings.links_first);
     let first = nearest.random(settings.seed);
-    let (beads, interrupted) = match settings.method {
-        Method::Nearest => (first, None),
-        Method::Repetitive => {
-            let starts: Vec<End> = (0..links.points().len()).map(End::from_index).collect();
-            nearest.best_of(first, &starts, control)
+    let mut work = Work::default();
+    let (beads, bound, interrupted) = match settings.method {
+        Method::Cover => {
+            let found = cover(links, &first, settings, &mut work, control);
+            (found.beads, found.bound, found.interrupted)
         }
-        Method::BreakPoints | Method::Cover => {
-            let starts = breaks(&first);
-            nearest.best_of(first, &starts, control)
+        method => {
+            let starts = match method {
+                Method::Nearest | Method::Cover => Vec::new(),
+                Method::BreakPoints => breaks(&first),
+                Method::Repetitive => (0..links.points().len()).map(End::from_index).collect(),
+            };
+            let (beads, interrupted) = nearest.best_of(first, &starts, control);
+            let (components, bound) = degree_bound(links);
+            work.components = components;
+            (beads, bound, interrupted)
         }
     };
-    let (components, bound) = degree_bound(links);
-    let stop = if beads.len() <= bound {
-        Stop::Optimal
-    } else {
-        interrupted.map_or(Stop::Done, Stop::from)
+    work.runs = nearest.runs;
+    let stop = match interrupted {
+        _ if beads.len() <= bound => Stop::Optimal,
+        Some(interrupted) => interrupted.into(),
+        None => Stop::Done,
     };
-    Outcome { beads, bound, stop, work: Work { runs: nearest.runs, components, ..Work::default() } }
+    Outcome { beads, bound, stop, work }
 }
 
-/// Number of connected components, and a lower bound on the number of beads: no
-/// component has less than one bead, and each end without links is the end of a bead.
+/// Number of connected components, and a lower bound on the number of beads: no component has less
+/// than one bead, and each end without links is the end of a bead.
 fn degree_bound(links: &Links) -> (u32, usize) {
     let mut sets = DisjointSets::new(links.line_count());
     for link in links.all() {
