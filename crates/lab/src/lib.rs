@@ -18,6 +18,8 @@
 //! | Kim et al. 2026 | rewards and deviations of deposition patterns | `eval thermal` |
 //! | ours | how often the fewest crossings are proven, and how fast | `eval zones --method exact` |
 //! | ours | tool changes and lifts of whole parts with their bounds | `eval parts` |
+//! | ORNL toolpath RL | shapes like the paper's | `eval beads` |
+//! | ours | beads, lifts, travel and time of any slicer's program | `eval beads --program FILE` |
 //! | ours | speed of annealing, of the genetic algorithm, of part and G-code, of the thermal solver, of the data factory, of training | `bench grid`, `zones`, `part`, `thermal`, `dataset`, `learn` |
 //!
 //! The figures of the papers are in `paper.rs` (Aali et al.) and `eval/thermal/tables.rs` (Kim et
@@ -47,6 +49,7 @@
 //!   `Column` in `runs.rs` and list the column in `columns` of `tables.rs`.
 //! - A **part of `eval parts`** is a built-in example of `beadwork-mesh` or a file in
 //!   `eval/parts/cases.rs`.
+//! - A **shape of `eval beads`** is a variant of `Shape` in `eval/beads/shapes.rs`.
 //! - A **part of `eval thermal`** and of `bench thermal` is a variant of `HeatPart` in
 //!   `heat_parts.rs`; a **stepping method of `bench thermal`** is an entry of `METHODS` in
 //!   `bench/thermal/parts.rs`.

@@ -21,6 +21,16 @@ pub enum Solid {
         /// z of the bottom and of the top in mm.
         z_mm: [f64; 2],
     },
+    /// The solid between two outlines, such as an inclined pipe or a cone.
+    /// Straight edges connect the corners of the outlines in order.
+    Loft {
+        /// Corners of the bottom in mm, counter-clockwise when seen from above.
+        bottom_mm: Vec<[f64; 2]>,
+        /// Corners of the top, as many as of the bottom, in the same form.
+        top_mm: Vec<[f64; 2]>,
+        /// z of the bottom and of the top in mm.
+        z_mm: [f64; 2],
+    },
     /// A truncated square pyramid around the z axis, with its bottom at z = 0.
     Frustum {
         /// Sides of the bottom and of the top in mm.
@@ -43,13 +53,15 @@ impl Solid {
     /// Linear in its triangles.
     ///
     /// # Panics
-    /// If a prism has fewer than 3 corners, a sphere fewer than 2 steps, or a length is not finite.
+    /// If a prism or a loft has fewer than 3 corners, the outlines of a loft differ in their number
+    /// of corners, a sphere has fewer than 2 steps, or a length is not finite.
     pub fn mesh(&self) -> Mesh {
         match self {
             &Self::Cuboid { size_mm: [x, y, z] } => {
                 prism(&[[0.0, 0.0], [x, 0.0], [x, y], [0.0, y]], None, [0.0, z])
             }
             Self::Prism { outline_mm, z_mm } => prism(outline_mm, None, *z_mm),
+            Self::Loft { bottom_mm, top_mm, z_mm } => prism(bottom_mm, Some(top_mm), *z_mm),
             &Self::Frustum { sides_mm: [bottom, top], height_mm } => {
                 let square = |side: f64| {
                     [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
@@ -70,6 +82,7 @@ impl Solid {
 fn prism(bottom: &[[f64; 2]], top: Option<&[[f64; 2]]>, z_mm: [f64; 2]) -> Mesh {
     let count = bottom.len() as u32;
     assert!(count >= 3, "an outline needs at least 3 corners");
+    assert!(top.is_none_or(|top| top.len() == bottom.len()), "outlines have equally many corners");
     let ring =
         |outline: &[[f64; 2]], z: f64| outline.iter().map(|&[x, y]| [x, y, z]).collect::<Vec<_>>();
     let mut vertices = ring(bottom, z_mm[0]);
@@ -124,6 +137,12 @@ mod tests {
         assert!((sphere.volume_mm3() / volume - 1.0).abs() < 1e-3);
         let frustum = Solid::Frustum { sides_mm: [4.0, 1.0], height_mm: 3.0 }.mesh();
         assert!((frustum.volume_mm3() - 21.0).abs() < 1e-9);
+        // An inclined prism has the volume of an upright one.
+        let square = |x: f64| vec![[x, 0.0], [x + 2.0, 0.0], [x + 2.0, 3.0], [x, 3.0]];
+        let (bottom_mm, top_mm) = (square(0.0), square(7.0));
+        let loft = Solid::Loft { bottom_mm, top_mm, z_mm: [1.0, 5.0] }.mesh();
+        assert!((loft.volume_mm3() - 24.0).abs() < 1e-9);
+        assert_eq!(loft.bounds().size_mm(), [9.0, 3.0, 4.0]);
         // An L is not convex.
         let outline_mm =
             vec![[2.0, 2.0], [2.0, 5.0], [0.0, 5.0], [0.0, 0.0], [5.0, 0.0], [5.0, 2.0]];

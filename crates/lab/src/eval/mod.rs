@@ -1,5 +1,6 @@
 //! `eval`: tables that reproduce and extend those of the papers, and tables of whole parts.
 
+mod beads;
 #[cfg(feature = "learn")]
 mod fusion;
 mod parts;
@@ -25,6 +26,7 @@ enum Command {
     Zones(zones::ZonesArgs),
     Parts(parts::PartsArgs),
     Thermal(thermal::ThermalArgs),
+    Beads(beads::BeadsArgs),
     #[cfg(feature = "learn")]
     Fusion(fusion::FusionArgs),
 }
@@ -35,6 +37,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         Command::Zones(args) => zones::run(args),
         Command::Parts(args) => parts::run(args),
         Command::Thermal(args) => thermal::run(args),
+        Command::Beads(args) => beads::run(args),
         #[cfg(feature = "learn")]
         Command::Fusion(args) => fusion::run(args),
     }
