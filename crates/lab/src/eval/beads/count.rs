@@ -49,8 +49,12 @@ pub(super) struct BeadCounts {
     pub(super) travel_mm: f64,
     /// Retractions, each with its wipe; those of the firmware (`G10`) included.
     pub(super) retractions: usize,
+    /// Extrusion moves of the part; an arc counts as its chords.
+    pub(super) extrusion_moves: usize,
     /// Distance that the nozzle moves while it prints the part.
     pub(super) extrusion_mm: f64,
+    /// Minimum and maximum x and y of these moves; `None` if there are none.
+    pub(super) bounds_mm: Option<[[f64; 2]; 2]>,
     /// Filament of these moves.
     pub(super) filament_mm3: f64,
     /// Printing time, see [`Stopwatch`].
@@ -222,7 +226,13 @@ impl Counter {
         self.counts.travel_mm += pending.travel_mm;
         self.counts.retractions += pending.retractions;
         self.counts.tool_changes += pending.tool_changes;
+        self.counts.extrusion_moves += 1;
         self.counts.extrusion_mm += motion.length_mm();
+        for [x, y, _] in [motion.from_mm, motion.to_mm] {
+            let [min, max] = self.counts.bounds_mm.get_or_insert([[x, y]; 2]);
+            *min = [min[0].min(x), min[1].min(y)];
+            *max = [max[0].max(x), max[1].max(y)];
+        }
         // In mm until the end of the count.
         self.counts.filament_mm3 += motion.extruded_mm;
         match &mut self.open {
@@ -301,6 +311,8 @@ mod tests {
         assert!((counts.travel_mm - travel).abs() < 1e-9, "{}", counts.travel_mm);
         assert!((counts.extrusion_mm - 65.005).abs() < 1e-9, "{}", counts.extrusion_mm);
         assert!((counts.filament_mm3 / FILAMENT.area_mm2() - 5.75).abs() < 1e-9);
+        assert_eq!(counts.extrusion_moves, 8);
+        assert_eq!(counts.bounds_mm, Some([[0.0, 0.0], [50.0, 10.0]]));
     }
 
     #[test]
