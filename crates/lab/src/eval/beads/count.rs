@@ -32,7 +32,7 @@ pub(super) struct BeadCounts {
     pub(super) layers: usize,
     /// All beads: the sum of the following five counts.
     pub(super) beads: usize,
-    /// Beads of walls only.
+    /// Beads of walls only, thin ones included.
     pub(super) walls: usize,
     /// Beads of sparse and solid infill only.
     pub(super) infill: usize,
@@ -74,7 +74,7 @@ impl Group {
     /// The group of a feature; `None` if it is not part of the printed object.
     fn of(feature: Feature) -> Option<Self> {
         match feature {
-            Feature::OuterWall | Feature::InnerWall => Some(Self::Walls),
+            Feature::OuterWall | Feature::InnerWall | Feature::ThinWall => Some(Self::Walls),
             Feature::Infill | Feature::SolidInfill => Some(Self::Infill),
             Feature::GapFill => Some(Self::GapFill),
             Feature::Custom | Feature::Skirt | Feature::Support | Feature::PrimeTower => None,

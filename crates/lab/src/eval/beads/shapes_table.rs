@@ -56,15 +56,13 @@ pub(super) fn run(as_json: bool) -> anyhow::Result<()> {
 
 fn row(shape: Shape, control: &Control<'_>) -> Result<Row, Interrupted> {
     let areas = areas(&shape.model(), shape.layers(), control)?;
-    // Offsets can leave rings without an inside.
-    let is_real = |ring: &&Ring| size_mm2(ring).abs() > MIN_RING_MM2;
-    let count = |area: &Area| area.rings().filter(is_real).count();
-    let rings = |areas: &[Area]| areas.iter().map(count).sum::<usize>();
+    let rings = |areas: &[Area]| areas.iter().map(|area| area.rings().count()).sum::<usize>();
     let mut inset_beads = 0;
     for inset in 0..INSETS {
         control.check()?;
         let depth_mm = (f64::from(inset) + 0.5) * INSET_MM;
-        let insets: Vec<Area> = areas.iter().map(|area| area.offset(-depth_mm)).collect();
+        let insets: Vec<Area> =
+            areas.iter().map(|area| area.offset(-depth_mm).without_slivers(MIN_RING_MM2)).collect();
         inset_beads += rings(&insets);
     }
     Ok(Row {
@@ -96,12 +94,6 @@ fn areas(model: &Model, layers: usize, control: &Control<'_>) -> Result<Vec<Area
             .collect::<Vec<_>>()
     });
     Ok(solid.iter().zip(&negative).map(|(solid, negative)| solid.difference(negative)).collect())
-}
-
-/// Size of the inside of a ring, negative if it is clockwise.
-fn size_mm2(ring: &[[f64; 2]]) -> f64 {
-    let next = ring.iter().cycle().skip(1);
-    ring.iter().zip(next).map(|(a, b)| (a[0] * b[1] - b[0] * a[1]) / 2.0).sum()
 }
 
 #[cfg(test)]
