@@ -126,6 +126,18 @@ pub enum SettingsError {
         /// `"zones"` or `"path"`.
         what: &'static str,
     },
+    /// A bead has a tool without settings.
+    #[error("layer {layer}, bead {bead}: unknown tool {tool}: the settings define {tools}")]
+    BeadTool {
+        /// Number of the layer.
+        layer: usize,
+        /// Index of the bead in its layer.
+        bead: usize,
+        /// The tool.
+        tool: u8,
+        /// Number of tools.
+        tools: usize,
+    },
     /// A bead prints a feature that does not belong to a part.
     #[error(
         "layer {layer}, bead {bead}: feature is {}: it must be a wall, infill or gap fill",

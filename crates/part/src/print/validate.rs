@@ -34,6 +34,9 @@ pub(super) fn validate_layers(
         let &Frame { layer_mm, cell_mm, .. } = frame;
         return Err(SettingsError::HighBead { layer_mm, cell_mm });
     }
+    for (field, value) in [("frame.left_mm", frame.left_mm), ("frame.back_mm", frame.back_mm)] {
+        check_not_negative(field, value)?;
+    }
     check_layers(layers, frame, settings)?;
     check_positions(layers.len(), frame, frame.sides_mm(), settings)
 }
@@ -55,7 +58,8 @@ pub(super) fn validate_beads(
         }
         for (index, bead) in layer.beads.iter().enumerate() {
             if usize::from(bead.tool) >= tools {
-                return Err(SettingsError::TooFewTools { layer: number, zone: bead.tool, tools });
+                let tool = bead.tool;
+                return Err(SettingsError::BeadTool { layer: number, bead: index, tool, tools });
             }
             let field = |name| format!("layer {number}, bead {index}: {name}");
             for (step, (from, to, width_mm)) in bead.moves.iter().zip(bead.lines()) {
@@ -149,9 +153,6 @@ fn check_settings(settings: &Settings, frame: &Frame) -> Result<(), SettingsErro
     check_range(|| "process.fan".to_owned(), process.fan, 0.0, 1.0, "from 0 to 1")?;
     for (field, value) in [("frame.cell_mm", frame.cell_mm), ("frame.layer_mm", frame.layer_mm)] {
         check_range(|| field.to_owned(), value, MIN_BEAD_MM, MAX_BED_MM, "from 0.01 to 10000")?;
-    }
-    for (field, value) in [("frame.left_mm", frame.left_mm), ("frame.back_mm", frame.back_mm)] {
-        check_not_negative(field, value)?;
     }
     for (number, tool) in tools.iter().enumerate() {
         let field = |name| format!("tools[{number}].{name}");

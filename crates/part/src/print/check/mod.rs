@@ -15,6 +15,12 @@
 //! - `heat`: temperatures of bed and nozzles;
 //! - `modes`: whether all printers interpret the extrusion modes alike.
 
+#[cfg(test)]
+mod bead_cases;
+#[cfg(test)]
+mod bead_faults;
+#[cfg(test)]
+mod bead_tests;
 mod beads;
 mod cells;
 mod checker;

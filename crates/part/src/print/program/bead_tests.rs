@@ -119,7 +119,9 @@ fn beads_are_checked() {
         ("layer 2 has nothing to rest on: the layer below has no cells", &|layer| {
             layer.number = 2;
         }),
-        ("layer 0: zone 2 has no tool: the settings define 2", &|layer| layer.beads[1].tool = 2),
+        ("layer 0, bead 1: unknown tool 2: the settings define 2", &|layer| {
+            layer.beads[1].tool = 2;
+        }),
         (
             "layer 0, bead 1: feature is Wipe tower: it must be a wall, infill or gap fill",
             &|layer| layer.beads[1].moves[0].feature = Feature::PrimeTower,
