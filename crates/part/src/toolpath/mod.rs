@@ -9,6 +9,7 @@
 //!   the part, sparse elsewhere;
 //! - a **residue**: where walls are thinner, or gaps between insets narrower, than what these
 //!   reach.
+//!   [`skeletons`] cover it with beads of varying width.
 //!
 //! The terms are those of *ORNL toolpath RL*.
 //! Nothing here decides in which order lines are printed, nor which of them are linked.
@@ -44,8 +45,10 @@ mod island;
 mod islands;
 mod scan_lines;
 mod settings;
+mod skeleton;
 mod solid;
 
 pub use island::{Infill, Inset, Island};
 pub use islands::islands;
 pub use settings::{InfillPattern, Settings, ToolpathError};
+pub use skeleton::{Skeleton, SkeletonSettings, skeletons};
