@@ -54,8 +54,8 @@
 //!   [`Stop::TimeUp`].
 //!
 //! # Features
-//! - `integer-program`: compiles a test that compares [`exact`] with an integer program; it needs
-//!   cmake and a C++ compiler.
+//! - `integer-program`: compiles tests that compare [`exact`] and [`link`] with integer programs;
+//!   it needs cmake and a C++ compiler.
 
 pub mod anneal;
 pub mod bound;

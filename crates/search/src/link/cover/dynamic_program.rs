@@ -3,10 +3,12 @@
 use beadwork_base::{Control, Interrupted};
 
 use super::schedule::{Schedule, Step};
-use super::states::{CLOSED, FORBIDDEN, FREE, History, Label, MERGED, ROOT, States, is_free};
+use super::states::{
+    CLOSED, FORBIDDEN, FREE, History, Label, MERGED, OPTIONAL, ROOT, States, is_free,
+};
 
 /// Number of states that others are compared with.
-const REFERENCES: usize = 8;
+const REFERENCES: usize = 128;
 
 /// What happens to states above the width.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -165,22 +167,22 @@ impl DynamicProgram {
                 let others_mate = state[other];
                 bytes[other] = CLOSED;
                 // The fragments become one.
-                if mate != FREE {
-                    bytes[mate as usize] = others_mate;
+                if mate < OPTIONAL {
+                    bytes[mate as usize] = if others_mate < OPTIONAL { others_mate } else { FREE };
                 }
-                if others_mate != FREE {
-                    bytes[others_mate as usize] = mate;
+                if others_mate < OPTIONAL {
+                    bytes[others_mate as usize] = if mate < OPTIONAL { mate } else { FREE };
                 }
                 choice.excludes.iter().for_each(|&flag| bytes[flag as usize] = FORBIDDEN);
                 let node = history.push(label.node, choice.link);
                 next.insert(&bytes, Label { free: free - 2, node, ..label });
             }
-            if label.given_up < cap {
+            let given_up = label.given_up + u32::from(mate != OPTIONAL);
+            if given_up <= cap {
                 begin(&mut bytes);
-                if mate != FREE {
+                if mate < OPTIONAL {
                     bytes[mate as usize] = FREE;
                 }
-                let given_up = label.given_up + 1;
                 next.insert(&bytes, Label { given_up, free: free - 1, node: label.node });
             }
         }
@@ -208,11 +210,8 @@ impl DynamicProgram {
             let bytes = next.bytes(index as usize);
             let is_dominated = references.iter().any(|&reference| {
                 let other = next.labels[reference as usize];
-                // Twice the number of links by which the other state is ahead.
-                let lead = (label.free + label.given_up).checked_sub(other.free + other.given_up);
-                lead.is_some_and(|lead| {
-                    States::is_within(bytes, next.bytes(reference as usize), lead / 2)
-                })
+                let limit = label.given_up - other.given_up;
+                States::is_within(bytes, next.bytes(reference as usize), limit)
             });
             if !is_dominated && references.len() < REFERENCES {
                 references.push(index);
@@ -233,28 +232,33 @@ impl DynamicProgram {
         }
         merged.clear();
         let room = (run.width - exact).max(1);
-        let mut union: Option<(Vec<u8>, u32)> = None;
+        // One for each number of ends given up.
+        let mut unions: Vec<(Vec<u8>, u32)> = Vec::new();
         for &index in &order[exact..] {
             let given_up = next.labels[index as usize].given_up;
             let bytes: Vec<u8> = next
                 .bytes(index as usize)
                 .iter()
-                .map(|&byte| if is_free(byte) { FREE } else { CLOSED })
+                .map(|&byte| match byte {
+                    OPTIONAL => OPTIONAL,
+                    _ if is_free(byte) => FREE,
+                    _ => CLOSED,
+                })
                 .collect();
             if merged.len() < room {
                 merged.insert(&bytes, merged_label(&bytes, given_up));
-            } else {
-                let (union, minimum) = union.get_or_insert_with(|| (bytes.clone(), given_up));
-                *minimum = given_up.min(*minimum);
+            } else if let Some((union, _)) = unions.last_mut().filter(|last| last.1 == given_up) {
                 for (byte, other) in union.iter_mut().zip(bytes) {
-                    *byte = other.min(*byte);
+                    *byte = if *byte == other { other } else { OPTIONAL };
                 }
+            } else {
+                unions.push((bytes, given_up));
             }
         }
         for index in 0..merged.len() {
             states.insert(merged.bytes(index), merged.labels[index]);
         }
-        if let Some((bytes, given_up)) = union {
+        for (bytes, given_up) in unions {
             states.insert(&bytes, merged_label(&bytes, given_up));
         }
         true

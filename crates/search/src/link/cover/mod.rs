@@ -52,6 +52,9 @@ pub(super) fn cover(
             limit: u64::from(settings.states_per_line) * component.end_count() as u64 / 2,
         };
         if interrupted.is_none() && search.beads > search.bound {
+            interrupted = control.interrupted();
+        }
+        if interrupted.is_none() && search.beads > search.bound {
             interrupted = search.run(&mut dynamic_program, settings, control).err();
         }
         if let Some(chosen) = &search.cover {
@@ -103,10 +106,10 @@ impl Search<'_> {
         let mut bounds = [Vec::new(), Vec::new()];
         let max_width = settings.max_width.max(1) as usize;
         let mut width = FIRST_WIDTH.min(max_width);
-        let mut direction = 1;
+        let mut direction = 0;
         loop {
             let before = self.work;
-            for surplus in [Surplus::Merge, Surplus::Drop] {
+            for surplus in [Surplus::Drop, Surplus::Merge] {
                 let run = Run {
                     width,
                     surplus,
@@ -139,8 +142,9 @@ impl Search<'_> {
                 }
                 direction = 1 - direction;
             }
-            // The next runs take about four times as long.
-            let next = 4 * (self.work - before);
+            direction = 1 - direction;
+            // The next runs are several times as wide, but bounds spare them some states.
+            let next = 2 * (self.work - before);
             if width == max_width || self.work + next > self.limit {
                 return Ok(());
             }

@@ -8,12 +8,16 @@ pub(super) const FREE: u8 = 254;
 /// The byte of a flag that forbids a link.
 pub(super) const FORBIDDEN: u8 = 253;
 
+/// The byte of an end that some of the states that a state stands for can still link, and others
+/// cannot: giving it up costs nothing.
+pub(super) const OPTIONAL: u8 = 252;
+
 /// Number of no node: that of a state before the first link.
 pub(super) const ROOT: u32 = u32::MAX;
 /// Number of no node: that of a state that stands for several.
 pub(super) const MERGED: u32 = u32::MAX - 1;
 
-/// Whether a byte is that of an end without a link.
+/// Whether a byte is that of an end that may be linked.
 #[inline]
 pub(super) fn is_free(byte: u8) -> bool {
     byte != CLOSED && byte != FORBIDDEN
@@ -112,31 +116,38 @@ impl States {
         }
     }
 
-    /// Whether no completion of state `a` has more links than one of state `b` by more than
-    /// `limit`.
+    /// Whether state `b` and its best completion give up at most `limit` ends more than state `a`
+    /// and its best completion, apart from those that they gave up before.
     /// May return false if that is so.
     ///
-    /// From the links that complete a, drop those at ends that are not free in b, one of those at
-    /// each pair of ends of a fragment of b that a does not have, and those that b forbids.
+    /// From the links that complete a, drop those at ends that b cannot link, one of those at each
+    /// pair of ends of a fragment of b that a does not have, and those that b forbids.
     /// The rest completes b: a cycle would consist of fragments that a has too.
+    /// Each dropped link leaves its ends without a link, and so are ends that only b has to link.
     pub(super) fn is_within(a: &[u8], b: &[u8], limit: u32) -> bool {
-        let mut distance = 0;
+        let mut cost = 0;
         let words = a.as_chunks::<8>().0.iter().zip(b.as_chunks::<8>().0);
         for (word, (in_a, in_b)) in words.enumerate() {
             if in_a == in_b {
                 continue;
             }
             for (at, (&in_a, &in_b)) in in_a.iter().zip(in_b).enumerate() {
-                let is_lost = is_free(in_a) && !is_free(in_b);
-                let is_forbidden = in_b == FORBIDDEN && in_a != FORBIDDEN;
-                let is_joined = in_b < FORBIDDEN
-                    && in_a != in_b
+                if in_a == in_b {
+                    continue;
+                }
+                cost += match (is_free(in_a), is_free(in_b)) {
+                    (true, false) => 1,
+                    (false, true) => u32::from(in_b != OPTIONAL),
+                    (true, true) if in_a == OPTIONAL => 1,
+                    _ => 0,
+                };
+                let is_joined = in_b < OPTIONAL
                     && is_free(in_a)
                     && 8 * word + at < in_b as usize
                     && is_free(a[in_b as usize]);
-                distance += u32::from(is_lost || is_forbidden || is_joined);
+                cost += 2 * u32::from(in_b == FORBIDDEN || is_joined);
             }
-            if distance > limit {
+            if cost > limit {
                 return false;
             }
         }
