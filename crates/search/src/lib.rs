@@ -15,7 +15,7 @@
 //!   with a proven bound; made for import by other slicers.
 //! - [`plan`]: plans of whole parts: the order of the tools over the layers, and the beads of all
 //!   layers for the minimum cost of tool changes and lifts.
-//! - [`travel`]: orders and reverses beads and closed loops for little travel.
+//! - [`travel`]: orders and reverses beads and closed loops for little travel, with a bound.
 //!
 //! # Terms
 //! - A **path** visits every cell of a region once; it consists of one or more **pieces**, and a

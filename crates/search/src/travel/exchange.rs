@@ -9,8 +9,8 @@ use super::tour::Tour;
 
 /// Two or three links that are replaced by others.
 ///
-/// Ends 0 and 1 are linked, as are 2 and 3, and 4 and 5 if `count` is 6.
-/// The exchange links ends 1 and 2, 3 and 4, and the last to the first.
+/// Ends 0 and 1 are linked, as are 2 and 3, and 4 and 5 if `count` is 6. The exchange links ends 1
+/// and 2, 3 and 4, and the last to the first.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Exchange {
     pub(super) ends: [u32; 6],

@@ -104,7 +104,16 @@ impl<T: Copy> KdTree<T> {
     /// distance is less than the limit, nearest nodes first.
     /// The limit starts as infinity, and `visit` returns the limit from then on.
     pub(super) fn search(&self, point: [f64; 2], visit: &mut impl FnMut(f64, usize, T) -> f64) {
-        let mut limit = f64::INFINITY;
+        self.search_within(point, f64::INFINITY, visit);
+    }
+
+    /// As [`search`](Self::search), with the limit at the start.
+    pub(super) fn search_within(
+        &self,
+        point: [f64; 2],
+        mut limit: f64,
+        visit: &mut impl FnMut(f64, usize, T) -> f64,
+    ) {
         if !self.nodes.is_empty() {
             self.search_node(0, point, &mut limit, visit);
         }

@@ -1,8 +1,9 @@
 //! Kicks: small random changes that a local search then repairs.
 //!
-//! Three successive short segments are put into the opposite order, each keeping its direction: the
-//! double bridge of Martin, Otto and Felten, "Large-step Markov chains for the traveling salesman
-//! problem" (Complex Systems 5, 1991), which exchanges of three links cannot undo.
+//! Three successive short segments are put into the opposite order, each keeping its direction, as
+//! in the double bridge of Martin, Otto and Felten, "Large-step Markov chains for the traveling
+//! salesman problem" (Complex Systems 5, 1991), which exchanges of three links cannot undo.
+//! Loops also begin elsewhere.
 
 use beadwork_base::Control;
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -15,7 +16,9 @@ use crate::random::below;
 use crate::stop::Stop;
 
 /// Maximum number of items or groups of a segment.
-const SEGMENT: usize = 30;
+const SEGMENT: usize = 8;
+/// Sequences of fewer items or groups are also changed by random reversals.
+const SHORT: usize = 8;
 
 /// Shortens a tour by `count` kicks; returns why it stopped.
 ///
@@ -58,7 +61,12 @@ fn change(search: &mut LocalSearch<'_>, rng: &mut Xoshiro256PlusPlus) -> f64 {
         }
         _ => 0.0,
     };
-    entered + shuffle(search, item, rng).unwrap_or(0.0)
+    let mut gain = entered + shuffle(search, item, rng).unwrap_or(0.0);
+    // A different order of groups is often better only with another order in one of them.
+    if search.tour.problem.has_blocks && below(rng, 2) == 0 {
+        gain += shuffle(search, item, rng).unwrap_or(0.0);
+    }
+    gain
 }
 
 /// Moves the entry of a loop; returns the gain.
@@ -75,109 +83,143 @@ fn enter(search: &mut LocalSearch<'_>, item: usize, entry: usize) -> f64 {
     gain
 }
 
-/// Changes the order of three segments near an item; returns the gain, usually negative.
-/// `None` if there are too few items or groups.
+/// Changes the order of up to three segments near an item; returns the gain, usually negative.
+/// `None` if there is nothing to change.
 fn shuffle(search: &mut LocalSearch<'_>, item: usize, rng: &mut Xoshiro256PlusPlus) -> Option<f64> {
     let tour = &search.tour;
     let problem = tour.problem;
-    let leaf = problem.leaf[item] as usize;
-    let size = problem.members[leaf].len();
-    let cuts = if problem.has_blocks && (size >= 3 && below(rng, 4) > 0) {
-        // Positions of the leaf, counted from its start.
-        let here = tour.steps(tour.start(leaf), tour.position(2 * item as u32));
-        let cuts = cuts(size, here, rng)?;
-        cuts.map(|cut| tour.after(tour.start(leaf), cut))
-    } else if problem.has_blocks {
-        return shuffle_groups(search, item, rng);
-    } else {
+    if !problem.has_blocks {
         // Positions after the anchor.
         let first = tour.after(tour.position(0), 1);
         let here = tour.steps(first, tour.position(2 * item as u32));
-        let cuts = cuts(tour.count() - 1, here, rng)?;
-        cuts.map(|cut| tour.after(first, cut))
-    };
-    Some(reorder(search, cuts))
+        let cuts = Cuts::new(tour.count() - 1, here, rng)?;
+        return Some(reorder(
+            search,
+            &cuts,
+            &problem.is_directed,
+            |cut, tour| tour.after(first, cut),
+            rng,
+        ));
+    }
+    let leaf = problem.leaf[item] as usize;
+    let size = problem.members[leaf].len();
+    let groups = problem.first_leaf.len() - 2;
+    if groups == 1 || (size > 1 && below(rng, 4) > 0) {
+        // Positions of the leaf, counted from its start.
+        let start = tour.start(leaf);
+        let here = tour.steps(start, tour.position(2 * item as u32));
+        let cuts = Cuts::new(size, here, rng)?;
+        return Some(reorder(
+            search,
+            &cuts,
+            &problem.is_irreversible,
+            |cut, tour| tour.after(start, cut),
+            rng,
+        ));
+    }
+    let starts =
+        starts_of_groups(tour, problem.group[item] as usize, below(rng, SEGMENT.min(groups)));
+    let cuts = Cuts::new(starts.len() - 1, below(rng, starts.len() - 1), rng)?;
+    Some(reorder(search, &cuts, &problem.is_directed, |cut, _| starts[cut], rng))
 }
 
-/// Exchanges three successive runs of groups around that of an item.
-fn shuffle_groups(
-    search: &mut LocalSearch<'_>,
-    item: usize,
-    rng: &mut Xoshiro256PlusPlus,
-) -> Option<f64> {
-    let tour = &search.tour;
+/// First positions of some successive groups and the position after them, not across the anchor.
+/// The group of this number is among them; about `before` others come before it.
+fn starts_of_groups(tour: &Tour<'_>, group: usize, before: usize) -> Vec<usize> {
     let problem = tour.problem;
-    let groups = problem.first_leaf.len() - 2;
-    if groups < 3 {
-        return None;
-    }
-    let group = problem.group[item] as usize;
+    let group_at = |position: usize| problem.group[item_of(tour.enters(position))] as usize;
+    let back = |position: usize| tour.after(position, tour.count() - 1);
     let size = |group: usize| -> usize {
         let leaves = problem.first_leaf[group] as usize..problem.first_leaf[group + 1] as usize;
         problem.members[leaves].iter().map(Vec::len).sum()
     };
-    // The first positions of successive groups, from the one of the item.
-    let first = |group: usize| {
-        let leaves = problem.first_leaf[group]..problem.first_leaf[group + 1];
-        let starts = leaves.map(|leaf| tour.start(leaf as usize));
-        let anchor = tour.position(0);
-        starts.min_by_key(|&start| tour.steps(anchor, start)).unwrap_or(0)
-    };
-    let mut starts = vec![first(group)];
-    let mut position = starts[0];
-    while starts.len() <= SEGMENT {
-        let here = problem.group[item_of(tour.enters(position))] as usize;
-        if here == 0 {
+    let anchor = tour.position(0);
+    let leaves = problem.first_leaf[group] as usize..problem.first_leaf[group + 1] as usize;
+    let starts = leaves.map(|leaf| tour.start(leaf));
+    let mut position = starts.min_by_key(|&start| tour.steps(anchor, start)).unwrap_or(anchor);
+    for _ in 0..before {
+        let earlier = group_at(back(position));
+        if earlier == 0 {
             break;
         }
-        position = tour.after(position, size(here));
+        position = tour.after(position, tour.count() - size(earlier));
+    }
+    let mut starts = vec![position];
+    while starts.len() <= 3 * SEGMENT && group_at(position) != 0 {
+        position = tour.after(position, size(group_at(position)));
         starts.push(position);
     }
-    let cuts = cuts(starts.len() - 1, 0, rng)?;
-    let cuts = cuts.map(|cut| starts[cut]);
-    Some(reorder(search, cuts))
+    starts
 }
 
-/// Four ascending numbers up to `count`, near each other and near `here`, which is below `count`.
-fn cuts(count: usize, here: usize, rng: &mut Xoshiro256PlusPlus) -> Option<[usize; 4]> {
-    if count < 3 {
-        return None;
-    }
-    let length = (3 * SEGMENT).min(count);
-    let first = here.saturating_sub(below(rng, length)).min(count - length);
-    // Three different lengths without repetition: numbers from 0 to length, ascending.
-    let mut cuts = [0; 4];
-    loop {
-        for cut in &mut cuts {
-            *cut = first + below(rng, length + 1);
+/// Up to three successive segments of a sequence.
+struct Cuts {
+    /// Where the segments begin, and where the last one ends.
+    at: [usize; 4],
+    segments: usize,
+    /// Whether the sequence is so short that segments should also be reversed.
+    is_short: bool,
+}
+
+impl Cuts {
+    /// Random segments near `here`, of a sequence of `count` items or groups; `None` if it is
+    /// empty.
+    fn new(count: usize, here: usize, rng: &mut Xoshiro256PlusPlus) -> Option<Self> {
+        let is_short = count < SHORT;
+        if count < 3 {
+            return (count > 0).then_some(Self { at: [0, 1, 2, 2], segments: count, is_short });
         }
-        cuts.sort_unstable();
-        if cuts.windows(2).all(|pair| pair[0] < pair[1]) {
-            return Some(cuts);
+        let length = (3 * SEGMENT).min(count);
+        let first = here.saturating_sub(below(rng, length)).min(count - length);
+        let mut cuts = [0; 4];
+        loop {
+            for cut in &mut cuts {
+                *cut = first + below(rng, length + 1);
+            }
+            cuts.sort_unstable();
+            if cuts.windows(2).all(|pair| pair[0] < pair[1]) {
+                return Some(Self { at: cuts, segments: 3, is_short });
+            }
         }
     }
 }
 
-/// Puts the segments that begin at the first three of these positions, up to the last one, into the
-/// opposite order; returns the gain.
-fn reorder(search: &mut LocalSearch<'_>, cuts: [usize; 4]) -> f64 {
+/// Puts segments into the opposite order, and reverses some if the sequence is short; returns the
+/// gain.
+///
+/// `fixed` are the items that must not be reversed, empty if there are none.
+fn reorder(
+    search: &mut LocalSearch<'_>,
+    cuts: &Cuts,
+    fixed: &[bool],
+    position: impl Fn(usize, &Tour<'_>) -> usize,
+    rng: &mut Xoshiro256PlusPlus,
+) -> f64 {
     let tour = &mut search.tour;
-    let [a, b, c, end] = cuts;
-    let lengths = [tour.steps(a, b), tour.steps(b, c), tour.steps(c, end)];
+    let count = cuts.segments;
+    let starts = cuts.at.map(|cut| position(cut.min(cuts.at[count]), tour));
+    let lengths = [0, 1, 2].map(|index| tour.steps(starts[index], starts[index + 1]));
     let before = |tour: &Tour<'_>, cut: usize| [tour.link(tour.enters(cut)), tour.enters(cut)];
-    let old = cuts.map(|cut| before(tour, cut));
-    tour.reverse(a, lengths.iter().sum());
-    let mut start = a;
-    for length in lengths.into_iter().rev() {
-        tour.reverse(start, length);
-        start = tour.after(start, length);
+    let old = starts.map(|cut| before(tour, cut));
+    tour.reverse(starts[0], lengths.iter().sum());
+    let mut new = [starts[0]; 4];
+    for (index, &length) in lengths[..count].iter().rev().enumerate() {
+        let is_reversed = cuts.is_short && below(rng, 2) == 0 && {
+            let mut items =
+                (0..length).map(|steps| item_of(tour.enters(tour.after(new[index], steps))));
+            fixed.is_empty() || !items.any(|item| fixed[item])
+        };
+        // All are reversed already.
+        if !is_reversed {
+            tour.reverse(new[index], length);
+        }
+        new[index + 1] = tour.after(new[index], length);
     }
-    let [_, first, second, _] = [0, lengths[2], lengths[2] + lengths[1], 0];
-    let new = [a, tour.after(a, first), tour.after(a, second), end].map(|cut| before(tour, cut));
+    let new = new.map(|cut| before(tour, cut));
     let sum =
-        |links: [[u32; 2]; 4]| -> f64 { links.iter().map(|&[from, to]| tour.step(from, to)).sum() };
-    let gain = sum(old) - sum(new);
-    for end in old.into_iter().flatten() {
+        |links: &[[u32; 2]]| -> f64 { links.iter().map(|&[from, to]| tour.step(from, to)).sum() };
+    let gain = sum(&old[..=count]) - sum(&new[..=count]);
+    for &end in old[..=count].as_flattened() {
         search.push(end);
     }
     gain

@@ -96,12 +96,13 @@ impl<'p> LocalSearch<'p> {
         let best = self.best_exchange(end, &mut first, &mut second);
         self.buffers = [first, second];
         let Some((gain, exchange, reversals)) = best else { return 0.0 };
-        let before = if cfg!(test) { self.tour.length() } else { 0.0 };
+        let is_checked = cfg!(test) && self.tour.count() <= 50;
+        let before = if is_checked { self.tour.length() } else { 0.0 };
         for (start, count) in reversals.iter() {
             self.tour.reverse(start, count);
         }
-        // The tests compare the gain of every exchange with a sum over the tour.
-        if cfg!(test) {
+        // Tests compare the gain of every exchange in small tours with a sum over the tour.
+        if is_checked {
             let gained = before - self.tour.length();
             assert!((gained - gain).abs() <= 1e-9 * (1.0 + before), "gain {gain}, really {gained}");
         }

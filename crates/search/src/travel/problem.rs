@@ -66,6 +66,8 @@ pub(super) struct Problem<'a> {
     pub(super) is_directed: Vec<bool>,
     /// Number of items that must keep their direction.
     pub(super) directed: usize,
+    /// Length of the diagonal of the box around all points, in mm.
+    pub(super) extent: f64,
     /// Gains up to this length are rounding errors, in mm.
     pub(super) tolerance: f64,
 }
@@ -115,6 +117,7 @@ impl<'a> Problem<'a> {
             is_directed[0] = true;
             directed += 1;
         }
+        let extent = extent(items, from);
         Self {
             items,
             from,
@@ -126,7 +129,8 @@ impl<'a> Problem<'a> {
             is_irreversible,
             is_directed,
             directed,
-            tolerance: 1e-11 * extent(items, from),
+            extent,
+            tolerance: 1e-11 * extent,
         }
     }
 

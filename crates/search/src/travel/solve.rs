@@ -4,14 +4,16 @@ use beadwork_base::Control;
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+use super::bound::bound;
 use super::entries::improve_entries;
+use super::exact;
 use super::item::{self, Item, TravelError};
 use super::kicks::kick;
 use super::local_search::LocalSearch;
 use super::nearest::Nearest;
 use super::neighbours::Neighbours;
 use super::problem::Problem;
-use super::route::{Route, travel_mm};
+use super::route::{Route, Visit, travel_mm};
 use super::settings::{Order, Settings};
 use super::tour::Tour;
 use crate::Stop;
@@ -20,6 +22,9 @@ use crate::Stop;
 ///
 /// Each item is printed once, in an order that [`Settings::order`] allows; the result may end
 /// anywhere.
+///
+/// Up to 8 items with few entries get the shortest route, with [`Stop::Optimal`]: equally short
+/// routes aside, only rounding errors could hide a shorter one.
 ///
 /// An interrupted call returns the best route so far, with the reason in [`Route::stop`].
 /// Progress counts kicks.
@@ -33,28 +38,47 @@ pub fn solve(
 ) -> Result<Route, TravelError> {
     item::check(items, settings.from)?;
     let problem = Problem::new(items, settings.order, settings.from);
-    let Nearest { sequence, entry, .. } = Nearest::new(&problem);
-    let mut stop = Stop::Done;
-    let tour = Tour::new(&problem, sequence, entry);
-    let visits = if items.len() > 1 {
-        let neighbours = Neighbours::new(&problem);
-        let mut search = LocalSearch::new(tour, &neighbours);
-        improve_entries(&mut search.tour);
-        search.push_all();
-        search.run(|| control.interrupted().is_some());
-        search.clear();
-        improve_entries(&mut search.tour);
-        search.tour.commit();
-        let mut rng = Xoshiro256PlusPlus::seed_from_u64(settings.seed);
-        let kicks = u64::from(settings.kicks_per_item) * items.len() as u64;
-        stop = kick(&mut search, kicks, &mut rng, control);
-        improve_entries(&mut search.tour);
-        search.tour.visits()
-    } else {
-        tour.visits()
+    let exact = exact::shortest(&problem);
+    let is_exact = exact.is_some();
+    let (visits, stop) = match exact {
+        Some(visits) => (visits, Stop::Optimal),
+        None => improve(&problem, settings, control),
     };
     let travel_mm = travel_mm(items, &visits, settings.from);
-    Ok(Route { visits, travel_mm, bound_mm: None, stop })
+    let bound_mm = match settings.bound_iterations {
+        0 => None,
+        // The dynamic programme compares sums of rounded distances.
+        _ if is_exact => Some(travel_mm * (1.0 - 1e-12)),
+        iterations => bound(&problem, travel_mm, iterations, control),
+    };
+    let stop = if travel_mm <= 0.0 && !stop.is_interrupted() { Stop::Optimal } else { stop };
+    Ok(Route { visits, travel_mm, bound_mm, stop })
+}
+
+/// Finds a route by local search.
+pub(super) fn improve(
+    problem: &Problem<'_>,
+    settings: &Settings,
+    control: &Control<'_>,
+) -> (Vec<Visit>, Stop) {
+    let Nearest { sequence, entry, .. } = Nearest::new(problem);
+    let tour = Tour::new(problem, sequence, entry);
+    if problem.items.is_empty() {
+        return (Vec::new(), Stop::Optimal);
+    }
+    let neighbours = Neighbours::new(problem);
+    let mut search = LocalSearch::new(tour, &neighbours);
+    improve_entries(&mut search.tour);
+    search.push_all();
+    search.run(|| control.interrupted().is_some());
+    search.clear();
+    improve_entries(&mut search.tour);
+    search.tour.commit();
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(settings.seed);
+    let kicks = u64::from(settings.kicks_per_item) * problem.items.len() as u64;
+    let stop = kick(&mut search, kicks, &mut rng, control);
+    improve_entries(&mut search.tour);
+    (search.tour.visits(), stop)
 }
 
 /// The route that goes from each item to the nearest one that may follow, for comparison.

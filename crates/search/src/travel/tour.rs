@@ -25,7 +25,7 @@ pub(super) struct Tour<'p> {
 
 #[derive(Clone, Copy)]
 enum Change {
-    /// Positions from the first, so many, were reversed.
+    /// The items at `count` positions from `start` were reversed.
     Reversed { start: u32, count: u32 },
     /// A loop had this entry.
     Entered { item: u32, entry: u32 },
