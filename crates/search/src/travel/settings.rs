@@ -18,8 +18,6 @@ pub struct Settings {
     /// Maximum number of spanning trees for the lower bound; 0 for no bound.
     ///
     /// Each takes O(n²) steps for n items, so a bound takes longer than the route.
-    /// 100 trees bring it close to its limit, which is often 1 to 2 % below the shortest route of
-    /// beads.
     pub bound_iterations: u32,
 }
 
