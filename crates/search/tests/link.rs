@@ -348,6 +348,14 @@ fn degenerate_lines_have_beads() {
 }
 
 #[test]
+fn thousands_of_coinciding_lines_have_beads() {
+    let lines = vec![[[0.0, 0.0], [1.0, 0.0]]; 4000];
+    let links = Rule::default().links(&lines, &[square(-5.0, 5.0)], 1.0).unwrap();
+    let outcome = run(&links, &Settings::default());
+    assert!(outcome.beads.len() < 4000);
+}
+
+#[test]
 fn bad_input_is_an_error() {
     let rings = [square(0.0, 10.0)];
     let rule = Rule::default();

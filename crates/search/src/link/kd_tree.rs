@@ -181,8 +181,10 @@ impl KdTree {
             }
             if found.len() >= 4 * limit {
                 keep_nearest(found, limit);
-                // Points at the same distance but with a lower index still count.
-                *radius2 = found[limit - 1].0;
+                // Points at the same distance but with a lower index still count, unless too many
+                // coincide with the position that a search for all would be slow.
+                let farthest = found[limit - 1].0;
+                *radius2 = if farthest > 0.0 { farthest } else { -1.0 };
             }
             return;
         }

@@ -47,13 +47,13 @@ pub struct Settings {
 }
 
 impl Default for Settings {
-    /// The fewest beads, seed 0, linkable ends first, 400 states a line, 4,096 states at a time.
+    /// The fewest beads, seed 0, linkable ends first, 600 states a line, 4,096 states at a time.
     fn default() -> Self {
         Self {
             method: Method::default(),
             seed: 0,
             links_first: true,
-            states_per_line: 400,
+            states_per_line: 600,
             max_width: 4096,
         }
     }

@@ -10,6 +10,13 @@ use super::settings::{Method, Outcome, Settings, Work};
 use crate::Stop;
 use crate::disjoint_sets::DisjointSets;
 
+/// Maximum number of lines for which the fewest beads, if they are not proven, are compared with
+/// those of nearest neighbour from all ends.
+const MAX_REPETITIVE: usize = 200;
+
+/// The same for starts at break points.
+const MAX_BREAK_POINTS: usize = 3000;
+
 /// Links lines to beads.
 ///
 /// Works on the calling thread.
@@ -17,8 +24,16 @@ use crate::disjoint_sets::DisjointSets;
 /// An interrupted call returns the best beads so far, each line once.
 ///
 /// A run of nearest neighbour takes O(n log n) time for n lines.
-/// [`Method::Nearest`] makes one, [`Method::BreakPoints`] one more for each two beads of it at each
-/// side of a lift, [`Method::Repetitive`] 2 n.
+/// [`Method::Nearest`] makes one, [`Method::BreakPoints`] two more for each lift of that one, and
+/// [`Method::Repetitive`] 2 n.
+/// [`Method::Cover`] is a dynamic program over the ends of each connected component, in an order
+/// with a small *frontier*: the ends between those that are done and those that are not.
+/// Its time is proportional to the number of states that it generates, which
+/// [`Settings::states_per_line`] limits; components with a small frontier need few.
+/// If it keeps all states, the result is optimal.
+/// If there are too many, it drops some, which gives a cover, or merges some, which gives a bound,
+/// as in decision diagrams (Bergman, Cire, van Hoeve and Hooker, *Decision Diagrams for
+/// Optimization*, 2016).
 pub fn solve(links: &Links, settings: &Settings, control: &Control<'_>) -> Outcome {
     if links.line_count() == 0 {
         let stop = Stop::Optimal;
@@ -29,14 +44,26 @@ pub fn solve(links: &Links, settings: &Settings, control: &Control<'_>) -> Outco
     let mut work = Work::default();
     let (beads, bound, interrupted) = match settings.method {
         Method::Cover => {
+            let breaks = breaks(&first);
             let found = cover(links, &first, settings, &mut work, control);
-            (found.beads, found.bound, found.interrupted)
+            let count = links.line_count();
+            let is_open = found.interrupted.is_none() && found.beads.len() > found.bound;
+            let starts = if !is_open || count > MAX_BREAK_POINTS {
+                Vec::new()
+            } else if count > MAX_REPETITIVE {
+                breaks
+            } else {
+                all_ends(links)
+            };
+            let control = control.without_progress();
+            let (beads, interrupted) = nearest.best_of(found.beads, &starts, &control);
+            (beads, found.bound, found.interrupted.or(interrupted))
         }
         method => {
             let starts = match method {
                 Method::Nearest | Method::Cover => Vec::new(),
                 Method::BreakPoints => breaks(&first),
-                Method::Repetitive => (0..links.points().len()).map(End::from_index).collect(),
+                Method::Repetitive => all_ends(links),
             };
             let (beads, interrupted) = nearest.best_of(first, &starts, control);
             let (components, bound) = degree_bound(links);
@@ -51,6 +78,11 @@ pub fn solve(links: &Links, settings: &Settings, control: &Control<'_>) -> Outco
         None => Stop::Done,
     };
     Outcome { beads, bound, stop, work }
+}
+
+/// All ends of lines.
+fn all_ends(links: &Links) -> Vec<End> {
+    (0..links.points().len()).map(End::from_index).collect()
 }
 
 /// Number of connected components, and a lower bound on the number of beads: no component has less

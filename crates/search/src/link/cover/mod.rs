@@ -1,4 +1,34 @@
 //! The fewest beads: a minimum path cover of the lines by links.
+//!
+//! A set of links makes beads of the lines if it has at most one link at each end, closes no cycle
+//! of lines, and contains no conflict.
+//! Each bead has two ends without a link, so the fewest beads leave the fewest ends without a link.
+//! A maximum matching is not enough: it closes cycles.
+//!
+//! # Dynamic program
+//! The ends of a component are visited in an order.
+//! At each end without a link, the program either links it to an end that comes later, or *gives it
+//! up*: it remains the end of a bead.
+//! What the rest can do depends only on the *frontier*, the ends whose lines are touched and that
+//! are not visited yet: which of them have a link, and which two are the ends of one *fragment*, as
+//! a link between these would close a cycle.
+//! Of partial covers with the same such *state*, the one that gave up the fewest ends is kept
+//! (Simpath: Knuth, *The Art of Computer Programming*, volume 4A, section 7.1.4).
+//!
+//! Three things keep states few:
+//! - *Orders* with a small frontier: a sweep across the lines meets few of them at a time.
+//! - *Dominance*: a state is dropped if another can do without the links by which it is ahead, see
+//!   [`States::is_within`](states::States::is_within).
+//! - *Bounds*: a program in the opposite direction gives a lower bound on the ends given up in the
+//!   rest; a state that cannot lead to fewer beads than the best known is dropped.
+//!
+//! # Files
+//! - `component.rs`: connected components.
+//! - `order.rs`: orders of ends.
+//! - `schedule.rs`: what happens at each end of an order, and which byte of a state is whose.
+//! - `states.rs`: sets of states, dominance, and the links of states.
+//! - `dynamic_program.rs`: a run of the program.
+
 mod component;
 mod dynamic_program;
 mod order;

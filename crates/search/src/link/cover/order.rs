@@ -1,6 +1,7 @@
 //! Orders of ends with a small frontier.
 
 use super::component::Component;
+use super::schedule::MAX_SLOTS;
 use crate::link::end::Point;
 
 /// Directions of the sweeps that are tried, in steps of a half turn.
@@ -41,7 +42,9 @@ pub(super) fn order(component: &Component) -> Vec<u32> {
         ends().min_by_key(|&end| component.links_at(end).count()),
     ];
     for start in starts.into_iter().flatten() {
-        consider(grown(component, start));
+        if let Some(order) = grown(component, start) {
+            consider(order);
+        }
     }
     best.map_or_else(Vec::new, |best| best.1)
 }
@@ -69,8 +72,8 @@ fn sorted(component: &Component, key: impl Fn(u32) -> f64) -> Vec<u32> {
 }
 
 /// An order that takes next the end of the frontier that brings the fewest lines into it, of
-/// several the one that has been in it for the longest time.
-fn grown(component: &Component, start: u32) -> Vec<u32> {
+/// several the one that has been in it for the longest time; `None` if the frontier gets too large.
+fn grown(component: &Component, start: u32) -> Option<Vec<u32>> {
     let count = component.end_count();
     let mut is_touched = vec![false; count / 2];
     let mut frontier = Vec::new();
@@ -78,6 +81,9 @@ fn grown(component: &Component, start: u32) -> Vec<u32> {
     let mut is_done = vec![false; count];
     let mut rest = (0..count as u32).cycle().skip(start as usize).take(count);
     while order.len() < count {
+        if frontier.len() > MAX_SLOTS {
+            return None;
+        }
         let growth = |end: u32| {
             let lines = component.links_at(end).map(|(_, other)| other / 2);
             lines.filter(|&line| !is_touched[line as usize]).count()
@@ -103,7 +109,7 @@ fn grown(component: &Component, start: u32) -> Vec<u32> {
             }
         }
     }
-    order
+    Some(order)
 }
 
 /// A cost of an order that rises with the number of states of a dynamic program.
