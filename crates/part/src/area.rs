@@ -181,11 +181,17 @@ impl Area {
     /// Arcs deviate by at most 0.002 mm, and radii of less than 0.03 mm or more than 16 mm by 1 %.
     #[must_use]
     pub fn offset(&self, by_mm: f64) -> Self {
+        self.offset_within(by_mm, ROUND_TOLERANCE_MM)
+    }
+
+    /// As [`Area::offset`], with arcs that deviate by at most a tolerance in mm.
+    #[must_use]
+    pub(crate) fn offset_within(&self, by_mm: f64, tolerance_mm: f64) -> Self {
         if by_mm.abs() < f64::EPSILON || self.is_empty() {
             return self.clone();
         }
         // A chord over the angle a deviates by r (1 - cos(a / 2)), which is about r a² / 8.
-        let step = (8.0 * ROUND_TOLERANCE_MM / by_mm.abs()).sqrt();
+        let step = (8.0 * tolerance_mm / by_mm.abs()).sqrt();
         let style = OutlineStyle::new(by_mm).line_join(LineJoin::Round(step));
         Self { components: self.components.outline(&style) }
     }

@@ -212,3 +212,6 @@ impl Stack {
         self.areas
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -17,14 +17,14 @@ const WIDE: f64 = 0.8;
 const REACH: f64 = 0.3;
 
 /// Maximum deviation in mm of the outline that offsets are computed from.
-const OUTLINE_TOLERANCE_MM: f64 = 0.002;
+const OUTLINE_TOLERANCE_MM: f64 = 0.004;
 
 /// Maximum deviation in mm of an inset from the exact offset of that outline.
-const INSET_TOLERANCE_MM: f64 = 0.003;
+const INSET_TOLERANCE_MM: f64 = 0.004;
 
-/// Tolerance in mm of areas that are grown again.
-/// Concave arcs of many corners take long to grow: all lines meet in their centres.
-const WIDE_TOLERANCE_MM: f64 = 0.01;
+/// Tolerance, in beads, of the areas that gaps are found with, which takes most of the time.
+/// Growing concave arcs of many corners would be slow, because all lines meet in the centre.
+const GAP_TOLERANCE: f64 = 0.02;
 
 /// Width, in beads, below which thin walls are dropped.
 const MIN_WALL: f64 = 0.2;
@@ -49,35 +49,37 @@ pub(super) struct Walls {
 impl Walls {
     pub(super) fn new(outline: &Area, settings: &Settings) -> Self {
         let bead_mm = settings.bead_mm;
-        let outline = outline.simplified(OUTLINE_TOLERANCE_MM);
-        let inner = |beads: f64| outline.offset(-beads * bead_mm);
+        let fine = outline.simplified(OUTLINE_TOLERANCE_MM);
+        let inner = |beads: f64| fine.offset(-beads * bead_mm);
+        let coarse = Coarse::new(&fine, bead_mm);
         let mut walls =
             Self { insets: Vec::new(), residue: Area::default(), infill: Area::default() };
-        let mut inside = outline.clone();
+        let mut inside = coarse.outline.clone();
         let mut outer_depth = 0..0;
         for depth in 0..settings.perimeters {
             let beads = f64::from(depth);
-            let wide = inner(beads + WIDE).simplified(WIDE_TOLERANCE_MM);
+            let wide = coarse.inner(beads + WIDE);
             let min_width = if depth == 0 { MIN_WALL } else { MIN_GAP };
-            let reached = wide.offset((WIDE + REACH) * bead_mm);
-            let gaps = gaps(&inside, &reached, min_width, bead_mm);
-            let mut centre = inner(beads + 0.5);
-            if !gaps.is_empty() {
-                centre = centre.intersection(&wide.offset((WIDE + REACH - 0.5) * bead_mm));
+            let gaps = coarse.gaps(&inside, &coarse.grown(&wide, WIDE + REACH), min_width);
+            if !wide.is_empty() {
+                let mut centre = inner(beads + 0.5);
+                if !gaps.is_empty() {
+                    centre = centre.intersection(&coarse.grown(&wide, WIDE + REACH - 0.5));
+                }
+                outer_depth = walls.push(depth, outer_depth, &centre);
             }
             walls.residue.append(gaps);
-            outer_depth = walls.push(depth, outer_depth, &centre);
-            inside = inner(beads + 1.0);
+            inside = coarse.inner(beads + 1.0);
             if inside.is_empty() {
                 return walls;
             }
         }
         let margin = 0.5 - settings.infill_overlap;
         let is_wide = |rings: &[Ring]| mean_width_mm(rings) >= MIN_INFILL * bead_mm;
-        let (infill, _) = inner(f64::from(settings.perimeters) + margin).split(is_wide);
-        walls.infill = infill;
-        let reached = walls.infill.simplified(WIDE_TOLERANCE_MM).offset((margin + REACH) * bead_mm);
-        walls.residue.append(gaps(&inside, &reached, MIN_GAP, bead_mm));
+        let infill = inner(f64::from(settings.perimeters) + margin);
+        (walls.infill, _) = infill.simplified(INSET_TOLERANCE_MM).split(is_wide);
+        let reached = coarse.grown(&walls.infill, margin + REACH);
+        walls.residue.append(coarse.gaps(&inside, &reached, MIN_GAP));
         walls
     }
 
@@ -97,15 +99,41 @@ impl Walls {
     }
 }
 
-/// What of an area is not reached, without pieces that are too small or narrower than a width in
-/// beads.
-fn gaps(inside: &Area, reached: &Area, min_width: f64, bead_mm: f64) -> Area {
-    let min_mm2 = MIN_SIZE * bead_mm * bead_mm;
-    let rest = inside.difference(reached).without_slivers(min_mm2);
-    if rest.is_empty() {
-        return rest;
+/// An outline with few corners, to find gaps with.
+struct Coarse {
+    outline: Area,
+    bead_mm: f64,
+    tolerance_mm: f64,
+}
+
+impl Coarse {
+    fn new(outline: &Area, bead_mm: f64) -> Self {
+        let tolerance_mm = GAP_TOLERANCE * bead_mm;
+        Self { outline: outline.simplified(tolerance_mm), bead_mm, tolerance_mm }
     }
-    rest.opened(min_width / 2.0 * bead_mm).without_slivers(min_mm2)
+
+    /// The outline shrunk by a number of beads.
+    fn inner(&self, beads: f64) -> Area {
+        let inner = self.outline.offset_within(-beads * self.bead_mm, self.tolerance_mm);
+        inner.simplified(self.tolerance_mm)
+    }
+
+    /// An area grown by a number of beads.
+    fn grown(&self, area: &Area, beads: f64) -> Area {
+        let area = area.simplified(self.tolerance_mm);
+        area.offset_within(beads * self.bead_mm, self.tolerance_mm)
+    }
+
+    /// What of an area is not reached, without pieces that are too small or narrower than a width
+    /// in beads.
+    fn gaps(&self, inside: &Area, reached: &Area, min_width: f64) -> Area {
+        let min_mm2 = MIN_SIZE * self.bead_mm * self.bead_mm;
+        let rest = inside.difference(reached).without_slivers(min_mm2);
+        if rest.is_empty() {
+            return rest;
+        }
+        rest.opened(min_width / 2.0 * self.bead_mm).without_slivers(min_mm2)
+    }
 }
 
 /// Twice the size divided by the length of the border: the width of a long strip.

@@ -8,7 +8,7 @@ use super::infill;
 use super::insets::Walls;
 use super::island::Island;
 use super::settings::{Settings, ToolpathError};
-use super::solid::{Surfaces, divide, near_surface};
+use super::solid::{Surfaces, coarse, divide, near_surface};
 use crate::area::Area;
 use crate::slice::LayerAreas;
 
@@ -34,7 +34,7 @@ pub fn islands(
     check_sizes(layers, settings)?;
     let threads = control.threads;
     let surfaces = if settings.density < 1.0 {
-        let unions = threads.map(layers, LayerAreas::union);
+        let unions = threads.map(layers, |layer| coarse(&layer.union(), settings));
         let surfaces = threads.map_numbers(layers.len(), |number| {
             control.check()?;
             let below = number.checked_sub(1).map(|below| &unions[below]);

@@ -52,3 +52,6 @@ pub use island::{Infill, Inset, Island};
 pub use islands::islands;
 pub use settings::{InfillPattern, Settings, ToolpathError};
 pub use skeleton::{Skeleton, SkeletonSettings, skeletons};
+
+#[cfg(test)]
+mod tests;

@@ -46,7 +46,8 @@ impl Family {
                 }
                 // An edge crosses lines from its low end, inclusive, to its high end, exclusive: so
                 // where two edges meet on a line, the line is crossed once or not at all.
-                let mut line = low.0.ceil();
+                // Adding 0 turns -0 into 0, which is the same line.
+                let mut line = low.0.ceil() + 0.0;
                 while line < high.0 {
                     let part = (line - low.0) / (high.0 - low.0);
                     let point = [0, 1].map(|k| low.1[k] + part * (high.1[k] - low.1[k]));

@@ -4,8 +4,11 @@ use super::insets::mean_width_mm;
 use super::settings::Settings;
 use crate::area::{Area, Ring};
 
-/// Mean width in mm below which a piece of a surface is a rounding error.
-const SLIVER_MM: f64 = 0.005;
+/// Size in mm² below which a piece of a surface is dropped: a disc of 0.1 mm does not fit into it.
+const SLIVER_MM2: f64 = 0.0078;
+
+/// Tolerance, in beads, of outlines that are compared with those of the next layer.
+const TOLERANCE: f64 = 0.02;
 
 /// Half the width, in beads, below which solid pieces are dropped.
 const MIN_HALF_WIDTH: f64 = 0.45;
@@ -22,47 +25,57 @@ pub(super) struct Surfaces {
     pub(super) bottom: Area,
 }
 
+/// The outline of a layer, as exact as the comparison with other layers needs.
+pub(super) fn coarse(layer: &Area, settings: &Settings) -> Area {
+    layer.simplified(TOLERANCE * settings.bead_mm)
+}
+
 impl Surfaces {
     /// The surfaces of a layer; the layers below and above are `None` beyond the part.
     pub(super) fn new(layer: &Area, below: Option<&Area>, above: Option<&Area>) -> Self {
         let uncovered = |other: Option<&Area>| match other {
             None => layer.clone(),
             Some(other) if other == layer => Area::default(),
-            Some(other) => {
-                let is_real = |rings: &[Ring]| mean_width_mm(rings) >= SLIVER_MM;
-                layer.difference(other).split(is_real).0
-            }
+            Some(other) => layer.difference(other).without_slivers(SLIVER_MM2),
         };
         Self { top: uncovered(above), bottom: uncovered(below) }
     }
 }
 
-/// Where a layer is solid.
+/// Where a layer is solid, also beyond its infill regions.
 ///
 /// A point lies below fewer layers of the part than required if, at that point, one of these layers
 /// has a top surface; so surfaces need to be compared with the next layer only.
+/// Pieces narrower than about a bead are dropped; the others grow, so that solid infill is anchored
+/// in its surroundings.
 pub(super) fn near_surface(surfaces: &[Surfaces], layer: usize, settings: &Settings) -> Area {
     let above = surfaces[layer..].iter().take(settings.top_layers as usize);
     let below = surfaces[..=layer].iter().rev().take(settings.bottom_layers as usize);
     let tops = above.map(|surfaces| &surfaces.top);
     let bottoms = below.map(|surfaces| &surfaces.bottom);
-    Area::union_of(tops.chain(bottoms).cloned().collect())
+    let near = Area::union_of(tops.chain(bottoms).cloned().collect());
+    let tolerance_mm = TOLERANCE * settings.bead_mm;
+    let offset = |area: &Area, beads: f64| {
+        area.simplified(tolerance_mm).offset_within(beads * settings.bead_mm, tolerance_mm)
+    };
+    offset(&offset(&near, -MIN_HALF_WIDTH), MIN_HALF_WIDTH + ANCHOR)
 }
 
 /// Divides an infill region into solid and sparse, which share a border.
 pub(super) fn divide(region: Area, near_surface: &Area, settings: &Settings) -> (Area, Area) {
-    let bead_mm = settings.bead_mm;
     if settings.density >= 1.0 {
         return (region, Area::default());
     }
-    let solid = region.intersection(near_surface).offset(-MIN_HALF_WIDTH * bead_mm);
+    let solid = region.intersection(near_surface).without_slivers(SLIVER_MM2);
     if solid.is_empty() {
         return (Area::default(), region);
     }
-    let solid = solid.offset((MIN_HALF_WIDTH + ANCHOR) * bead_mm).intersection(&region);
     // Sparse pieces that are too narrow become solid.
-    let is_wide = |rings: &[Ring]| mean_width_mm(rings) >= bead_mm;
+    let is_wide = |rings: &[Ring]| mean_width_mm(rings) >= settings.bead_mm;
     let (sparse, narrow) = region.difference(&solid).split(is_wide);
+    if sparse.is_empty() {
+        return (region, sparse);
+    }
     if narrow.is_empty() {
         return (solid, sparse);
     }
