@@ -67,7 +67,7 @@ fn unit_vector(degrees: f64) -> [f64; 2] {
 fn lines(infill: &mut Infill, angle_degrees: f64) {
     let along = unit_vector(angle_degrees);
     let family = Family { along, spacing_mm: infill.spacing_mm, shift_mm: 0.0 };
-    infill.lines.extend(family.clip(&infill.region).iter().map(|line| line.to_vec()));
+    infill.lines.extend(family.clip(infill.region.rings()).iter().map(|line| line.to_vec()));
 }
 
 /// Lines in several directions, of which the last is shifted by a fraction of the spacing.
@@ -77,7 +77,7 @@ fn directions(infill: &mut Infill, angle_degrees: f64, count: u32, shift: f64) {
         let along = unit_vector(angle_degrees + f64::from(number) * 180.0 / f64::from(count));
         let shift_mm = if number + 1 == count { shift * spacing_mm } else { 0.0 };
         let family = Family { along, spacing_mm, shift_mm };
-        infill.lines.extend(family.clip(&infill.region).iter().map(|line| line.to_vec()));
+        infill.lines.extend(family.clip(infill.region.rings()).iter().map(|line| line.to_vec()));
     }
 }
 

@@ -1,6 +1,6 @@
-//! Parallel lines clipped by an area.
+//! Parallel lines clipped by the border of an area.
 
-use crate::area::Area;
+use crate::area::Ring;
 
 /// A family of parallel lines.
 ///
@@ -27,16 +27,16 @@ struct Crossing {
 }
 
 impl Family {
-    /// The intervals of the lines that lie inside an area, line by line; each begins and ends on
-    /// the border.
+    /// The intervals of the lines that lie inside the border of an area, line by line; each begins
+    /// and ends on the border.
     ///
     /// O(n log n), where n counts each line that each edge of the border crosses.
-    pub(super) fn clip(&self, area: &Area) -> Vec<[[f64; 2]; 2]> {
+    pub(super) fn clip<'a>(&self, rings: impl Iterator<Item = &'a Ring>) -> Vec<[[f64; 2]; 2]> {
         let [along_x, along_y] = self.along;
         let number =
             |[x, y]: [f64; 2]| (along_x * y - along_y * x - self.shift_mm) / self.spacing_mm;
         let mut crossings: Vec<Crossing> = Vec::new();
-        for ring in area.rings() {
+        for ring in rings {
             let ends = ring.iter().skip(1).chain(ring.first());
             for (&from, &to) in ring.iter().zip(ends) {
                 // Low to high, so that an edge that two areas share is cut at the same points.

@@ -42,31 +42,35 @@ impl Surfaces {
     }
 }
 
-/// Where a layer is solid, also beyond its infill regions.
+/// The centres of discs, nearly a bead wide, that have to be solid in a layer.
 ///
 /// A point lies below fewer layers of the part than required if, at that point, one of these layers
 /// has a top surface; so surfaces need to be compared with the next layer only.
-/// Pieces narrower than about a bead are dropped; the others grow, so that solid infill is anchored
-/// in its surroundings.
 pub(super) fn near_surface(surfaces: &[Surfaces], layer: usize, settings: &Settings) -> Area {
     let above = surfaces[layer..].iter().take(settings.top_layers as usize);
     let below = surfaces[..=layer].iter().rev().take(settings.bottom_layers as usize);
     let tops = above.map(|surfaces| &surfaces.top);
     let bottoms = below.map(|surfaces| &surfaces.bottom);
     let near = Area::union_of(tops.chain(bottoms).cloned().collect());
+    offset(&near, -MIN_HALF_WIDTH, settings)
+}
+
+/// The area offset by a number of beads, to within the tolerance.
+fn offset(area: &Area, beads: f64, settings: &Settings) -> Area {
     let tolerance_mm = TOLERANCE * settings.bead_mm;
-    let offset = |area: &Area, beads: f64| {
-        area.simplified(tolerance_mm).offset_within(beads * settings.bead_mm, tolerance_mm)
-    };
-    offset(&offset(&near, -MIN_HALF_WIDTH), MIN_HALF_WIDTH + ANCHOR)
+    area.simplified(tolerance_mm).offset_within(beads * settings.bead_mm, tolerance_mm)
 }
 
 /// Divides an infill region into solid and sparse, which share a border.
+///
+/// `near_surface` is that of the layer.
+/// Solid pieces grow, so that they are anchored in their surroundings.
 pub(super) fn divide(region: Area, near_surface: &Area, settings: &Settings) -> (Area, Area) {
     if settings.density >= 1.0 {
         return (region, Area::default());
     }
-    let solid = region.intersection(near_surface).without_slivers(SLIVER_MM2);
+    let near = region.intersection(near_surface).without_slivers(SLIVER_MM2);
+    let solid = offset(&near, MIN_HALF_WIDTH + ANCHOR, settings).intersection(&region);
     if solid.is_empty() {
         return (Area::default(), region);
     }

@@ -110,7 +110,7 @@ proptest! {
             for inset in &island.insets {
                 let depth_mm = (f64::from(inset.depth) + 0.5) * BEAD_MM;
                 for (from, to) in lines_of(&inset.ring) {
-                    let middle = [0, 1].map(|k| (from[k] + to[k]) / 2.0);
+                    let middle = [0, 1].map(|k| f64::midpoint(from[k], to[k]));
                     for point in [from, middle] {
                         let got_mm = distance(&outline, point);
                         prop_assert!(is_inside(&island.outline, point));
@@ -166,7 +166,7 @@ proptest! {
         samples in prop::collection::vec((-30_i32..30, -20.0..20.0_f64), 100),
     ) {
         let along = [degrees.to_radians().cos(), degrees.to_radians().sin()];
-        let lines = Family { along, spacing_mm, shift_mm }.clip(&area);
+        let lines = Family { along, spacing_mm, shift_mm }.clip(area.rings());
         let rings = border(&area);
         let across = |[x, y]: [f64; 2]| (along[0] * y - along[1] * x - shift_mm) / spacing_mm;
         for line in &lines {
@@ -174,7 +174,7 @@ proptest! {
                 prop_assert!(distance(&rings, end) < 1e-9);
                 prop_assert!((across(end) - across(end).round()).abs() < 1e-6);
             }
-            let middle = [0, 1].map(|k| (line[0][k] + line[1][k]) / 2.0);
+            let middle = [0, 1].map(|k| f64::midpoint(line[0][k], line[1][k]));
             prop_assert!(is_inside(&area, middle) || distance(&rings, middle) < 1e-6);
         }
         for (number, at_mm) in samples {
@@ -218,10 +218,10 @@ proptest! {
                 for line in &infill.lines {
                     prop_assert!(line.len() > 1);
                     for end in [line[0], line[line.len() - 1]] {
-                        prop_assert!(distance(&rings, end) < 1e-4 || line.len() > 2, "{end:?}");
+                        prop_assert!(distance(&rings, end) < 1e-6, "{end:?}");
                     }
                     for pair in line.windows(2) {
-                        let middle = [0, 1].map(|k| (pair[0][k] + pair[1][k]) / 2.0);
+                        let middle = [0, 1].map(|k| f64::midpoint(pair[0][k], pair[1][k]));
                         prop_assert!(is_in(middle));
                     }
                 }
@@ -246,7 +246,7 @@ fn patterns_extrude_the_density() {
     for pattern in InfillPattern::ALL {
         for density in [0.1, 0.2, 0.5, 0.8] {
             for angle_degrees in [0.0, 45.0, 77.0] {
-                let settings = Settings { pattern, density, angle_degrees, ..without_solid() };
+                let settings = Settings { density, pattern, angle_degrees, ..without_solid() };
                 let islands = laid_out(&square, &settings);
                 let infill = &islands[0].infill[0];
                 let got = length(infill) * BEAD_MM / infill.region.size_mm2();
@@ -301,8 +301,8 @@ fn thin_walls_are_residue_until_two_strips_fit() {
     for tenths in 2..=20 {
         let width = f64::from(tenths) / 10.0;
         let island = &laid_out(&rectangle(0.0, 0.0, width, 20.0), &without_solid())[0];
-        if tenths == 8 {
-            // Exactly the limit.
+        if [8, 18].contains(&tenths) {
+            // Exactly the limit of the first or the second inset.
             continue;
         }
         let is_thin = width < 1.6 * BEAD_MM;
@@ -338,7 +338,7 @@ fn circles_of_thousands_of_corners_need_few_moves() {
         assert!((60..300).contains(&inset.ring.len()), "{}", inset.ring.len());
         let radius = 20.0 - (f64::from(inset.depth) + 0.5) * BEAD_MM;
         for (from, to) in lines_of(&inset.ring) {
-            let middle = [0, 1].map(|k| (from[k] + to[k]) / 2.0);
+            let middle = [0, 1].map(|k| f64::midpoint(from[k], to[k]));
             assert!((from[0].hypot(from[1]) - radius).abs() < 0.012);
             assert!((middle[0].hypot(middle[1]) - radius).abs() < 0.012);
         }
