@@ -1,5 +1,6 @@
 //! Islands: the connected areas of a layer, with their lines.
 
+use super::skeleton::Skeleton;
 use crate::area::{Area, Ring};
 
 /// A connected area of one material in a layer, and the lines that fill it.
@@ -16,6 +17,8 @@ pub struct Island {
     /// What neither insets nor infill reach: walls thinner than about 1.6 beads, gaps between
     /// insets, and slots too narrow for infill.
     pub residue: Area,
+    /// Beads of varying width along the residue, from 0.38 to 1.6 beads wide.
+    pub skeletons: Vec<Skeleton>,
     /// Solid and sparse infill, at most one of each; empty without an infill region.
     pub infill: Vec<Infill>,
 }

@@ -8,11 +8,18 @@ use super::infill;
 use super::insets::Walls;
 use super::island::Island;
 use super::settings::{Settings, ToolpathError};
+use super::skeleton::{SkeletonSettings, skeletons};
 use super::solid::{Surfaces, coarse, divide, near_surface};
 use crate::area::Area;
 use crate::slice::LayerAreas;
 
-/// Lays out the insets and the infill of every layer.
+/// Width and length, in beads, below which skeletons are dropped: 0.2 mm of 0.5 mm, and a margin.
+const MIN_SKELETON: f64 = 0.38;
+
+/// Maximum width of skeletons in beads: insets reach wider places.
+const MAX_SKELETON: f64 = 1.6;
+
+/// Lays out the insets, the skeletons and the infill of every layer.
 ///
 /// The islands of a layer are in the order of their materials.
 /// Layers without areas have no islands.
@@ -68,6 +75,14 @@ fn island(
     layer: usize,
 ) -> Island {
     let Walls { insets, residue, infill } = Walls::new(&outline, settings);
+    let bead_mm = settings.bead_mm;
+    let skeleton_settings = SkeletonSettings {
+        min_width_mm: MIN_SKELETON * bead_mm,
+        max_width_mm: MAX_SKELETON * bead_mm,
+        min_length_mm: MIN_SKELETON * bead_mm,
+        ..SkeletonSettings::default()
+    };
+    let skeletons = skeletons(&residue, &skeleton_settings);
     let (solid, sparse) = divide(infill, near_surface, settings);
     let mut infill = Vec::new();
     if !solid.is_empty() {
@@ -76,7 +91,7 @@ fn island(
     if !sparse.is_empty() {
         infill.push(infill::sparse(sparse, settings, layer));
     }
-    Island { material, outline, insets, residue, infill }
+    Island { material, outline, insets, residue, skeletons, infill }
 }
 
 /// Returns an error if lines would be too many to hold.

@@ -7,8 +7,8 @@
 //! - **insets** ([`Inset`]): closed lines along its outline, which slicers call perimeters;
 //! - **infill** ([`Infill`]): lines in a pattern within the rest, solid near the top and bottom of
 //!   the part, sparse elsewhere;
-//! - a **residue**: where walls are thinner, or gaps between insets narrower, than what these
-//!   reach.
+//! - **skeletons** ([`Skeleton`]): beads of varying width along the residue, where walls are
+//!   thinner, or gaps between insets narrower, than what these reach.
 //!   [`skeletons`] cover it with beads of varying width.
 //!
 //! The terms are those of *ORNL toolpath RL*.

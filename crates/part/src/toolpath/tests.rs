@@ -310,6 +310,10 @@ fn thin_walls_are_residue_until_two_strips_fit() {
         if is_thin {
             let share = island.residue.size_mm2() / island.outline.size_mm2();
             assert!((0.97..1.001).contains(&share), "{width}: {share}");
+            assert_eq!(island.skeletons.len(), 1, "{width}");
+            let skeleton = &island.skeletons[0];
+            assert!(skeleton.length_mm() > 18.5, "{width}");
+            assert!(skeleton.widths_mm.iter().all(|it| (it - width).abs() < 0.02), "{width}");
         }
         // Gaps of 0.2 mm and more between the two sides.
         let gap = width - 2.0 * BEAD_MM;
