@@ -7,7 +7,7 @@ use i_overlay::float::single::SingleFloatOverlay;
 use i_overlay::mesh::float::outline::offset::OutlineOffset;
 use i_overlay::mesh::float::style::{LineJoin, OutlineStyle};
 
-use crate::simplify::simplified;
+use crate::simplify::{simplified, without_spikes};
 use crate::slice::FillRule;
 
 /// Maximum deviation in mm of the lines that approximate rounded corners.
@@ -117,9 +117,15 @@ impl Area {
     /// Rings that keep fewer than three corners are left out.
     #[must_use]
     pub(crate) fn simplified(&self, tolerance_mm: f64) -> Self {
+        self.map_rings(|ring| simplified(ring, tolerance_mm))
+    }
+
+    /// The area with changed rings; `None` leaves out a ring, or a component if it is the outer
+    /// one.
+    fn map_rings(&self, map: impl Fn(&[[f64; 2]]) -> Option<Ring>) -> Self {
         let component = |rings: &Vec<Ring>| -> Option<Vec<Ring>> {
-            let outer = simplified(rings.first()?, tolerance_mm)?;
-            let holes = rings[1..].iter().filter_map(|ring| simplified(ring, tolerance_mm));
+            let outer = map(rings.first()?)?;
+            let holes = rings[1..].iter().filter_map(|ring| map(ring));
             Some(std::iter::once(outer).chain(holes).collect())
         };
         Self { components: self.components.iter().filter_map(component).collect() }
@@ -193,7 +199,8 @@ impl Area {
         // A chord over the angle a deviates by r (1 - cos(a / 2)), which is about r a² / 8.
         let step = (8.0 * tolerance_mm / by_mm.abs()).sqrt();
         let style = OutlineStyle::new(by_mm).line_join(LineJoin::Round(step));
-        Self { components: self.components.outline(&style) }
+        // Where corners turn by less than the grid resolves, spikes reach back to the corner.
+        Self { components: self.components.outline(&style) }.map_rings(without_spikes)
     }
 
     /// The area without parts that are thinner than twice a distance in mm.
@@ -225,7 +232,11 @@ pub(crate) fn ring_size_mm2(ring: &[[f64; 2]]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
     use super::*;
+    use crate::simplify::squared_to_line;
 
     fn square(x: f64, y: f64, side: f64) -> Ring {
         vec![[x, y], [x + side, y], [x + side, y + side], [x, y + side]]
@@ -260,5 +271,39 @@ mod tests {
             (frame.opened(0.5).size_mm2() - (64.0 - (4.0 - std::f64::consts::PI) / 4.0)).abs()
                 < 0.01
         );
+    }
+
+    /// Borders of offsets once had spikes, which reached back to a corner of the original border.
+    #[test]
+    fn shrunk_areas_keep_their_distance() {
+        let mut generator = Xoshiro256PlusPlus::seed_from_u64(9);
+        for _ in 0..4_000 {
+            let corners = generator.random_range(3..120);
+            let radius = generator.random_range(1.0..30.0);
+            let waves = f64::from(generator.random_range(0..9_u32));
+            let shift = generator.random_range(0.0..1.0);
+            let centre = [0, 1].map(|_| generator.random_range(0.0..300.0));
+            let corner = |i: u32| {
+                let angle = (f64::from(i) + shift) * std::f64::consts::TAU / f64::from(corners);
+                let radius = radius * (1.0 + 0.2 * (waves * angle).cos());
+                [centre[0] + radius * angle.cos(), centre[1] + radius * angle.sin()]
+            };
+            let mut ring: Ring = (0..corners).map(corner).collect();
+            // Corners that are nearly on the line of their neighbours, as meshes have them.
+            let part = generator.random_range(0.0..1.0);
+            let middle = [0, 1].map(|k| ring[0][k] + part * (ring[1][k] - ring[0][k]));
+            ring.insert(1, middle.map(|value| f64::from(value as f32)));
+            ring.rotate_left(1);
+            let area = area(std::slice::from_ref(&ring));
+            for by_mm in [0.25, 0.75, 1.125] {
+                for point in area.offset(-by_mm).rings().flatten() {
+                    let lines = (0..ring.len()).map(|at| (ring[at], ring[(at + 1) % ring.len()]));
+                    let squared = lines
+                        .map(|(from, to)| squared_to_line(*point, from, to))
+                        .fold(f64::INFINITY, f64::min);
+                    assert!(squared.sqrt() > by_mm - 0.003, "{by_mm} {} {ring:?}", squared.sqrt());
+                }
+            }
+        }
     }
 }

@@ -2,6 +2,9 @@
 
 use crate::area::Ring;
 
+/// Width in mm of spikes.
+const SPIKE_MM: f64 = 1e-4;
+
 /// A ring with some of the corners of another one, to whose lines all corners left out are at most
 /// as far as a tolerance, in mm.
 ///
@@ -33,6 +36,43 @@ pub(crate) fn simplified(ring: &[[f64; 2]], tolerance_mm: f64) -> Option<Ring> {
     }
     let kept: Ring = ring.iter().zip(is_kept).filter(|(_, kept)| *kept).map(|(p, _)| *p).collect();
     (kept.len() >= 3).then_some(kept)
+}
+
+/// A ring without corners where it turns back on itself; `None` if fewer than three corners remain.
+///
+/// Linear in the corners, unless spikes consist of many of them.
+pub(crate) fn without_spikes(ring: &[[f64; 2]]) -> Option<Ring> {
+    let mut kept: Ring = Ring::with_capacity(ring.len());
+    for &point in ring {
+        kept.push(point);
+        while let [.., before, corner, after] = kept[..]
+            && is_spike(before, corner, after)
+        {
+            kept.truncate(kept.len() - 2);
+            kept.push(after);
+        }
+    }
+    // Spikes where the ring is closed.
+    let mut first = 0;
+    while let [start, second, .., before_last, last] = kept[first..] {
+        if is_spike(before_last, last, start) {
+            kept.pop();
+        } else if is_spike(last, start, second) {
+            first += 1;
+        } else {
+            break;
+        }
+    }
+    kept.drain(..first);
+    (kept.len() >= 3).then_some(kept)
+}
+
+/// Whether a corner is the tip of a spike.
+fn is_spike(before: [f64; 2], corner: [f64; 2], after: [f64; 2]) -> bool {
+    let [from, to] = [before, after].map(|end| [end[0] - corner[0], end[1] - corner[1]]);
+    let turns_back = from[0] * to[0] + from[1] * to[1] > 0.0;
+    let nearer = squared_to_line(after, before, corner).min(squared_to_line(before, corner, after));
+    turns_back && nearer < SPIKE_MM * SPIKE_MM
 }
 
 fn squared(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -67,6 +107,21 @@ mod tests {
         assert_eq!(simplified(&[[0.0; 2], [1.0, 0.0], [0.5, 0.001]], 0.005), None);
         assert_eq!(simplified(&[[0.0; 2]; 5], 0.005), None);
         assert_eq!(simplified(&[], 0.005), None);
+    }
+
+    #[test]
+    fn spikes_are_removed_wherever_rings_begin() {
+        let square = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
+        let mut spiked = square.clone();
+        spiked.splice(1..1, [[1.0, 0.0], [1.0, -3.0], [1.0, -5.0], [1.0, 1e-6]]);
+        for _ in 0..spiked.len() {
+            spiked.rotate_left(1);
+            let cleared = without_spikes(&spiked).unwrap();
+            assert!(square.iter().all(|corner| cleared.contains(corner)), "{cleared:?}");
+            assert!(cleared.iter().all(|corner| corner[1] >= 0.0), "{cleared:?}");
+        }
+        assert_eq!(without_spikes(&square), Some(square));
+        assert_eq!(without_spikes(&[]), None);
     }
 
     proptest! {
