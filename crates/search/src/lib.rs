@@ -67,10 +67,12 @@ pub mod exact;
 pub mod genetic;
 pub mod join;
 pub mod link;
+mod lists;
 mod matching;
 mod moves;
 pub mod plan;
 mod random;
+mod segment;
 mod stop;
 pub mod travel;
 

@@ -1,7 +1,6 @@
 //! Joins two beads at their ends.
 
 use super::bead::{Bead, OnLoop, Part};
-use super::solve::Input;
 use super::surroundings::Surroundings;
 
 /// Maximum number of ways of a bead.
@@ -15,14 +14,14 @@ const MAX_WAYS: usize = 64;
 pub(super) fn merge(
     first: &Bead,
     second: &Bead,
-    input: &Input<'_>,
+    chains: &[[[f64; 2]; 2]],
     near: &Surroundings<'_>,
 ) -> Option<Bead> {
     let ways = match (first.has_only_loops(), second.has_only_loops()) {
-        (false, false) => meet(first, second, input, near),
-        (false, true) => continue_into(first, second, input, near),
+        (false, false) => meet(first, second, chains, near),
+        (false, true) => continue_into(first, second, chains, near),
         (true, false) => {
-            let reversed = continue_into(&second.reversed(), &first.reversed(), input, near);
+            let reversed = continue_into(&second.reversed(), &first.reversed(), chains, near);
             reversed.into_iter().map(|way| way.into_iter().rev().collect()).collect()
         }
         (true, true) => begin_anywhere(first, second, near),
@@ -38,14 +37,13 @@ pub(super) fn merge(
 fn meet(
     first: &Bead,
     second: &Bead,
-    input: &Input<'_>,
+    chains: &[[[f64; 2]; 2]],
     near: &Surroundings<'_>,
 ) -> Vec<Vec<OnLoop>> {
     let mut ways = Vec::new();
     for from in 0..first.ways.len() {
         for to in 0..second.ways.len() {
-            let [end, start] =
-                [first.end_mm(from, input.chains), second.start_mm(to, input.chains)];
+            let [end, start] = [first.end_mm(from, chains), second.start_mm(to, chains)];
             if ways.len() < MAX_WAYS && near.is_step(end, start) {
                 ways.push([&first.ways[from][..], &second.ways[to]].concat());
             }
@@ -58,12 +56,12 @@ fn meet(
 fn continue_into(
     first: &Bead,
     loops: &Bead,
-    input: &Input<'_>,
+    chains: &[[[f64; 2]; 2]],
     near: &Surroundings<'_>,
 ) -> Vec<Vec<OnLoop>> {
     let continued = |way: usize| {
         let mut positions = first.ways[way].clone();
-        positions.extend(along(first.end_mm(way, input.chains), &loops.parts, near)?);
+        positions.extend(along(first.end_mm(way, chains), &loops.parts, near)?);
         Some(positions)
     };
     (0..first.ways.len()).filter_map(continued).collect()

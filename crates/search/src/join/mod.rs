@@ -47,4 +47,4 @@ mod surroundings;
 mod tests;
 
 pub use bead::{Bead, OnLoop, Part};
-pub use solve::{Input, Outcome, Settings, solve};
+pub use solve::{Attachment, Input, Loops, Outcome, Settings, solve};

@@ -1,6 +1,6 @@
 //! The method: which beads are joined, and in which order.
 
-use super::bead::{Bead, Part};
+use super::bead::{Bead, OnLoop, Part};
 use super::geometry::distance2;
 use super::matching::maximum_matching;
 use super::merge::merge;
@@ -10,7 +10,7 @@ use crate::disjoint_sets::DisjointSets;
 /// Loops and chains of one island; coordinates are mm.
 #[derive(Clone, Copy, Debug)]
 pub struct Input<'a> {
-    /// The corners of each closed loop; the last is joined to the first.
+    /// The corners of each closed loop, at least one; the last is joined to the first.
     pub loops: &'a [&'a [[f64; 2]]],
     /// Both ends of each open chain.
     pub chains: &'a [[[f64; 2]; 2]],
@@ -44,6 +44,19 @@ pub struct Outcome {
     pub bound: usize,
 }
 
+/// An end of a chain within a step of a loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attachment {
+    /// Number of the chain.
+    pub chain: usize,
+    /// Whether it is the last end of the chain.
+    pub is_last: bool,
+    /// Number of the loop.
+    pub ring: usize,
+    /// Length of the step to the loop in mm.
+    pub length_mm: f64,
+}
+
 /// A possible join of two elements, loops before chains, with the square of its length.
 #[derive(Clone, Copy)]
 struct Candidate {
@@ -57,43 +70,131 @@ struct Candidate {
 ///
 /// Takes about O(n log n) for n corners, as long as few of them lie within a step of each other.
 pub fn solve(input: &Input<'_>, settings: &Settings) -> Outcome {
-    let count = input.loops.len() + input.chains.len();
-    let is_valid = settings.max_step_mm > 0.0 && settings.max_step_mm.is_finite();
-    if !is_valid || input.loops.iter().any(|ring| ring.is_empty()) {
-        let beads = (0..count).map(|element| single(element, input)).collect();
-        return Outcome { beads, bound: count };
-    }
-    let near = Surroundings::new(input, settings.max_step_mm);
-    let candidates = candidates(input, settings.max_step_mm, &near);
-    let mut components = DisjointSets::new(count);
-    let steps = candidates.iter().map(|candidate| candidate.elements);
-    let bound = count - steps.filter(|&[a, b]| components.union(a as u32, b as u32)).count();
-
-    let mut beads = Beads::new(input, near);
-    for candidate in candidates.iter().filter(|candidate| candidate.is_everywhere) {
-        beads.join(candidate.elements);
-    }
-    beads.attach_chains(&candidates);
-    for candidate in &candidates {
-        beads.join(candidate.elements);
-    }
-    Outcome { beads: beads.into_beads(), bound }
+    Loops::new(input.loops, input.outline, settings).join(input.chains)
 }
 
-/// All joins that are possible for two elements alone, nearest first.
-fn candidates(input: &Input<'_>, reach_mm: f64, near: &Surroundings<'_>) -> Vec<Candidate> {
-    let loops = input.loops.len();
-    let mut found: Vec<Candidate> = Vec::new();
-    for from in 0..loops {
-        // For each loop within reach, how often and how near.
-        let mut within: Vec<(usize, f64)> = Vec::new();
-        let samples = near.samples(from);
-        for sample in &samples {
-            for (to, on_loop) in near.loops_near(sample.point_mm) {
-                if to != from && near.is_step(sample.point_mm, on_loop.point_mm) {
-                    within.push((to, distance2(sample.point_mm, on_loop.point_mm)));
+/// The loops of an island, prepared to be joined with different chains.
+pub struct Loops<'a> {
+    /// `None` if nothing is joined.
+    near: Option<Surroundings<'a>>,
+    rings: &'a [&'a [[f64; 2]]],
+    /// All joins that are possible for two loops alone.
+    candidates: Vec<Candidate>,
+    /// Sequences of loops that are within reach of each other all along.
+    sequences: Vec<Bead>,
+}
+
+impl<'a> Loops<'a> {
+    /// Prepares the loops and the outline of an island; see [`Input`].
+    pub fn new(loops: &'a [&'a [[f64; 2]]], outline: &[&[[f64; 2]]], settings: &Settings) -> Self {
+        let is_valid = settings.max_step_mm > 0.0
+            && settings.max_step_mm.is_finite()
+            && loops.iter().all(|ring| !ring.is_empty());
+        if !is_valid {
+            return Self {
+                near: None,
+                rings: loops,
+                candidates: Vec::new(),
+                sequences: Vec::new(),
+            };
+        }
+        let near = Surroundings::new(loops, outline, settings.max_step_mm);
+        let mut candidates = loop_candidates(&near);
+        keep_nearest(&mut candidates);
+        let mut beads =
+            Beads::new(&near, &[], (0..loops.len()).map(|number| free_loop(number, &near)));
+        for candidate in candidates.iter().filter(|candidate| candidate.is_everywhere) {
+            beads.join(candidate.elements);
+        }
+        let sequences = beads.into_beads();
+        Self { near: Some(near), rings: loops, candidates, sequences }
+    }
+
+    /// All ends of chains that can be joined to a loop, for callers who choose the ends of their
+    /// chains accordingly.
+    ///
+    /// Sorted by chain, end and loop.
+    /// O(n) for n ends, as long as few edges lie within a step of each.
+    pub fn attachments(&self, chains: &[[[f64; 2]; 2]]) -> Vec<Attachment> {
+        let Some(near) = &self.near else { return Vec::new() };
+        let mut found = Vec::new();
+        for (chain, ends) in chains.iter().enumerate() {
+            for (&end, is_last) in ends.iter().zip([false, true]) {
+                for (ring, on_loop) in near.loops_near(end) {
+                    let length_mm = distance2(end, on_loop.point_mm).sqrt();
+                    found.push(Attachment { chain, is_last, ring, length_mm });
                 }
             }
+        }
+        found
+    }
+
+    /// Joins the loops and these chains into few beads; see [`solve`].
+    pub fn join(&self, chains: &[[[f64; 2]; 2]]) -> Outcome {
+        let count = self.rings.len() + chains.len();
+        let Some(near) = &self.near else {
+            let beads = (0..self.rings.len()).map(|number| Bead {
+                parts: vec![Part::Loop(number)],
+                ways: vec![self.rings[number].iter().enumerate().take(1).map(on_corner).collect()],
+            });
+            let beads = beads.chain((0..chains.len()).map(single_chain)).collect();
+            return Outcome { beads, bound: count };
+        };
+        let mut candidates = self.candidates.clone();
+        let attachments = self.attachments(chains);
+        candidates.extend(attachments.iter().map(|attachment| Candidate {
+            elements: [attachment.ring, self.rings.len() + attachment.chain],
+            length2: attachment.length_mm * attachment.length_mm,
+            is_everywhere: false,
+        }));
+        candidates.extend(chain_candidates(chains, near));
+        keep_nearest(&mut candidates);
+
+        let mut components = DisjointSets::new(count);
+        let steps = candidates.iter().map(|candidate| candidate.elements);
+        let united = steps.filter(|&[a, b]| components.union(a as u32, b as u32)).count();
+
+        let singles = (0..chains.len()).map(single_chain);
+        let mut beads = Beads::new(near, chains, self.sequences.iter().cloned().chain(singles));
+        beads.attach_chains(&candidates);
+        for candidate in &candidates {
+            beads.join(candidate.elements);
+        }
+        Outcome { beads: beads.into_beads(), bound: count - united }
+    }
+}
+
+/// A corner of a loop.
+fn on_corner((edge, &point_mm): (usize, &[f64; 2])) -> OnLoop {
+    OnLoop { edge, point_mm }
+}
+
+/// A chain as a bead.
+fn single_chain(number: usize) -> Bead {
+    Bead { parts: vec![Part::Chain { number, is_reversed: false }], ways: vec![Vec::new()] }
+}
+
+/// A loop as a bead that can begin anywhere.
+fn free_loop(number: usize, near: &Surroundings<'_>) -> Bead {
+    let ways = near.samples(number).iter().map(|&sample| vec![sample]).collect();
+    Bead { parts: vec![Part::Loop(number)], ways }
+}
+
+/// All joins that are possible for two loops alone.
+fn loop_candidates(near: &Surroundings<'_>) -> Vec<Candidate> {
+    let mut found = Vec::new();
+    for from in 0..near.loop_count() {
+        // For each loop within reach, at which distances.
+        let mut within: Vec<(usize, f64)> = Vec::new();
+        let samples = near.samples(from);
+        for sample in samples {
+            let others = near.loops_near(sample.point_mm);
+            within.extend(
+                others
+                    .into_iter()
+                    .filter(|other| other.0 != from)
+                    .map(|(to, on_loop)| (to, distance2(sample.point_mm, on_loop.point_mm))),
+            );
         }
         within.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         found.extend(within.chunk_by(|a, b| a.0 == b.0).map(|near| Candidate {
@@ -102,56 +203,48 @@ fn candidates(input: &Input<'_>, reach_mm: f64, near: &Surroundings<'_>) -> Vec<
             is_everywhere: near.len() == samples.len(),
         }));
     }
-    let ends = || {
-        let chains = input.chains.iter().enumerate();
-        chains.flat_map(|(number, ends)| ends.iter().map(move |&end| (number, end)))
-    };
-    for (number, end) in ends() {
-        for (to, on_loop) in near.loops_near(end) {
-            if near.is_step(end, on_loop.point_mm) {
-                let length2 = distance2(end, on_loop.point_mm);
-                let elements = [to, loops + number];
-                found.push(Candidate { elements, length2, is_everywhere: false });
-            }
-        }
-    }
-    let mut by_x: Vec<(usize, [f64; 2])> = ends().collect();
+    found
+}
+
+/// All joins that are possible for two chains alone.
+fn chain_candidates(chains: &[[[f64; 2]; 2]], near: &Surroundings<'_>) -> Vec<Candidate> {
+    let numbered = chains.iter().enumerate();
+    let ends = numbered.flat_map(|(number, ends)| ends.iter().map(move |&end| (number, end)));
+    let mut by_x: Vec<(usize, [f64; 2])> = ends.collect();
     by_x.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]).then(a.0.cmp(&b.0)));
+    let mut found = Vec::new();
     for (at, &(number, end)) in by_x.iter().enumerate() {
-        let after = by_x[at + 1..].iter().take_while(|(_, other)| other[0] - end[0] <= reach_mm);
-        for &(other, other_end) in after {
+        let after = by_x[at + 1..].iter();
+        for &(other, other_end) in
+            after.take_while(|(_, other)| other[0] - end[0] <= near.reach_mm())
+        {
             if other != number && near.is_step(end, other_end) {
+                let loops = near.loop_count();
                 let elements = [loops + number.min(other), loops + number.max(other)];
                 let length2 = distance2(end, other_end);
                 found.push(Candidate { elements, length2, is_everywhere: false });
             }
         }
     }
-    // Of several joins of the same elements, one is enough: `merge` finds where.
-    found.sort_by(|a, b| {
-        let by_elements = a.elements.cmp(&b.elements);
-        by_elements
-            .then(b.is_everywhere.cmp(&a.is_everywhere))
-            .then(a.length2.total_cmp(&b.length2))
-    });
-    found.dedup_by_key(|candidate| candidate.elements);
-    found.sort_by(|a, b| a.length2.total_cmp(&b.length2).then(a.elements.cmp(&b.elements)));
     found
 }
 
-/// The bead of a single loop or chain.
-fn single(element: usize, input: &Input<'_>) -> Bead {
-    let (part, way) = match element.checked_sub(input.loops.len()) {
-        None => (Part::Loop(element), Vec::new()),
-        Some(number) => (Part::Chain { number, is_reversed: false }, Vec::new()),
-    };
-    Bead { parts: vec![part], ways: vec![way] }
+/// Keeps the best join of each two elements, because [`merge`] finds where they can be joined, and
+/// sorts them by length.
+fn keep_nearest(candidates: &mut Vec<Candidate>) {
+    candidates.sort_by(|a, b| {
+        let by_kind = a.elements.cmp(&b.elements).then(b.is_everywhere.cmp(&a.is_everywhere));
+        by_kind.then(a.length2.total_cmp(&b.length2))
+    });
+    candidates.dedup_by_key(|candidate| candidate.elements);
+    candidates.sort_by(|a, b| a.length2.total_cmp(&b.length2).then(a.elements.cmp(&b.elements)));
 }
 
 /// Beads under construction.
 struct Beads<'a> {
-    input: &'a Input<'a>,
-    near: Surroundings<'a>,
+    near: &'a Surroundings<'a>,
+    /// Both ends of each chain.
+    chains: &'a [[[f64; 2]; 2]],
     /// Beads by number; `None` for those that became part of another.
     slots: Vec<Option<Bead>>,
     /// The bead of each element, loops before chains.
@@ -159,22 +252,28 @@ struct Beads<'a> {
 }
 
 impl<'a> Beads<'a> {
-    fn new(input: &'a Input<'a>, near: Surroundings<'a>) -> Self {
-        let count = input.loops.len() + input.chains.len();
-        let mut slots: Vec<Option<Bead>> =
-            (0..count).map(|element| Some(single(element, input))).collect();
-        for (number, bead) in slots.iter_mut().take(input.loops.len()).enumerate() {
-            let samples = near.samples(number);
-            let ways = samples.into_iter().map(|sample| vec![sample]).collect();
-            *bead = Some(Bead { parts: vec![Part::Loop(number)], ways });
+    /// These beads, which contain every loop and chain once.
+    fn new(
+        near: &'a Surroundings<'a>,
+        chains: &'a [[[f64; 2]; 2]],
+        beads: impl Iterator<Item = Bead>,
+    ) -> Self {
+        let count = near.loop_count() + chains.len();
+        let mut all = Self { near, chains, slots: Vec::new(), bead_of: vec![0; count] };
+        for bead in beads {
+            for &part in &bead.parts {
+                let element = all.element(part);
+                all.bead_of[element] = all.slots.len();
+            }
+            all.slots.push(Some(bead));
         }
-        Self { input, near, slots, bead_of: (0..count).collect() }
+        all
     }
 
     fn element(&self, part: Part) -> usize {
         match part {
             Part::Loop(number) => number,
-            Part::Chain { number, .. } => self.input.loops.len() + number,
+            Part::Chain { number, .. } => self.near.loop_count() + number,
         }
     }
 
@@ -204,7 +303,7 @@ impl<'a> Beads<'a> {
             for second in &seconds {
                 let is_joint = is_at(first, first.parts.len() - 1, elements[0])
                     && is_at(second, 0, elements[1]);
-                let merged = is_joint.then(|| merge(first, second, self.input, &self.near));
+                let merged = is_joint.then(|| merge(first, second, self.chains, self.near));
                 if let Some(merged) = merged.flatten() {
                     return Some(merged);
                 }
@@ -224,7 +323,7 @@ impl<'a> Beads<'a> {
 
     /// Joins as many ends of chains as possible to beads of loops, one end to each bead.
     fn attach_chains(&mut self, candidates: &[Candidate]) {
-        let (loops, chains) = (self.input.loops.len(), self.input.chains.len());
+        let (loops, chains) = (self.near.loop_count(), self.chains.len());
         // One left vertex for each end of a chain, so a chain may be joined to two beads.
         let mut edges: Vec<Vec<usize>> = vec![Vec::new(); 2 * chains];
         for candidate in candidates {
@@ -239,7 +338,7 @@ impl<'a> Beads<'a> {
                     let bead = self.bead(self.bead_of[ring]);
                     let fits = |bead: &Bead| {
                         self.element(bead.parts[0]) == ring
-                            && merge(&chain, bead, self.input, &self.near).is_some()
+                            && merge(&chain, bead, self.chains, self.near).is_some()
                     };
                     if fits(bead) || fits(&bead.reversed()) {
                         edges[2 * number + end].push(self.bead_of[ring]);
@@ -273,7 +372,7 @@ impl<'a> Beads<'a> {
         let loops = self.bead(loop_bead);
         let merged = [loops.clone(), loops.reversed()]
             .iter()
-            .find_map(|loops| merge(&chain, loops, self.input, &self.near));
+            .find_map(|loops| merge(&chain, loops, self.chains, self.near));
         if let Some(merged) = merged {
             self.replace([chain_bead, loop_bead], merged);
         }

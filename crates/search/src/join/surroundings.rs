@@ -1,63 +1,100 @@
 //! What lies near a point: loops within reach, and whether a step to them is clear.
 
-use rstar::RTree;
-use rstar::primitives::{GeomWithData, Line};
-
 use super::bead::OnLoop;
 use super::geometry::{crosses, distance2, nearest_on_segment};
-use super::solve::Input;
+use crate::segment::{Segment, SegmentGrid};
 
 /// Distance in mm below which points are the same: outlines are rounded to less.
 const SAME_MM: f64 = 1e-4;
 
-/// An edge, with the number of its loop (`None` for the outline) and its own number in it.
-type Edge = GeomWithData<Line<[f64; 2]>, (Option<usize>, usize)>;
-
-/// Spatial index of loops and outline.
+/// Loops and outline, with a spatial index of their edges.
 pub(super) struct Surroundings<'a> {
-    input: &'a Input<'a>,
+    loops: &'a [&'a [[f64; 2]]],
     reach_mm: f64,
-    edges: RTree<Edge>,
+    grid: SegmentGrid,
+    /// For each segment of the grid the number of its loop, `None` for the outline, and its own
+    /// number in it.
+    edges: Vec<(Option<u32>, u32)>,
+    /// For each loop, points along it.
+    samples: Vec<Vec<OnLoop>>,
 }
 
 impl<'a> Surroundings<'a> {
-    pub(super) fn new(input: &'a Input<'a>, reach_mm: f64) -> Self {
-        let edges = |number: Option<usize>, ring: &'a [[f64; 2]]| {
-            (0..ring.len()).map(move |edge| {
-                let [from, to] = ends(ring, edge);
-                Edge::new(Line::new(from, to), (number, edge))
-            })
-        };
-        let loops = input.loops.iter().enumerate();
-        let loops = loops.flat_map(|(number, ring)| edges(Some(number), ring));
-        let outline = input.outline.iter().flat_map(|ring| edges(None, ring));
-        Self { input, reach_mm, edges: RTree::bulk_load(loops.chain(outline).collect()) }
+    pub(super) fn new(loops: &'a [&'a [[f64; 2]]], outline: &[&[[f64; 2]]], reach_mm: f64) -> Self {
+        let mut segments = Vec::new();
+        let mut edges = Vec::new();
+        let numbered = (0..).map(Some).zip(loops.iter());
+        for (number, ring) in numbered.chain(outline.iter().map(|ring| (None, ring))) {
+            segments.extend((0..ring.len()).map(|edge| ends(ring, edge)));
+            edges.extend((0..ring.len() as u32).map(|edge| (number, edge)));
+        }
+        let grid = SegmentGrid::new(segments, reach_mm);
+        let samples = loops.iter().map(|ring| samples(ring, reach_mm)).collect();
+        Self { loops, reach_mm, grid, edges, samples }
     }
 
-    /// The loops within reach of a point, in ascending order: for each the nearest point of it.
-    pub(super) fn loops_near(&self, point_mm: [f64; 2]) -> Vec<(usize, OnLoop)> {
+    pub(super) fn reach_mm(&self) -> f64 {
+        self.reach_mm
+    }
+
+    pub(super) fn loop_count(&self) -> usize {
+        self.loops.len()
+    }
+
+    /// Points along a loop, about `reach` apart.
+    pub(super) fn samples(&self, number: usize) -> &[OnLoop] {
+        &self.samples[number]
+    }
+
+    /// Calls `visit` with each edge of a loop within reach of a point: the loop, the point of the
+    /// edge nearest to it, and the square of its distance.
+    fn for_each_near(&self, point_mm: [f64; 2], mut visit: impl FnMut(usize, OnLoop, f64)) {
         let reach2 = self.reach_mm * self.reach_mm;
-        let mut near: Vec<(usize, f64, OnLoop)> = self
-            .edges
-            .locate_within_distance(point_mm, reach2)
-            .filter_map(|edge| {
-                let (Some(number), at) = edge.data else { return None };
-                let Line { from, to } = *edge.geom();
-                let nearest = nearest_on_segment(point_mm, from, to);
-                let on_loop = OnLoop { edge: at, point_mm: nearest };
-                Some((number, distance2(point_mm, nearest), on_loop))
-            })
-            .collect();
-        near.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.edge.cmp(&b.2.edge)));
-        near.dedup_by_key(|near| near.0);
-        near.into_iter().map(|(number, _, on_loop)| (number, on_loop)).collect()
+        self.grid.any_near([point_mm; 2], self.reach_mm, |segment| {
+            if let (Some(number), edge) = self.edges[segment as usize] {
+                let [a, b] = self.grid.segments()[segment as usize];
+                let nearest = nearest_on_segment(point_mm, a, b);
+                let length2 = distance2(point_mm, nearest);
+                if length2 <= reach2 {
+                    let on_loop = OnLoop { edge: edge as usize, point_mm: nearest };
+                    visit(number as usize, on_loop, length2);
+                }
+            }
+            false
+        });
+    }
+
+    /// The loops within reach of a point, in ascending order: for each the nearest point of it, if
+    /// the step to it is clear.
+    pub(super) fn loops_near(&self, point_mm: [f64; 2]) -> Vec<(usize, OnLoop)> {
+        let mut near: Vec<(usize, OnLoop, f64)> = Vec::new();
+        self.for_each_near(point_mm, |number, on_loop, length2| {
+            match near.iter_mut().find(|near| near.0 == number) {
+                Some(best) => {
+                    if is_nearer((length2, on_loop.edge), (best.2, best.1.edge)) {
+                        *best = (number, on_loop, length2);
+                    }
+                }
+                None => near.push((number, on_loop, length2)),
+            }
+        });
+        near.retain(|near| self.is_clear(point_mm, near.1.point_mm));
+        near.sort_unstable_by_key(|near| near.0);
+        near.into_iter().map(|(number, on_loop, _)| (number, on_loop)).collect()
     }
 
     /// The nearest point of a loop, if it is within reach of a point and the step to it is clear.
     pub(super) fn nearest(&self, number: usize, point_mm: [f64; 2]) -> Option<OnLoop> {
-        let near = self.loops_near(point_mm);
-        let at = near.binary_search_by_key(&number, |near| near.0).ok()?;
-        let on_loop = near[at].1;
+        let mut best: Option<(OnLoop, f64)> = None;
+        self.for_each_near(point_mm, |other, on_loop, length2| {
+            let is_better = other == number
+                && best
+                    .is_none_or(|best| is_nearer((length2, on_loop.edge), (best.1, best.0.edge)));
+            if is_better {
+                best = Some((on_loop, length2));
+            }
+        });
+        let (on_loop, _) = best?;
         self.is_clear(point_mm, on_loop.point_mm).then_some(on_loop)
     }
 
@@ -68,32 +105,38 @@ impl<'a> Surroundings<'a> {
 
     /// Whether the straight line between two points properly crosses neither outline nor loops.
     fn is_clear(&self, from: [f64; 2], to: [f64; 2]) -> bool {
-        let centre = [0, 1].map(|axis| 0.5 * (from[axis] + to[axis]));
-        let radius2 = 0.25 * distance2(from, to) + SAME_MM * SAME_MM;
-        let mut near = self.edges.locate_within_distance(centre, radius2);
-        near.all(|edge| {
-            let Line { from: c, to: d } = *edge.geom();
-            !crosses([from, to], [c, d], SAME_MM)
-        })
-    }
-
-    /// Points along a loop, at its corners and between them, at most `reach` apart.
-    pub(super) fn samples(&self, number: usize) -> Vec<OnLoop> {
-        let ring = self.input.loops[number];
-        let sample = |edge: usize| {
-            let [a, b] = ends(ring, edge);
-            let count = (distance2(a, b).sqrt() / self.reach_mm).ceil().clamp(1.0, 1e4) as usize;
-            (0..count).map(move |step| {
-                let part = step as f64 / count as f64;
-                let point_mm = [0, 1].map(|axis| a[axis] + part * (b[axis] - a[axis]));
-                OnLoop { edge, point_mm }
-            })
-        };
-        (0..ring.len()).flat_map(sample).collect()
+        let crosses =
+            |segment: u32| crosses([from, to], self.grid.segments()[segment as usize], SAME_MM);
+        !self.grid.any_near([from, to], SAME_MM, crosses)
     }
 }
 
+/// Whether an edge at a distance is preferred to another one; of equally near ones, the first.
+fn is_nearer(a: (f64, usize), b: (f64, usize)) -> bool {
+    a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).is_lt()
+}
+
+/// Points along a ring: of its corners and of points between them, which are at most `reach` apart,
+/// those that are not much nearer to each other.
+fn samples(ring: &[[f64; 2]], reach_mm: f64) -> Vec<OnLoop> {
+    let mut found: Vec<OnLoop> = Vec::new();
+    for edge in 0..ring.len() {
+        let [a, b] = ends(ring, edge);
+        let count = (distance2(a, b).sqrt() / reach_mm).ceil().clamp(1.0, 1e4) as usize;
+        for step in 0..count {
+            let part = step as f64 / count as f64;
+            let point_mm = [0, 1].map(|axis| a[axis] + part * (b[axis] - a[axis]));
+            let is_far =
+                |last: &OnLoop| distance2(last.point_mm, point_mm) > 0.25 * reach_mm * reach_mm;
+            if found.last().is_none_or(is_far) {
+                found.push(OnLoop { edge, point_mm });
+            }
+        }
+    }
+    found
+}
+
 /// Both ends of an edge of a ring.
-fn ends(ring: &[[f64; 2]], edge: usize) -> [[f64; 2]; 2] {
+fn ends(ring: &[[f64; 2]], edge: usize) -> Segment {
     [ring[edge], ring[(edge + 1) % ring.len()]]
 }

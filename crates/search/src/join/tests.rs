@@ -1,3 +1,5 @@
+//! Tests of joining.
+
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 

@@ -63,7 +63,6 @@ mod links;
 mod nearest;
 mod region;
 mod rule;
-mod segment;
 mod settings;
 mod solve;
 mod straight;

@@ -1,8 +1,8 @@
 //! The region in which links may run.
 
 use super::end::Point;
-use super::links::Lists;
-use super::segment::{Segment, SegmentGrid, near_interval, point_at};
+use crate::lists::Lists;
+use crate::segment::{Segment, SegmentGrid, near_interval, point_at};
 
 /// A region by the edges of its rings: the points that an odd number of rings enclose.
 pub(super) struct Region {

@@ -5,8 +5,8 @@ use std::ops::Range;
 use super::end::{End, Link, Point};
 use super::links::{Links, LinksError, is_valid};
 use super::region::{Region, edges};
-use super::segment::{length, project};
 use super::straight::{Lines, check_length, straight_link};
+use crate::segment::{length, project};
 
 /// Maximum number of ends at one point of a boundary that are linked to those at the next.
 const MAX_AT_POINT: usize = 8;

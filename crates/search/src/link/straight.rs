@@ -3,7 +3,7 @@
 use super::end::{End, Link, Point};
 use super::kd_tree::KdTree;
 use super::links::{Links, LinksError, is_valid};
-use super::segment::{Segment, SegmentGrid, are_near, cross_beyond, length, shorten};
+use crate::segment::{Segment, SegmentGrid, are_near, cross_beyond, length, shorten};
 
 /// Maximum number of nearest ends that an end is linked to by straight steps.
 /// Ends have fewer near them, unless hundreds of lines coincide.

@@ -2,7 +2,8 @@
 
 use crate::disjoint_sets::DisjointSets;
 use crate::link::end::{End, Point};
-use crate::link::links::{Links, Lists};
+use crate::link::links::Links;
+use crate::lists::Lists;
 
 /// A component: lines that links connect, directly or through others.
 ///

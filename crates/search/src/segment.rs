@@ -1,10 +1,12 @@
 //! Distances of segments, and a grid that finds the segments near one.
 
-use super::end::Point;
-use super::links::Lists;
+use crate::lists::Lists;
+
+/// A point in the plane, x and y in mm.
+type Point = [f64; 2];
 
 /// A straight piece of a line or ring.
-pub(super) type Segment = [Point; 2];
+pub(crate) type Segment = [Point; 2];
 
 /// Maximum number of cells of a grid, and of pairs of a cell and a segment, apart from one for each
 /// segment.
@@ -12,13 +14,13 @@ const MAX_CELLS: f64 = 1e6;
 
 /// The point at a share of a segment.
 #[inline]
-pub(super) fn point_at([a, b]: Segment, share: f64) -> Point {
+pub(crate) fn point_at([a, b]: Segment, share: f64) -> Point {
     [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]
 }
 
 /// Length of a segment.
 #[inline]
-pub(super) fn length([a, b]: Segment) -> f64 {
+pub(crate) fn length([a, b]: Segment) -> f64 {
     libm::hypot(b[0] - a[0], b[1] - a[1])
 }
 
@@ -29,7 +31,7 @@ fn turn(a: Point, b: Point, c: Point) -> f64 {
 }
 
 /// Share of a segment at which it is nearest to a point, 0 to 1, and the distance there.
-pub(super) fn project(point: Point, segment: Segment) -> (f64, f64) {
+pub(crate) fn project(point: Point, segment: Segment) -> (f64, f64) {
     let [a, b] = segment;
     let [x, y] = [b[0] - a[0], b[1] - a[1]];
     let along = (point[0] - a[0]) * x + (point[1] - a[1]) * y;
@@ -39,7 +41,7 @@ pub(super) fn project(point: Point, segment: Segment) -> (f64, f64) {
 }
 
 /// Whether two segments come within a distance of each other.
-pub(super) fn are_near(p: Segment, q: Segment, distance: f64) -> bool {
+pub(crate) fn are_near(p: Segment, q: Segment, distance: f64) -> bool {
     let near = |point: Point, segment: Segment| project(point, segment).1 <= distance;
     crosses(p, q) || near(p[0], q) || near(p[1], q) || near(q[0], p) || near(q[1], p)
 }
@@ -55,7 +57,7 @@ fn crosses(p: Segment, q: Segment) -> bool {
 
 /// Whether two segments cross, and the ends of each lie on opposite sides of the other at more than
 /// a distance from it.
-pub(super) fn cross_beyond(p: Segment, q: Segment, distance: f64) -> bool {
+pub(crate) fn cross_beyond(p: Segment, q: Segment, distance: f64) -> bool {
     let far = |p: Segment, q: Segment| {
         let limit = distance * length(p);
         q.iter().all(|&point| turn(p[0], p[1], point).abs() > limit)
@@ -64,7 +66,7 @@ pub(super) fn cross_beyond(p: Segment, q: Segment, distance: f64) -> bool {
 }
 
 /// A segment without a margin at each end; `None` if nothing is left.
-pub(super) fn shorten(segment: Segment, margin: f64) -> Option<Segment> {
+pub(crate) fn shorten(segment: Segment, margin: f64) -> Option<Segment> {
     let share = margin / length(segment);
     (share < 0.5).then(|| [point_at(segment, share), point_at(segment, 1.0 - share)])
 }
@@ -73,7 +75,7 @@ pub(super) fn shorten(segment: Segment, margin: f64) -> Option<Segment> {
 /// if the first number is above the second.
 ///
 /// The points within a distance of a segment form a convex set, so there is one interval.
-pub(super) fn near_interval(segment: Segment, other: Segment, distance: f64) -> [f64; 2] {
+pub(crate) fn near_interval(segment: Segment, other: Segment, distance: f64) -> [f64; 2] {
     let mut interval = [f64::INFINITY, f64::NEG_INFINITY];
     let mut join = |[from, to]: [f64; 2]| {
         if from <= to {
@@ -122,7 +124,7 @@ pub(super) fn near_interval(segment: Segment, other: Segment, distance: f64) -> 
 }
 
 /// Segments by the cells of a square grid that they pass.
-pub(super) struct SegmentGrid {
+pub(crate) struct SegmentGrid {
     segments: Vec<Segment>,
     origin: Point,
     cell: f64,
@@ -132,7 +134,7 @@ pub(super) struct SegmentGrid {
 
 impl SegmentGrid {
     /// A grid with cells of at least the given size in mm, larger where it would have too many.
-    pub(super) fn new(segments: Vec<Segment>, cell: f64) -> Self {
+    pub(crate) fn new(segments: Vec<Segment>, cell: f64) -> Self {
         let [mut min, mut max] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
         for &point in segments.as_flattened() {
             min = [0, 1].map(|k| min[k].min(point[k]));
@@ -184,14 +186,14 @@ impl SegmentGrid {
     }
 
     /// The segments.
-    pub(super) fn segments(&self) -> &[Segment] {
+    pub(crate) fn segments(&self) -> &[Segment] {
         &self.segments
     }
 
     /// Calls `visit` with numbers of segments until it returns true; returns whether it did.
     ///
     /// Visits each segment within `distance` of the given one at least once, and others.
-    pub(super) fn any_near(
+    pub(crate) fn any_near(
         &self,
         [a, b]: Segment,
         distance: f64,
