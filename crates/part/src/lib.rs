@@ -7,7 +7,7 @@
 //! - [`mod@print`]: writes planned layers, of cells or of beads, as G-code for Marlin or Klipper,
 //!   and checks such a program from its text.
 //! - [`Picture`]: reads a PNG picture as a layer, and writes one.
-//! - [`svg()`]: draws layers with zones, paths and crossings.
+//! - [`svg()`]: draws layers with zones, paths and crossings; [`bead_svg()`]: layers of beads.
 //!
 //! Meshes come from `beadwork-mesh`; G-code is read and emitted by `beadwork-gcode`.
 //!
@@ -85,6 +85,7 @@
 
 mod area;
 mod bead;
+mod bead_svg;
 mod frame;
 mod pattern;
 mod picture;
@@ -96,6 +97,7 @@ pub mod toolpath;
 
 pub use area::{Area, Ring};
 pub use bead::{Bead, BeadLayer, ExtrusionMove};
+pub use bead_svg::{BeadPanel, bead_svg};
 pub use frame::Frame;
 pub use pattern::{Pattern, UnknownPattern, pattern_sheet};
 pub use picture::{Picture, PictureError};

@@ -268,7 +268,7 @@ fn generated_colour(number: usize) -> [u8; 3] {
 }
 
 /// Escapes text for XML; control characters, which XML cannot represent, are replaced.
-fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
         match character {

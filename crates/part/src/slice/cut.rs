@@ -13,6 +13,7 @@ use super::layers::Layers;
 use super::plane_sweep::cut_between;
 use super::settings::{Settings, SliceError};
 use super::work::Work;
+use crate::frame::Frame;
 
 /// Cuts a model into layers of cells.
 ///
@@ -114,6 +115,11 @@ impl Cut {
         let &Settings { cell_mm, layer_mm, .. } = settings;
         let has_negative = self.bodies.iter().any(|body| body.role == Role::Negative);
         SliceError::NoCells { cell_mm, layer_mm, has_negative }
+    }
+
+    /// Position of the part on the bed, and the cell grid that [`Cut::layers`] fills.
+    pub fn frame(&self, settings: &Settings) -> Result<Frame, SliceError> {
+        Ok(fit(&self.bounds, settings)?.0)
     }
 
     /// Fills the outlines with cells.

@@ -44,6 +44,7 @@
 //! ```
 
 mod arrange;
+pub mod beads;
 mod choice;
 mod cover;
 mod covers;

@@ -30,9 +30,10 @@ const OUTSIDE_MM: f64 = 0.002;
 /// Construct it with `..BeadLimits::default()`: fields may be added.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeadLimits {
-    /// Share of its width by which a bead may leave the outline of its material, from 0 to 0.49.
+    /// Share of its width by which a bead may leave the outline of its material, from 0 to 0.5.
     pub outside: f64,
-    /// The same for thin walls and gap fill, whose ends may be wider than the outline there.
+    /// The same for thin walls and gap fill, from 0 to 0.5: with 0.5, their centrelines must lie
+    /// within the outline, but not their ends.
     pub outside_skeleton: f64,
     /// Minimum and maximum ratio of the extruded area to that of the outline, for each material in
     /// each layer; `None` for no limit.
@@ -159,9 +160,9 @@ fn check_limits(limits: &BeadLimits) -> Result<(), SettingsError> {
     for (field, value) in
         [("outside", limits.outside), ("outside_skeleton", limits.outside_skeleton)]
     {
-        if !(0.0..=0.49).contains(&value) {
+        if !(0.0..=0.5).contains(&value) {
             let field = format!("limits.{field}");
-            return Err(SettingsError::Value { field, value, expected: "from 0 to 0.49" });
+            return Err(SettingsError::Value { field, value, expected: "from 0 to 0.5" });
         }
     }
     Ok(())

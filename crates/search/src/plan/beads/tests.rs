@@ -1,0 +1,234 @@
+//! Tests of bead plans.
+
+use beadwork_base::{Control, Threads};
+use beadwork_gcode::Feature;
+use beadwork_part::slice::{FillRule, LayerAreas, MaterialArea};
+use beadwork_part::toolpath::{self, InfillPattern, Island, islands};
+use beadwork_part::{Area, Ring};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::ThreadPoolBuilder;
+
+use super::*;
+use crate::{CostMatrix, Stop, join, travel};
+
+fn rectangle(x: f64, y: f64, width: f64, height: f64) -> Ring {
+    vec![[x, y], [x + width, y], [x + width, y + height], [x, y + height]]
+}
+
+fn polygon(x: f64, y: f64, radius: f64, corners: u32) -> Ring {
+    let corner = |number| {
+        let angle = std::f64::consts::TAU * f64::from(number) / f64::from(corners);
+        [x + radius * libm::cos(angle), y + radius * libm::sin(angle)]
+    };
+    (0..corners).map(corner).collect()
+}
+
+/// Layers of random plates with holes, some of which have two materials side by side.
+fn random_layers(rng: &mut Xoshiro256PlusPlus) -> Vec<LayerAreas> {
+    let count = rng.random_range(1..6);
+    let tools = rng.random_range(1..=2_u8);
+    let [width, height] = [0, 1].map(|_| rng.random_range(3.0..25.0));
+    let hole = polygon(
+        rng.random_range(2.0..width),
+        rng.random_range(2.0..height),
+        rng.random_range(0.5..4.0),
+        rng.random_range(3..40),
+    );
+    let layer = |_| {
+        let areas = (0..tools).filter_map(|material| {
+            let left = f64::from(material) * width;
+            let plate = Area::from_rings(&[rectangle(left, 0.0, width, height)], FillRule::NonZero);
+            let hole = Area::from_rings(std::slice::from_ref(&hole), FillRule::NonZero);
+            let area = plate.difference(&hole);
+            (!area.is_empty()).then_some(MaterialArea { material, area })
+        });
+        LayerAreas { areas: areas.collect() }
+    };
+    (0..count).map(layer).collect()
+}
+
+fn random_toolpath(rng: &mut Xoshiro256PlusPlus) -> toolpath::Settings {
+    toolpath::Settings {
+        density: [0.0, 0.15, 0.3, 1.0][rng.random_range(0..4)],
+        pattern: InfillPattern::ALL[rng.random_range(0..InfillPattern::ALL.len())],
+        perimeters: rng.random_range(0..4),
+        top_layers: rng.random_range(0..2),
+        bottom_layers: rng.random_range(0..2),
+        ..toolpath::Settings::default()
+    }
+}
+
+/// A line as two points in ascending order, in units of 1e-6 mm.
+fn key(a: [f64; 2], b: [f64; 2]) -> [[i64; 2]; 2] {
+    let mut ends = [a, b].map(|point| point.map(|value| (value * 1e6).round() as i64));
+    ends.sort_unstable();
+    ends
+}
+
+/// Checks that the plan prints each line of the islands once, with the right tool and feature.
+fn check(layers: &[Vec<Island>], plan: &BeadPlan) {
+    assert_eq!(layers.len(), plan.layers.len());
+    for (number, (islands, layer)) in layers.iter().zip(&plan.layers).enumerate() {
+        assert_eq!(layer.number, number);
+        let mut tools: Vec<u8> = layer.beads.iter().map(|bead| bead.tool).collect();
+        tools.dedup();
+        let used: Vec<u8> = plan.order.orders[number]
+            .iter()
+            .copied()
+            .filter(|tool| layer.beads.iter().any(|bead| bead.tool == *tool))
+            .collect();
+        assert_eq!(tools, used, "each tool once, in its order");
+        for tool in plan.order.orders[number].clone() {
+            let beads: Vec<_> = layer.beads.iter().filter(|bead| bead.tool == tool).collect();
+            let of_tool: Vec<_> = islands.iter().filter(|each| each.material == tool).collect();
+            check_lengths(&of_tool, &beads);
+            let mut printed: Vec<_> = beads
+                .iter()
+                .flat_map(|bead| bead.lines().map(|(from, to, _)| key(from, to)))
+                .collect();
+            printed.sort_unstable();
+            let infill = of_tool.iter().flat_map(|island| &island.infill);
+            for line in infill.flat_map(|infill| &infill.lines) {
+                for pair in line.windows(2) {
+                    let key = key(pair[0], pair[1]);
+                    if key[0] != key[1] {
+                        let count = printed.iter().filter(|&&other| other == key).count();
+                        assert!(count >= 1, "an infill line is missing");
+                    }
+                }
+            }
+        }
+        let counts = plan.counts[number];
+        assert_eq!(counts.beads, layer.beads.len());
+        assert!(counts.bead_bound <= counts.beads && counts.infill_bound <= counts.infill);
+    }
+}
+
+/// Walls have exactly the length of their lines; infill has more, because it is linked.
+fn check_lengths(islands: &[&Island], beads: &[&beadwork_part::Bead]) {
+    let ring_mm = |ring: &Ring| -> f64 {
+        (0..ring.len()).map(|at| distance(ring[at], ring[(at + 1) % ring.len()])).sum()
+    };
+    let insets = islands.iter().flat_map(|island| &island.insets);
+    let walls_mm: f64 = insets.map(|inset| ring_mm(&inset.ring)).sum();
+    let infill = || islands.iter().flat_map(|island| &island.infill);
+    let lines = infill().flat_map(|infill| &infill.lines).flat_map(|line| line.windows(2));
+    let infill_mm: f64 = lines.map(|pair| distance(pair[0], pair[1])).sum::<f64>()
+        + infill().flat_map(|infill| &infill.loops).map(ring_mm).sum::<f64>();
+    let mut printed_mm = [0.0; 2];
+    let mut steps_mm = 0.0;
+    for bead in beads {
+        let mut from = bead.start_mm;
+        for step in &bead.moves {
+            let length = distance(from, step.to_mm);
+            from = step.to_mm;
+            match step.feature {
+                Feature::OuterWall | Feature::InnerWall => printed_mm[0] += length,
+                Feature::Infill | Feature::SolidInfill => printed_mm[1] += length,
+                _ => steps_mm += length,
+            }
+        }
+    }
+    assert!(printed_mm[0] >= walls_mm - 1e-6, "{printed_mm:?} {walls_mm}");
+    // Steps between joined loops are short.
+    assert!(printed_mm[0] <= walls_mm + 1.2 * (beads.len() + 40 * islands.len()) as f64);
+    assert!(printed_mm[1] >= infill_mm - 1e-6, "{printed_mm:?} {infill_mm}");
+    assert!(steps_mm >= 0.0);
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+#[test]
+fn every_line_is_printed_once() {
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(11);
+    let control = Control::default();
+    let [mut joined, mut separate] = [0; 2];
+    for _ in 0..120 {
+        let areas = random_layers(&mut rng);
+        let toolpath = random_toolpath(&mut rng);
+        let layers = islands(&areas, &toolpath, &control).unwrap();
+        let costs = CostMatrix::uniform(2);
+        let mut settings = Settings {
+            seam: Seam::ALL[rng.random_range(0..Seam::ALL.len())],
+            order: [travel::Order::Free, travel::Order::Stages][rng.random_range(0..2)],
+            seed: rng.random(),
+            ..Settings::default()
+        };
+        let plan = solve(&layers, &toolpath, &costs, &settings, &control).unwrap();
+        check(&layers, &plan);
+        separate += plan.total().beads;
+        settings.join = Some(join::Settings::default());
+        let plan = solve(&layers, &toolpath, &costs, &settings, &control).unwrap();
+        check(&layers, &plan);
+        joined += plan.total().beads;
+    }
+    assert!(joined < separate / 2, "{joined} {separate}");
+}
+
+#[test]
+fn the_number_of_threads_does_not_matter() {
+    let ring = |side: f64| vec![rectangle(0.0, 0.0, side, side), rectangle(2.0, 2.0, 3.0, 3.0)];
+    let layer = |number: u32| {
+        let area = Area::from_rings(&ring(20.0 - 0.1 * f64::from(number)), FillRule::EvenOdd);
+        LayerAreas { areas: vec![MaterialArea { material: 0, area }] }
+    };
+    let areas: Vec<LayerAreas> = (0..40).map(layer).collect();
+    let toolpath = toolpath::Settings::default();
+    let layers = islands(&areas, &toolpath, &Control::default()).unwrap();
+    let settings = Settings { bound_iterations: 20, ..Settings::default() };
+    let pool = ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    let plans = [Threads::One, Threads::Pool(&pool)].map(|threads| {
+        let control = Control::on(threads);
+        solve(&layers, &toolpath, &CostMatrix::uniform(1), &settings, &control).unwrap()
+    });
+    assert_eq!(plans[0], plans[1]);
+    let plan = &plans[0];
+    assert_eq!(plan.stop, Stop::Optimal);
+    let bound = plan.travel_bound_mm.unwrap();
+    assert!(bound > 0.0 && bound <= plan.travel_mm, "{bound} {}", plan.travel_mm);
+    assert_eq!(plan.lifts(), plan.total().beads - plan.layers.len());
+}
+
+#[test]
+fn seams_are_where_the_rule_says() {
+    let layer = |number: u32| {
+        let rings = [polygon(0.1 * f64::from(number), 0.0, 8.0, 60)];
+        let area = Area::from_rings(&rings, FillRule::NonZero);
+        LayerAreas { areas: vec![MaterialArea { material: 0, area }] }
+    };
+    let areas: Vec<LayerAreas> = (0..20).map(layer).collect();
+    let toolpath = toolpath::Settings::default();
+    let layers = islands(&areas, &toolpath, &Control::default()).unwrap();
+    let seams_of = |seam| {
+        let settings = Settings { seam, ..Settings::default() };
+        let costs = CostMatrix::uniform(1);
+        let plan = solve(&layers, &toolpath, &costs, &settings, &Control::default()).unwrap();
+        let outer = |layer: &beadwork_part::BeadLayer| {
+            let mut beads = layer.beads.iter();
+            beads.find(|bead| bead.moves[0].feature == Feature::OuterWall).unwrap().start_mm
+        };
+        plan.layers.iter().map(outer).collect::<Vec<_>>()
+    };
+    let steps = |seams: &[[f64; 2]]| {
+        seams.windows(2).map(|pair| distance(pair[0], pair[1])).fold(0.0, f64::max)
+    };
+    let rear = seams_of(Seam::Rear);
+    assert!(rear.iter().all(|seam| seam[1] > 7.6), "{rear:?}");
+    assert!(steps(&seams_of(Seam::Aligned)) < 1.2);
+    assert!(steps(&seams_of(Seam::Random)) > 3.0);
+}
+
+#[test]
+fn layers_may_be_empty() {
+    let toolpath = toolpath::Settings::default();
+    let plan = |layers: &[Vec<Island>]| {
+        let costs = CostMatrix::uniform(1);
+        solve(layers, &toolpath, &costs, &Settings::default(), &Control::default()).unwrap()
+    };
+    assert_eq!(plan(&[]).total(), Counts::default());
+    let plan = plan(&[Vec::new(), Vec::new()]);
+    assert_eq!((plan.layers.len(), plan.lifts(), plan.stop), (2, 0, Stop::Optimal));
+}
