@@ -6,7 +6,8 @@
 //!   setting that keeps freed memory between training steps.
 //! - [`chart`]: line charts and heat maps as SVG.
 //! - [`part`] and [`printer`]: flags that name a part and a printer, and what they load;
-//!   [`plan`]: planned layers as checked G-code; [`grid_choice`]: the cell grid that needs the
+//!   [`plan`]: planned layers as checked G-code; [`beads`] and [`bead_args`]: the same for beads;
+//!   [`grid_choice`]: the cell grid that needs the
 //!   fewest beads.
 //! - [`search`]: runs any search method on one layer and reports the result as a row of a table.
 //!
@@ -19,6 +20,8 @@
 )]
 
 pub mod accuracy;
+pub mod bead_args;
+pub mod beads;
 pub mod cancel;
 pub mod chart;
 pub mod control;

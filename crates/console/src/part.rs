@@ -54,7 +54,7 @@ pub struct PartArgs {
     layer: f64,
     /// Fill rule for bodies whose surface intersects itself.
     #[arg(long, value_name = "RULE", default_value = "nonzero")]
-    fill: Fill,
+    fill_rule: Fill,
     /// Which bodies share a material, and so a tool: as the files state (a body without a stated
     /// material gets its own), one per body, or one for all.
     #[arg(long, value_name = "RULE", default_value = "stated")]
@@ -189,7 +189,7 @@ impl PartArgs {
             merge: RepairSettings::default().max_merge_mm,
             bead: 0.5,
             layer: 0.25,
-            fill: Fill::Nonzero,
+            fill_rule: Fill::Nonzero,
             materials: Rule::Stated,
         }
     }
@@ -252,7 +252,7 @@ impl PartArgs {
         let settings = Settings {
             cell_mm: self.bead,
             layer_mm: self.layer,
-            fill_rule: match self.fill {
+            fill_rule: match self.fill_rule {
                 Fill::Nonzero => FillRule::NonZero,
                 Fill::Evenodd => FillRule::EvenOdd,
             },

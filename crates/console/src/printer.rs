@@ -6,10 +6,10 @@ use std::path::PathBuf;
 use anyhow::{Context, bail};
 use beadwork_base::Control;
 use beadwork_mesh::{Material, Model};
-use beadwork_part::Frame;
 use beadwork_part::print::{
     self, Flavour, Layer, PrimeTower, Print, PrintError, Purge, SettingsError, Title, Tool,
 };
+use beadwork_part::{BeadLayer, Frame};
 use beadwork_search::CostMatrix;
 use clap::ValueEnum;
 use ndarray::Array2;
@@ -202,7 +202,7 @@ impl Profile {
         Ok(settings)
     }
 
-    /// Writes planned layers as G-code.
+    /// Writes planned layers of cells as G-code.
     ///
     /// Returns the print and the settings, in which an automatic prime tower has its position.
     pub fn print(
@@ -210,18 +210,44 @@ impl Profile {
         name: &str,
         layers: &[Layer<'_>],
         frame: &Frame,
-        mut settings: print::Settings,
+        settings: print::Settings,
     ) -> anyhow::Result<(Print, print::Settings)> {
-        let title = Title { part: name, version: env!("CARGO_PKG_VERSION") };
+        self.print_with(frame, settings, |settings, control| {
+            Print::new(title(name), layers, frame, settings, control)
+        })
+    }
+
+    /// Writes planned layers of beads as G-code.
+    ///
+    /// Returns the print and the settings, in which an automatic prime tower has its position.
+    pub fn print_beads(
+        &self,
+        name: &str,
+        layers: &[BeadLayer],
+        frame: &Frame,
+        settings: print::Settings,
+    ) -> anyhow::Result<(Print, print::Settings)> {
+        self.print_with(frame, settings, |settings, control| {
+            Print::of_beads(title(name), layers, frame, settings, control)
+        })
+    }
+
+    /// Writes a print, with each position of an automatic prime tower until one has room for it.
+    fn print_with(
+        &self,
+        frame: &Frame,
+        mut settings: print::Settings,
+        write: impl Fn(&print::Settings, &Control<'_>) -> Result<Print, PrintError>,
+    ) -> anyhow::Result<(Print, print::Settings)> {
         let control = Control { cancel: Some(cancel::token()?), ..Control::default() };
         let has_position = settings.purge.as_ref().is_none_or(|purge| purge.tower.is_some());
         if has_position || settings.tools.len() < 2 || !matches!(self.tower, TowerChoice::Auto) {
-            return Ok((Print::new(title, layers, frame, &settings, &control)?, settings));
+            return Ok((write(&settings, &control)?, settings));
         }
         let mut refusal = None;
         for tower in tower_candidates(frame, settings.printer.bed_mm) {
             settings.purge.iter_mut().for_each(|purge| purge.tower = Some(tower));
-            match Print::new(title, layers, frame, &settings, &control) {
+            match write(&settings, &control) {
                 Ok(print) => return Ok((print, settings)),
                 Err(
                     error @ PrintError::Settings(
@@ -242,6 +268,11 @@ impl Profile {
             }
         }
     }
+}
+
+/// Title of the program of a part.
+fn title(part: &str) -> Title<'_> {
+    Title { part, version: env!("CARGO_PKG_VERSION") }
 }
 
 /// Candidate prime towers beside, behind and in front of the part, small ones first.

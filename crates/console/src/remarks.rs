@@ -89,6 +89,40 @@ pub fn of_coverage(model: &Model, coverage: &[Coverage], settings: &Settings) ->
     remarks
 }
 
+/// Bodies that other bodies cover, and negative bodies and modifiers without effect, if a part is
+/// printed with beads.
+///
+/// `coverage` counts cells, which are coarser than beads: a wall thinner than a cell has none, but
+/// can be printed.
+/// So only what cells prove is reported.
+pub fn of_bodies(model: &Model, coverage: &[Coverage]) -> Vec<String> {
+    let is_modified = |object| {
+        model.bodies.iter().any(|body| body.role == Role::Modifier && body.object == object)
+    };
+    let mut remarks = Vec::new();
+    for (body, covered) in model.bodies.iter().zip(coverage) {
+        let name = &body.name;
+        match body.role {
+            Role::Solid
+                if covered.cells > 0 && covered.own_cells == 0 && !is_modified(body.object) =>
+            {
+                remarks.push(format!(
+                    "body '{name}' is not printed: later or negative bodies cover it"
+                ));
+            }
+            Role::Negative | Role::Modifier if covered.cells == 0 => {
+                let what = if body.role == Role::Negative { "negative body" } else { "modifier" };
+                remarks.push(format!(
+                    "{what} '{name}' has hardly any effect: it is thinner than a bead, or lies \
+                     beside the part"
+                ));
+            }
+            _ => {}
+        }
+    }
+    remarks
+}
+
 #[cfg(test)]
 mod tests {
     use beadwork_mesh::Body;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::bail;
+use beadwork_console::bead_args::BeadArgs;
 use beadwork_console::grid_choice::GridArgs;
 use beadwork_console::output;
 use beadwork_console::part::PartArgs;
@@ -15,14 +16,22 @@ use clap::ValueEnum;
 
 /// Plan a part and write its G-code.
 ///
-/// Meshes are sliced into layers of cells one bead wide; every layer is covered by beads, and the
-/// order of beads and tools is chosen for the part as a whole.
+/// Meshes are sliced into outlines, which are printed with insets, infill and solid layers: infill
+/// lines are linked to the fewest beads, beads are ordered for short travel, and tools for the
+/// fewest changes, each with a proven bound.
 /// A lift is a break between two beads, followed by travel.
-/// The text of the G-code is checked: it prints every cell once, with the tool of its material.
-/// Proofs of optimality hold for one grid of cells; --phases and --bead-range try other grids.
+/// The text of the G-code is checked: it prints every bead once, within the outlines.
+/// Supports are not generated.
+///
+/// --fill cells covers every layer with square cells one bead wide, each printed once: solid parts
+/// whose beads may pass from one material to the next.
+/// It is the default with --objective.
+/// Its proofs of optimality hold for one grid of cells; --phases and --bead-range try other grids.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
+  beadwork plan part.stl --out part.gcode
+  beadwork plan gears.3mf --density 15 --perimeters 3 --join --out gears.gcode --svg layers.svg
   beadwork plan example:logo-plate --objective tools --out logo.gcode
   beadwork plan yin_yang.3mf --rotate 90,0,0 --objective tools --out yin_yang.gcode --svg layers.svg
   beadwork plan body.stl inlay.stl --objective tools --mode free --flavour klipper --out badge.gcode
@@ -35,9 +44,15 @@ pub(crate) struct Args {
     pub(super) part: PartArgs,
     #[command(flatten)]
     pub(super) grid: GridArgs,
+    /// What layers are filled with: beads (insets and infill), or cells.
+    /// Beads, unless --objective is given.
+    #[arg(long, value_name = "NAME")]
+    fill: Option<FillName>,
+    #[command(flatten)]
+    pub(super) beads: BeadArgs,
     /// Objective to minimise: tools (purge volume of tool changes, plus --lift-cost for each lift).
     #[arg(long, value_name = "NAME")]
-    pub(super) objective: Objective,
+    objective: Option<Objective>,
     /// How layers are printed: in the fewest beads (continuous), tool by tool (free), or each layer
     /// in whichever of these two ways makes the part cheaper (cheapest).
     #[arg(long, value_name = "MODE", default_value = "cheapest")]
@@ -71,7 +86,7 @@ pub(crate) struct Args {
     pub(super) svg: Option<PathBuf>,
     /// Seed of all random choices.
     #[arg(long, value_name = "N", default_value_t = 0)]
-    seed: u64,
+    pub(super) seed: u64,
     /// Maximum number of attempts at each connected component of a layer.
     #[arg(
         long,
@@ -90,8 +105,14 @@ pub(crate) struct Args {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-pub(super) enum Objective {
+enum Objective {
     Tools,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FillName {
+    Beads,
+    Cells,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -151,7 +172,25 @@ impl Args {
         Ok(Files { gcode, totals })
     }
 
-    /// Settings of the planner.
+    /// Whether layers are filled with insets and infill rather than with cells.
+    pub(super) fn has_beads(&self) -> bool {
+        match self.fill {
+            Some(fill) => fill == FillName::Beads,
+            None => self.objective.is_none(),
+        }
+    }
+
+    /// What the order of the tools must obey.
+    pub(super) fn constraints(&self) -> Constraints {
+        Constraints {
+            before: self.before.iter().map(|&Pair(a, b)| (a, b)).collect(),
+            first: self.first_tool,
+            same_order: self.same_order,
+            ..Constraints::default()
+        }
+    }
+
+    /// Settings of the planner of cells.
     pub(super) fn settings(&self) -> Settings {
         Settings {
             mode: match self.mode {
@@ -160,12 +199,7 @@ impl Args {
                 ModeName::Free => Mode::Free,
             },
             lift_cost: self.lift_cost.into(),
-            constraints: Constraints {
-                before: self.before.iter().map(|&Pair(a, b)| (a, b)).collect(),
-                first: self.first_tool,
-                same_order: self.same_order,
-                ..Constraints::default()
-            },
+            constraints: self.constraints(),
             stacking: self.stacking.map(|rule| match rule {
                 StackingName::Keep => Stacking::Keep,
                 StackingName::Break => Stacking::Break,

@@ -1,6 +1,8 @@
-//! `plan`: from meshes to G-code, with the cheapest tool changes and lifts.
+//! `plan`: from meshes to G-code, with the fewest beads, tool changes and lifts.
 
 mod args;
+mod bead_report;
+mod beads;
 mod drawing;
 mod report;
 
@@ -19,14 +21,12 @@ use rayon::ThreadPool;
 
 pub(crate) use args::Args;
 
-use args::Objective;
 use report::{Report, Seconds};
 
 /// Maximum number of grids that are planned: the best ones of those that were screened.
 const PLANNED_GRIDS: usize = 4;
 
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
-    let Objective::Tools = args.objective;
     let files = args.files()?;
     let profile = args.profile.load()?;
     let pool = control::pool(args.threads)?;
@@ -34,6 +34,9 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let cut = args.part.cut(profile.bed_mm(), &pool)?;
     profile.report_purge(&cut.model);
     let settings = profile.complete(&cut.model)?;
+    if args.has_beads() {
+        return beads::run(args, &files, cut, &profile, settings, begin, &pool);
+    }
     let costs = tool_costs(settings.purge.as_ref().expect("complete settings have volumes"))?;
     let grids = args.grid.best(&cut, PLANNED_GRIDS, Threads::Pool(&pool))?;
     let sliced = begin.elapsed().as_secs_f64();
@@ -53,9 +56,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         lift_cost: args.lift_cost,
         seconds,
     };
-    if cancel::token()?.is_cancelled() {
-        bail!("stopped; nothing was written");
-    }
+    check_cancelled()?;
     if let Some(path) = &args.svg {
         output::file(path, drawing::draw(&part, &plan, &printed.settings))?;
     }
@@ -95,4 +96,12 @@ fn cheapest(
         }
     }
     best.context("no grid to plan on")
+}
+
+/// Returns an error if the user interrupted the command.
+fn check_cancelled() -> anyhow::Result<()> {
+    if cancel::token()?.is_cancelled() {
+        bail!("stopped; nothing was written");
+    }
+    Ok(())
 }

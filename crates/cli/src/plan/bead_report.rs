@@ -1,0 +1,156 @@
+//! The results of a plan of beads as JSON and as a summary.
+
+use std::fmt::Write;
+
+use beadwork_console::beads::{BeadPart, PrintedBeads};
+use beadwork_console::output::number;
+use beadwork_console::text::{count, duration};
+use beadwork_search::plan::beads::BeadPlan;
+use serde_json::{Value, json};
+
+use super::args::Files;
+use super::report::Seconds;
+
+pub(super) struct BeadSummary<'a> {
+    pub(super) part: &'a BeadPart,
+    pub(super) plan: &'a BeadPlan,
+    pub(super) printed: &'a PrintedBeads,
+    pub(super) seconds: Seconds,
+}
+
+impl BeadSummary<'_> {
+    /// All results; only the seconds differ between two runs.
+    pub(super) fn json(&self) -> Value {
+        let Self { part, plan, printed, seconds } = self;
+        let total = plan.total();
+        let toolpath = &part.toolpath;
+        let purge = printed.settings.purge.as_ref();
+        let tower =
+            purge.and_then(|purge| purge.tower).filter(|_| printed.totals.prime_tower_mm > 0.0);
+        let fill: Vec<Value> =
+            printed.checked.fill.iter().map(|fill| number(fill.ratio().unwrap_or(0.0))).collect();
+        let mut value = json!(printed.totals);
+        let more = json!({
+            "part": part.name,
+            "remarks": part.remarks,
+            "size_mm": part.bounds.size_mm(),
+            "bead_mm": toolpath.bead_mm,
+            "layer_mm": part.frame.layer_mm,
+            "density": number(100.0 * toolpath.density),
+            "pattern": toolpath.pattern.name(),
+            "perimeters": toolpath.perimeters,
+            "materials": printed.settings.tools.iter().map(|tool| &tool.name).collect::<Vec<_>>(),
+            "beads": total.beads,
+            "bead_bound": total.bead_bound,
+            "loops": total.loops,
+            "skeletons": total.skeletons,
+            "infill_beads": total.infill,
+            "infill_bead_bound": total.infill_bound,
+            "lifts": plan.lifts(),
+            "travel_bound_mm": plan.travel_bound_mm.map(number),
+            "tool_cost": number(plan.order.cost),
+            "bounds": {
+                "tool_cost": number(plan.order.bound),
+                "tool_changes": plan.order.min_changes,
+                "regions": total.regions,
+                "regions_optimal": total.optimal_regions,
+            },
+            "fixed_order": {
+                "tool_cost": number(plan.fixed.cost),
+                "tool_changes": plan.fixed.changes,
+            },
+            "checked": {
+                "layers": printed.checked.layers,
+                "beads": printed.checked.beads,
+                "dropped_beads": printed.checked.dropped_beads,
+                "motions": printed.checked.motions,
+                "fill": fill,
+            },
+            "tower": tower.map(|tower| json!({
+                "left_mm": tower.left_mm, "front_mm": tower.front_mm, "width_mm": tower.width_mm,
+            })),
+            "seconds": {
+                "slice": seconds.slice,
+                "plan": seconds.plan,
+                "print": seconds.print,
+            },
+        });
+        if let (Value::Object(value), Value::Object(more)) = (&mut value, more) {
+            value.extend(more);
+        }
+        value
+    }
+
+    /// A few lines of text.
+    pub(super) fn text(&self, files: &Files<'_>) -> String {
+        let mut text = String::new();
+        self.write(&mut text, files).expect("writing to a string succeeds");
+        text
+    }
+
+    fn write(&self, text: &mut String, files: &Files<'_>) -> std::fmt::Result {
+        let Self { part, plan, printed, seconds } = self;
+        let (total, totals, toolpath) = (plan.total(), &printed.totals, &part.toolpath);
+        let [x, y, z] = part.bounds.size_mm();
+        writeln!(
+            text,
+            "{}: {x:.1} x {y:.1} x {z:.1} mm, {} layers, {}, {}, {} % {}",
+            part.name,
+            plan.layers.len(),
+            count(printed.settings.tools.len() as u64, "material"),
+            count(toolpath.perimeters.into(), "perimeter"),
+            number(100.0 * toolpath.density),
+            toolpath.pattern,
+        )?;
+        let proof = |value: usize, bound: usize| {
+            if value == bound { "proven minimum".to_owned() } else { format!("at least {bound}") }
+        };
+        writeln!(
+            text,
+            "{} ({}): {} of insets, {} of infill ({})",
+            count(total.beads as u64, "bead"),
+            proof(total.beads, total.bead_bound),
+            total.loops,
+            total.infill,
+            proof(total.infill, total.infill_bound),
+        )?;
+        if total.skeletons > 0 {
+            writeln!(text, "{} in thin walls and gaps", count(total.skeletons as u64, "skeleton"))?;
+        }
+        if printed.settings.tools.len() > 1 {
+            writeln!(
+                text,
+                "{} ({}); with the tools in the same order in every layer: {}",
+                count(plan.order.changes.into(), "tool change"),
+                proof(plan.order.changes as usize, plan.order.min_changes as usize),
+                plan.fixed.changes
+            )?;
+        }
+        let grams: f64 = totals.tools.iter().map(|tool| tool.grams).sum();
+        writeln!(
+            text,
+            "{} to print, {grams:.1} g, {:.1} m of beads, {:.1} m of travel",
+            duration(totals.print_seconds),
+            totals.extrusion_mm / 1000.0,
+            totals.travel_mm / 1000.0,
+        )?;
+        if let Some(gcode) = files.gcode {
+            let beads = printed.checked.beads;
+            let beside = files
+                .totals
+                .as_ref()
+                .map_or_else(String::new, |totals| format!(" and {}", totals.display()));
+            writeln!(
+                text,
+                "wrote {} (checked from its text: {beads} beads, each printed once, within the \
+                 outlines){beside}",
+                gcode.display()
+            )?;
+        }
+        let Seconds { slice, plan, print } = seconds;
+        writeln!(
+            text,
+            "{slice:.2} s to slice, {plan:.2} s to plan, {print:.2} s to write and check"
+        )
+    }
+}
