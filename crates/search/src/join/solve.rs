@@ -154,13 +154,37 @@ impl<'a> Loops<'a> {
         let steps = candidates.iter().map(|candidate| candidate.elements);
         let united = steps.filter(|&[a, b]| components.union(a as u32, b as u32)).count();
 
-        let singles = (0..chains.len()).map(single_chain);
-        let mut beads = Beads::new(near, chains, self.sequences.iter().cloned().chain(singles));
-        beads.attach_chains(&candidates);
-        for candidate in &candidates {
-            beads.join(candidate.elements);
+        // Joining loops first is not always better: it may use up the ends that chains need.
+        let mut is_reached = vec![false; self.rings.len()];
+        attachments.iter().for_each(|attachment| is_reached[attachment.ring] = true);
+        let is_spare = |candidate: &&Candidate| {
+            let [a, b] = candidate.elements.map(|element| is_reached.get(element));
+            matches!((a, b), (Some(a), Some(b)) if !(*a && *b))
+        };
+        let join = |loops_first: bool| {
+            let singles = (0..chains.len()).map(single_chain);
+            let all = self.sequences.iter().cloned().chain(singles);
+            let mut beads = Beads::new(near, chains, all);
+            if loops_first {
+                for candidate in candidates.iter().filter(is_spare) {
+                    beads.join(candidate.elements);
+                }
+            }
+            beads.attach_chains(&candidates);
+            for candidate in &candidates {
+                beads.join(candidate.elements);
+            }
+            beads.into_beads()
+        };
+        let bound = count - united;
+        let mut beads = join(true);
+        if beads.len() > bound {
+            let other = join(false);
+            if other.len() < beads.len() {
+                beads = other;
+            }
         }
-        Outcome { beads: beads.into_beads(), bound: count - united }
+        Outcome { beads, bound }
     }
 }
 
