@@ -2,7 +2,7 @@
 """Compares beads, travel and times of five parts between beadwork and PrusaSlicer 2.5.
 
     docs/bench/beads_beside_prusaslicer.py BEADWORK PARTS [--out DIR] [--runs N] [--json FILE]
-                                           [--parts NAME,..] [--basis same,defaults] [--width MM]
+                                           [--parts NAME,..] [--basis same,defaults] [--width MM,..]
 
 BEADWORK is the binary, PARTS the folder 3mf of SlicerTestModels.
 Needs `prusa-slicer`, Debian's package.
@@ -16,15 +16,20 @@ yin_yang is laid flat.
 
 Two bases:
 - same: the same features in both: 2 perimeters, straight lines at 45 and 135 degrees, no solid
-  layers, no gap fill, no thin walls (except heartgears), no skirt, no supports, no prime tower.
+  layers, no gap fill, no thin walls (except heartgears), no skirt, no supports, no prime tower,
+  seams where travel is short.
 - defaults: what both print without further flags.
 On both bases, layers are 0.25 mm high, lines are 0.5 mm apart where they are dense, and speeds,
 accelerations and retraction are those of beadwork's default profile.
-PrusaSlicer's extrusion width is chosen so that its spacing is 0.5 mm:
-spacing = width - height (1 - pi/4).
+The whole comparison is made for each of PrusaSlicer's extrusion widths: by default the one whose
+spacing = width - height (1 - pi/4) is 0.5 mm, and 0.5 mm, whose spacing is 0.446 mm.
 The choice matters: its infill region begins closer to the outline if lines are narrower.
-With --width 0.5, so with a spacing of 0.446 mm, it prints 837 infill beads on Bearing at 20 %, with
-a spacing of 0.5 mm 1770.
+With a spacing of 0.446 mm it prints 837 infill beads on Bearing at 20 %, with one of 0.5 mm 1770.
+
+beadwork prints in three ways: island by island with loops before infill (unjoined), with insets and
+infill joined (joined), and in any order (free).
+The last table compares the ratios with the figures that the project has set itself; bold figures
+miss them.
 
 Both programs of a pair are counted and timed by `beadwork eval beads --program`, and counted once
 more, independently, by `count` below.
@@ -50,6 +55,9 @@ CENTRE = (125.0, 105.0)
 PARTS = [("torus", 0, False), ("Bearing", 0, False), ("heartgears", 0, True),
          ("yin_yang", 90, False), ("8_extruders", 0, False)]
 DENSITIES = [20, 100]
+# Flags of beadwork for each way to print: island by island, with insets and infill joined, and in
+# any order.
+VARIANTS = {"unjoined": [], "joined": ["--join"], "free": ["--order", "free"]}
 # Seconds that one run of either program may take.
 LIMIT_S = 900
 
@@ -107,14 +115,15 @@ def settings(basis, tools, density, thin_walls, width):
     return lines
 
 
-def flags(basis, density):
+def flags(basis, density, thin_walls):
     """The same for `beadwork plan`."""
     common = ["--layer", str(LAYER_MM), "--bead", str(BEAD_MM), "--purge", "0", "--tower", "none",
               "--centre", f"{CENTRE[0]},{CENTRE[1]}", "--bed", "250,210,210"]
     if basis == "defaults":
         return common
-    return [*common, "--density", str(density), "--perimeters", "2", "--solid-layers", "0",
-            "--pattern", "lines"]
+    walls = [] if thin_walls else ["--no-thin-walls"]
+    return [*common, *walls, "--density", str(density), "--perimeters", "2", "--solid-layers", "0",
+            "--pattern", "lines", "--seam", "nearest", "--no-gap-fill"]
 
 
 def distance(a, b):
@@ -207,7 +216,7 @@ def plan_part(binary, path, rotation, extra, gcode):
                          gcode])
     if done.returncode == 0:
         return seconds, None
-    return None, (done.stderr.strip().splitlines() or ["unknown failure"])[0]
+    return None, (done.stderr.strip().splitlines() or ["unknown failure"])[-1]
 
 
 def evaluated(binary, gcode):
@@ -226,31 +235,32 @@ def figures(binary, gcode, seconds):
     return official | {"wall_seconds": statistics.median(seconds), "recount_differs": differing}
 
 
-def measure(args, folder, name, rotation, thin_walls, basis, density):
+def measure(args, folder, part, basis, density, width):
+    name, rotation, thin_walls = part
     path = os.path.join(args.folder, f"{name}.3mf")
     meshes = by_material(placed(read_3mf(path), rotation, CENTRE))
-    stem = os.path.join(folder, f"{name}-{basis}-{density}")
+    stem = os.path.join(folder, f"{name}-{basis}-{density}-{width}")
     project, config = f"{stem}.3mf", f"{stem}.ini"
     write_project(project, meshes)
     with open(config, "w", encoding="utf-8") as file:
-        lines = settings(basis, len(meshes), density, thin_walls, args.width)
+        lines = settings(basis, len(meshes), density, thin_walls, width)
         file.writelines(f"{key} = {value}\n" for key, value in lines.items())
     theirs, variants, reason = [], {}, None
-    wanted = {"unjoined": []} if basis == "defaults" else {"unjoined": [], "joined": ["--join"]}
+    wanted = VARIANTS if basis == "same" else {"unjoined": []}
     times = {variant: [] for variant in wanted}
     for _ in range(args.runs):
         theirs.append(slice_part(project, config, f"{stem}-prusa.gcode"))
         for variant, more in wanted.items():
             if reason is None:
                 seconds, reason = plan_part(args.binary, path, rotation,
-                                            flags(basis, density) + more,
+                                            flags(basis, density, thin_walls) + more,
                                             f"{stem}-{variant}.gcode")
                 times[variant] += [] if seconds is None else [seconds]
     slicer = figures(args.binary, f"{stem}-prusa.gcode", theirs)
     if reason is None:
         variants = {variant: figures(args.binary, f"{stem}-{variant}.gcode", times[variant])
                     for variant in wanted}
-    return {"part": name, "basis": basis, "density": density, "materials": len(meshes),
+    return {"part": name, "width_mm": width, "basis": basis, "density": density, "materials": len(meshes),
             "prusaslicer": slicer, "beadwork": variants, "missing": reason}
 
 
@@ -302,6 +312,44 @@ def table(rows):
     return "\n".join(lines)
 
 
+def limits(part, density):
+    """Maximum ratio for each figure: title, variant, key, limit."""
+    is_hard = part in ("torus", "Bearing", "heartgears")
+    joined = 0.38 if density == 20 else 0.48
+    return [("infill beads", "unjoined", "infill", 0.75 if is_hard else 1.0),
+            ("all beads", "unjoined", "beads", 0.90 if is_hard else 1.0),
+            ("joined", "joined", "beads", joined),
+            ("travel", "unjoined", "travel_mm", 0.66 if part == "8_extruders" else 0.60),
+            ("travel, free", "free", "travel_mm", 0.50),
+            ("retractions", "unjoined", "retractions", 0.66 if part == "8_extruders" else 0.60),
+            ("time", "unjoined", "print_seconds", 0.97),
+            ("time, joined", "joined", "print_seconds", 0.97),
+            ("filament", "unjoined", "filament_mm3", 1.03),
+            ("filament, joined", "joined", "filament_mm3", 1.03)]
+
+
+def verdicts(rows):
+    """Table of ratios beside their limits."""
+    titles = [title for title, *_ in limits("", 20)]
+    lines = ["Ratios (and the figures set); misses are bold:", "",
+             "| part | density | " + " | ".join(titles) + " |", "|---|---|" + "---|" * len(titles)]
+    kept = missed = 0
+    for row in rows:
+        if row["basis"] != "same" or not row["beadwork"]:
+            continue
+        cells = []
+        for _, variant, key, limit in limits(row["part"], row["density"]):
+            ratio = row["ratios"][variant][key]
+            is_kept = ratio is not None and ratio <= limit + 5e-4
+            if key == "filament_mm3":
+                is_kept = is_kept and ratio >= 0.97 - 5e-4
+            kept, missed = kept + is_kept, missed + (not is_kept)
+            text = "-" if ratio is None else f"{ratio:.3f}"
+            cells.append(f"{text if is_kept else f'**{text}**'} ({limit:.2f})")
+        lines.append(f"| {row['part']} | {row['density']} % | " + " | ".join(cells) + " |")
+    return "\n".join([*lines, "", f"{kept} kept, {missed} missed."])
+
+
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("binary", help="the binary beadwork")
@@ -311,9 +359,10 @@ def arguments():
     parser.add_argument("--json", help="file for the figures")
     parser.add_argument("--parts", help="names of parts, separated by commas; all by default")
     parser.add_argument("--basis", default="same,defaults", help="same, defaults or both")
-    parser.add_argument("--width", type=float, help="PrusaSlicer's extrusion width in mm",
-                        default=round(BEAD_MM + LAYER_MM * (1 - math.pi / 4), 6))
+    parser.add_argument("--width", help="PrusaSlicer's extrusion widths in mm, separated by commas",
+                        default=f"{BEAD_MM + LAYER_MM * (1 - math.pi / 4):.6f},{BEAD_MM}")
     args = parser.parse_args()
+    args.width = [float(width) for width in args.width.split(",")]
     args.binary = os.path.abspath(args.binary)
     return args
 
@@ -326,19 +375,28 @@ def main():
     version = next(line for line in help_text.splitlines() if line.startswith("PrusaSlicer"))
     print(version.split(" based")[0] + "\n")
     names = args.parts.split(",") if args.parts else [name for name, _, _ in PARTS]
-    rows = []
-    for basis in args.basis.split(","):
-        for name, rotation, thin_walls in PARTS:
-            if name in names:
+    all_rows = []
+    for width in args.width:
+        rows = []
+        for basis in args.basis.split(","):
+            for part in PARTS:
+                if part[0] not in names:
+                    continue
                 for density in DENSITIES if basis == "same" else [20]:
-                    row = measure(args, folder, name, rotation, thin_walls, basis, density)
+                    row = measure(args, folder, part, basis, density, width)
                     rows.append(row | {"ratios": ratios(row)})
-                    print(f"{basis} {name} {density}", file=sys.stderr)
-    print(table(rows))
+                    print(f"{width} {basis} {part[0]} {density}", file=sys.stderr)
+        spacing = width - LAYER_MM * (1 - math.pi / 4)
+        print(f"\nPrusaSlicer with a width of {width} mm, so a spacing of {spacing:.3f} mm:\n")
+        print(table(rows))
+        print(f"\n{verdicts(rows)}")
+        all_rows += rows
+    load = os.getloadavg()
+    print(f"\nLoad of the machine at the end: {load[0]:.1f} (1 min), {load[2]:.1f} (15 min).")
     if args.json:
         with open(args.json, "w", encoding="utf-8") as file:
-            json.dump({"prusaslicer": version, "width_mm": args.width, "runs": args.runs,
-                       "rows": rows}, file, indent=1)
+            json.dump({"prusaslicer": version, "runs": args.runs, "load": load,
+                       "rows": all_rows}, file, indent=1)
 
 
 main()

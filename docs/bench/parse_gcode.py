@@ -11,7 +11,7 @@ Plans three parts, and compares filament, extents and the number of extrusion mo
 - `beadwork eval beads --program` counts them.
 Exit code 1 if a figure differs.
 
-Flags after -- replace those of `plan`, which are those of the planner of cells by default.
+Flags after -- replace those of `plan`, which print beads by default; with --objective tools they print cells.
 """
 
 import argparse
@@ -26,7 +26,7 @@ import gcode_lib
 import gcodeparser
 
 PARTS = [("torus", 0), ("Bearing", 0), ("yin_yang", 90)]
-FLAGS = ["--objective", "tools", "--purge", "0", "--tower", "none"]
+FLAGS = ["--purge", "0", "--tower", "none"]
 DIAMETER_MM = 1.75
 # Features whose moves `eval beads` does not count.
 AROUND = {"Custom", "Wipe tower", "Skirt/Brim", "Support material"}

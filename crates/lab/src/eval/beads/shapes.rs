@@ -43,14 +43,6 @@ beadwork_base::named_enum! {
 }
 
 impl Shape {
-    /// Number of layers at a height of [`LAYER_MM`].
-    pub(super) fn layers(self) -> usize {
-        match self {
-            Self::Manifold => MANIFOLD_LAYERS.iter().sum(),
-            _ => FLAT_LAYERS,
-        }
-    }
-
     /// The bodies.
     pub(super) fn model(self) -> Model {
         match self {

@@ -2,26 +2,15 @@
 
 use std::fmt::Write;
 
-use beadwork_base::{Control, Interrupted, Threads};
-use beadwork_console::{control, machine, output};
-use beadwork_mesh::{Model, Role};
-use beadwork_part::slice::{FillRule, cut};
-use beadwork_part::{Area, Ring};
+use beadwork_base::Control;
 use serde::Serialize;
-use serde_json::json;
 
+use super::cases::{Case, Source};
 use super::shapes::{LAYER_MM, Shape};
-
-/// Width of an inset in mm, and the number of insets along each ring.
-const INSET_MM: f64 = 0.5;
-const INSETS: u32 = 2;
-
-/// Size in mm² up to which a ring is not printed.
-const MIN_RING_MM2: f64 = 1e-3;
 
 /// One shape.
 #[derive(Debug, Serialize)]
-struct Row {
+pub(super) struct Row {
     shape: &'static str,
     layers: usize,
     /// Connected components of all layers.
@@ -33,67 +22,32 @@ struct Row {
     volume_mm3: f64,
 }
 
-/// Cuts all shapes and prints the table.
-pub(super) fn run(as_json: bool) -> anyhow::Result<()> {
-    let rows = control::quiet(Threads::One, |control| {
-        Shape::ALL.into_iter().map(|shape| row(shape, control)).collect::<Result<Vec<_>, _>>()
-    })??;
-    if as_json {
-        return output::json(&json!({ "machine": machine::facts(), "shapes": rows }));
-    }
-    let mut text = "| shape | layers | islands | rings | inset beads | volume, mm³ |\n\
-                    |---|---|---|---|---|---|\n"
-        .to_owned();
-    for row in &rows {
+/// Lays out a shape.
+pub(super) fn row(shape: Shape, source: &Source, control: &Control<'_>) -> anyhow::Result<Row> {
+    let case = Case::new(source, 0.0, control)?;
+    let islands = || case.layers.iter().flatten();
+    Ok(Row {
+        shape: shape.name(),
+        layers: case.layers.iter().filter(|islands| !islands.is_empty()).count(),
+        islands: islands().count(),
+        rings: islands().map(|island| island.outline.rings().count()).sum(),
+        inset_beads: islands().map(|island| island.insets.len()).sum(),
+        volume_mm3: islands().map(|island| island.outline.size_mm2()).sum::<f64>() * LAYER_MM,
+    })
+}
+
+/// Appends the table.
+pub(super) fn table(text: &mut String, rows: &[Row]) -> std::fmt::Result {
+    writeln!(text, "| shape | layers | islands | rings | inset beads | volume, mm³ |")?;
+    writeln!(text, "|---|---|---|---|---|---|")?;
+    for row in rows {
         let Row { shape, layers, islands, rings, inset_beads, volume_mm3 } = row;
         writeln!(
             text,
             "| {shape} | {layers} | {islands} | {rings} | {inset_beads} | {volume_mm3:.0} |"
         )?;
     }
-    output::text(&text)
-}
-
-fn row(shape: Shape, control: &Control<'_>) -> Result<Row, Interrupted> {
-    let areas = areas(&shape.model(), shape.layers(), control)?;
-    let rings = |areas: &[Area]| areas.iter().map(|area| area.rings().count()).sum::<usize>();
-    let mut inset_beads = 0;
-    for inset in 0..INSETS {
-        control.check()?;
-        let depth_mm = (f64::from(inset) + 0.5) * INSET_MM;
-        let insets: Vec<Area> =
-            areas.iter().map(|area| area.offset(-depth_mm).without_slivers(MIN_RING_MM2)).collect();
-        inset_beads += rings(&insets);
-    }
-    Ok(Row {
-        shape: shape.name(),
-        layers: areas.iter().filter(|area| !area.is_empty()).count(),
-        islands: areas.iter().map(|area| area.components().len()).sum(),
-        rings: rings(&areas),
-        inset_beads,
-        volume_mm3: areas.iter().map(Area::size_mm2).sum::<f64>() * LAYER_MM,
-    })
-}
-
-/// The areas of a model of one object and one material, layer by layer: the union of its solid
-/// bodies without its negative ones.
-fn areas(model: &Model, layers: usize, control: &Control<'_>) -> Result<Vec<Area>, Interrupted> {
-    let mut areas: [Vec<Vec<Ring>>; 2] = [vec![Vec::new(); layers], vec![Vec::new(); layers]];
-    for body in &model.bodies {
-        let of_role = &mut areas[usize::from(body.role == Role::Negative)];
-        for (rings, outline) in
-            of_role.iter_mut().zip(cut(&body.mesh, &[], LAYER_MM, layers, control)?)
-        {
-            rings.extend(outline.loops().map(<[_]>::to_vec));
-        }
-    }
-    let [solid, negative] = areas.map(|layers| {
-        layers
-            .into_iter()
-            .map(|rings| Area::from_rings(&rings, FillRule::NonZero))
-            .collect::<Vec<_>>()
-    });
-    Ok(solid.iter().zip(&negative).map(|(solid, negative)| solid.difference(negative)).collect())
+    writeln!(text)
 }
 
 #[cfg(test)]
@@ -101,7 +55,9 @@ mod tests {
     use super::*;
 
     fn rows() -> Vec<Row> {
-        Shape::ALL.map(|shape| row(shape, &Control::default()).expect("not interrupted")).into()
+        let control = Control::default();
+        let row = |shape| row(shape, &Source::shape(shape, &control)?, &control);
+        Shape::ALL.into_iter().map(row).collect::<anyhow::Result<_>>().expect("shapes are valid")
     }
 
     #[test]
