@@ -24,13 +24,14 @@ const MARGIN: f64 = 16.0;
 const TITLE_HEIGHT: f64 = 28.0;
 /// Drawn share of the width of a strip, so that neighbours can be distinguished.
 const DRAWN_WIDTH: f64 = 0.86;
+/// Colours all of whose parts are above this value are light.
+const LIGHT: u8 = 180;
 /// Diameter of the mark where a bead begins, in mm.
 const MARK_MM: f64 = 0.5;
 
 /// Draws layers side by side, two in a row, all on the same scale, y up.
 ///
-/// Strips have the colour of their feature, or a lightened form of their tool's among `colours` if
-/// these differ.
+/// Strips have the colour of their feature, or a shade of their tool's among `colours`.
 /// A dark dot marks where a bead begins, and a thin line the travel to it.
 /// The output is the same on every machine; its length is linear in the moves.
 pub fn bead_svg(panels: &[BeadPanel<'_>], colours: Option<&[[u8; 3]]>) -> String {
@@ -130,7 +131,17 @@ fn colour(bead: &Bead, feature: Feature, colours: Option<&[[u8; 3]]>) -> [u8; 3]
     };
     let own = colours.and_then(|colours| colours.get(usize::from(bead.tool)));
     if let Some(own) = own {
-        return own.map(|value| (255.0 - shade * f64::from(255 - value)).round() as u8);
+        // Light colours are darkened instead: white strips would vanish on white paper.
+        let is_light = own.iter().all(|&value| value > LIGHT);
+        return own.map(|value| {
+            let value = f64::from(value);
+            let drawn = if is_light {
+                value * (1.0 - 0.4 * shade)
+            } else {
+                255.0 - shade * (255.0 - value)
+            };
+            drawn.round() as u8
+        });
     }
     match feature {
         Feature::OuterWall => [230, 140, 70],
