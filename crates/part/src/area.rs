@@ -4,10 +4,10 @@ use i_overlay::core::fill_rule::FillRule as OverlayFill;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::simplify::SimplifyShape;
 use i_overlay::float::single::SingleFloatOverlay;
-use i_overlay::mesh::float::outline::offset::OutlineOffset;
-use i_overlay::mesh::float::style::{LineJoin, OutlineStyle};
 
-use crate::simplify::{simplified, without_spikes};
+use crate::bounds::{bounds, overlap};
+use crate::offset::offset;
+use crate::simplify::simplified;
 use crate::slice::FillRule;
 
 /// Maximum deviation in mm of the lines that approximate rounded corners.
@@ -173,9 +173,7 @@ impl Area {
             return (Vec::new(), self.components.clone());
         };
         let is_near = |rings: &Vec<Ring>| {
-            bounds(&rings[0]).is_some_and(|[from, to]| {
-                [0, 1].iter().all(|&k| from[k] <= max[k] && to[k] >= min[k])
-            })
+            bounds(&rings[0]).is_some_and(|own| overlap(own, [min, max], 0.0))
         };
         self.components.iter().cloned().partition(is_near)
     }
@@ -196,11 +194,7 @@ impl Area {
         if by_mm.abs() < f64::EPSILON || self.is_empty() {
             return self.clone();
         }
-        // A chord over the angle a deviates by r (1 - cos(a / 2)), which is about r a² / 8.
-        let step = (8.0 * tolerance_mm / by_mm.abs()).sqrt();
-        let style = OutlineStyle::new(by_mm).line_join(LineJoin::Round(step));
-        // Where corners turn by less than the grid resolves, spikes reach back to the corner.
-        Self { components: self.components.outline(&style) }.map_rings(without_spikes)
+        Self { components: offset(&self.components, by_mm, tolerance_mm) }
     }
 
     /// The area without parts that are thinner than twice a distance in mm.
@@ -208,15 +202,6 @@ impl Area {
     pub fn opened(&self, by_mm: f64) -> Self {
         self.offset(-by_mm).offset(by_mm)
     }
-}
-
-/// Minimum and maximum x and y of points; `None` if there are none.
-fn bounds<'a>(points: impl IntoIterator<Item = &'a [f64; 2]>) -> Option<[[f64; 2]; 2]> {
-    let mut points = points.into_iter();
-    let first = *points.next()?;
-    Some(points.fold([first; 2], |[min, max], point| {
-        [[0, 1].map(|k| min[k].min(point[k])), [0, 1].map(|k| max[k].max(point[k]))]
-    }))
 }
 
 /// Area enclosed by a ring in mm², negative if the ring is clockwise.

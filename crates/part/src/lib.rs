@@ -86,7 +86,9 @@
 mod area;
 mod bead;
 mod bead_svg;
+mod bounds;
 mod frame;
+mod offset;
 mod pattern;
 mod picture;
 pub mod print;

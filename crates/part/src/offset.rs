@@ -1,0 +1,121 @@
+//! Offsets of rings, without boolean operations where the result has no crossings.
+//!
+//! Every edge moves along its normal.
+//! Where neighbours diverge, an arc joins them; where they converge, each is cut off at their
+//! intersection, and an edge that has shrunk to nothing is left out.
+//! The resulting *moved rings* wind once around the points of the offset area, and around other
+//! points less often if the area shrinks, more often if it grows:
+//!
+//! - While a ring moves, it passes over points in one direction only, because no edge turns.
+//! - It passes over every point within the distance.
+//!   Let q be the point of the border nearest to p, on edge e, and let the segment from q to p leave
+//!   what e passes over.
+//!   It does so at a point r where e meets another edge f, which is then as far from r as q is.
+//!   So p is nearer to f than to q, since the normals of e and f differ: a contradiction.
+//!
+//! Moved rings that neither cross nor touch therefore are the border of the offset area.
+//! Otherwise boolean operations remove the points around which they wind in the wrong way.
+//! Edges that cannot be cut off simply are moved at full length then, and joined through the corner
+//! between them.
+
+mod crossings;
+mod moved;
+
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::float::simplify::SimplifyShape;
+
+use self::crossings::{are_clear, contains};
+use self::moved::{Moved, moved};
+use crate::bounds::{bounds, overlap};
+use crate::simplify::without_spikes;
+
+type Rings = Vec<Vec<[f64; 2]>>;
+
+/// Components, each with its outer ring first, grown by a distance in mm, or shrunk if it is
+/// negative.
+///
+/// Arcs lie outside the exact ones by at most a tolerance in mm, on the side to which rings move.
+pub(crate) fn offset(components: &[Rings], by_mm: f64, tolerance_mm: f64) -> Vec<Rings> {
+    let mut done = Vec::new();
+    let mut crossed: Rings = Vec::new();
+    let is_alone = alone(components, by_mm, tolerance_mm);
+    for (rings, is_alone) in components.iter().zip(is_alone) {
+        let Some(moved) = Component::new(rings, by_mm, tolerance_mm) else { continue };
+        if is_alone && moved.is_clear() {
+            done.push(moved.rings);
+        } else if is_alone {
+            done.extend(resolved(&moved.rings));
+        } else {
+            crossed.extend(moved.rings);
+        }
+    }
+    if !crossed.is_empty() {
+        done.extend(resolved(&crossed));
+    }
+    done
+}
+
+/// For each component whether its offset cannot meet those of the others, by bounding boxes.
+fn alone(components: &[Rings], by_mm: f64, tolerance_mm: f64) -> Vec<bool> {
+    if by_mm < 0.0 || components.len() == 1 {
+        return vec![true; components.len()];
+    }
+    let reach = 2.0 * (by_mm + tolerance_mm);
+    let boxes: Vec<_> = components.iter().map(|rings| bounds(&rings[0])).collect();
+    let meets = |a: usize, b: usize| {
+        boxes[a].zip(boxes[b]).is_some_and(|(a, b)| overlap(a, b, reach))
+    };
+    (0..boxes.len()).map(|a| (0..boxes.len()).all(|b| a == b || !meets(a, b))).collect()
+}
+
+/// The points around which moved rings wind at least once, in components.
+fn resolved(rings: &Rings) -> Vec<Rings> {
+    let without_spikes = |component: Rings| -> Option<Rings> {
+        let mut rings = component.iter();
+        let outer = without_spikes(rings.next()?)?;
+        Some(std::iter::once(outer).chain(rings.filter_map(|ring| without_spikes(ring))).collect())
+    };
+    rings.simplify_shape(FillRule::Positive).into_iter().filter_map(without_spikes).collect()
+}
+
+/// The moved rings of a component.
+struct Component {
+    rings: Rings,
+    /// Whether no edge had to be joined through a corner.
+    is_plain: bool,
+    shrinks: bool,
+}
+
+impl Component {
+    /// `None` if nothing is left of the component.
+    fn new(rings: &Rings, by_mm: f64, tolerance_mm: f64) -> Option<Self> {
+        let mut component = Self { rings: Vec::new(), is_plain: true, shrinks: by_mm < 0.0 };
+        for (number, ring) in rings.iter().enumerate() {
+            match moved(ring, by_mm, tolerance_mm) {
+                Moved::Plain(ring) => component.rings.push(ring),
+                Moved::Joined(ring) => {
+                    component.is_plain = false;
+                    component.rings.push(ring);
+                }
+                Moved::Nothing if number == 0 => return None,
+                Moved::Nothing => {}
+            }
+        }
+        Some(component)
+    }
+
+    /// Whether the rings are the border of one component.
+    fn is_clear(&self) -> bool {
+        if !self.is_plain || !are_clear(&self.rings) {
+            return false;
+        }
+        // Holes that shrink stay where they are; those that grow may have passed each other.
+        let [outer, holes @ ..] = &self.rings[..] else { return false };
+        !self.shrinks
+            || holes.iter().enumerate().all(|(number, hole)| {
+                let others = holes.iter().enumerate().filter(|(other, _)| *other != number);
+                contains(outer, hole[0])
+                    && !others.into_iter().any(|(_, other)| contains(other, hole[0]))
+            })
+    }
+}
