@@ -86,8 +86,9 @@
 mod area;
 mod bead;
 mod bead_svg;
-mod bounds;
+mod crossings;
 mod frame;
+mod measure;
 mod offset;
 mod pattern;
 mod picture;

@@ -8,8 +8,8 @@
 //!
 //! - While a ring moves, it passes over points in one direction only, because no edge turns.
 //! - It passes over every point within the distance.
-//!   Let q be the point of the border nearest to p, on edge e, and let the segment from q to p leave
-//!   what e passes over.
+//!   Let q be the point of the border nearest to p, on edge e, and let the segment from q to p
+//!   leave what e passes over.
 //!   It does so at a point r where e meets another edge f, which is then as far from r as q is.
 //!   So p is nearer to f than to q, since the normals of e and f differ: a contradiction.
 //!
@@ -18,30 +18,56 @@
 //! Edges that cannot be cut off simply are moved at full length then, and joined through the corner
 //! between them.
 
-mod crossings;
 mod moved;
+#[cfg(test)]
+mod tests;
 
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::float::simplify::SimplifyShape;
 
-use self::crossings::{are_clear, contains};
 use self::moved::{Moved, moved};
-use crate::bounds::{bounds, overlap};
+use crate::crossings::{are_clear, contains};
+use crate::measure::{bounds, overlap, ring_size_mm2};
 use crate::simplify::without_spikes;
 
+/// Size in mm² of rings that are left out.
+const MIN_RING_MM2: f64 = 1e-7;
+
 type Rings = Vec<Vec<[f64; 2]>>;
+
+/// Maximum speed of corners, relative to edges, in even offsets: that of a corner of 74 degrees.
+pub(crate) const EVEN_SPEED: f64 = 1.66;
+
+/// The result of an offset.
+pub(crate) struct Offset {
+    /// The components, each with its outer ring first.
+    pub(crate) components: Vec<Rings>,
+    /// Whether every point that rings passed over is at most [`EVEN_SPEED`] times as far from the
+    /// result as edges have moved.
+    ///
+    /// So it is if rings stay clear of each other and corners are not too acute: from each point
+    /// passed over, the edge or the corner that passed it leads to the result.
+    /// False otherwise, and false if it is unknown.
+    pub(crate) is_even: bool,
+}
 
 /// Components, each with its outer ring first, grown by a distance in mm, or shrunk if it is
 /// negative.
 ///
 /// Arcs lie outside the exact ones by at most a tolerance in mm, on the side to which rings move.
-pub(crate) fn offset(components: &[Rings], by_mm: f64, tolerance_mm: f64) -> Vec<Rings> {
+pub(crate) fn offset(components: &[Rings], by_mm: f64, tolerance_mm: f64) -> Offset {
     let mut done = Vec::new();
+    let mut is_even = true;
     let mut crossed: Rings = Vec::new();
     let is_alone = alone(components, by_mm, tolerance_mm);
     for (rings, is_alone) in components.iter().zip(is_alone) {
-        let Some(moved) = Component::new(rings, by_mm, tolerance_mm) else { continue };
-        if is_alone && moved.is_clear() {
+        let Some(moved) = Component::new(rings, by_mm, tolerance_mm) else {
+            is_even = false;
+            continue;
+        };
+        let is_clear = is_alone && moved.is_clear();
+        is_even &= is_clear && moved.max_speed <= EVEN_SPEED;
+        if is_clear {
             done.push(moved.rings);
         } else if is_alone {
             done.extend(resolved(&moved.rings));
@@ -52,7 +78,7 @@ pub(crate) fn offset(components: &[Rings], by_mm: f64, tolerance_mm: f64) -> Vec
     if !crossed.is_empty() {
         done.extend(resolved(&crossed));
     }
-    done
+    Offset { components: done, is_even }
 }
 
 /// For each component whether its offset cannot meet those of the others, by bounding boxes.
@@ -62,20 +88,23 @@ fn alone(components: &[Rings], by_mm: f64, tolerance_mm: f64) -> Vec<bool> {
     }
     let reach = 2.0 * (by_mm + tolerance_mm);
     let boxes: Vec<_> = components.iter().map(|rings| bounds(&rings[0])).collect();
-    let meets = |a: usize, b: usize| {
-        boxes[a].zip(boxes[b]).is_some_and(|(a, b)| overlap(a, b, reach))
-    };
+    let meets =
+        |a: usize, b: usize| boxes[a].zip(boxes[b]).is_some_and(|(a, b)| overlap(a, b, reach));
     (0..boxes.len()).map(|a| (0..boxes.len()).all(|b| a == b || !meets(a, b))).collect()
 }
 
 /// The points around which moved rings wind at least once, in components.
 fn resolved(rings: &Rings) -> Vec<Rings> {
-    let without_spikes = |component: Rings| -> Option<Rings> {
-        let mut rings = component.iter();
-        let outer = without_spikes(rings.next()?)?;
-        Some(std::iter::once(outer).chain(rings.filter_map(|ring| without_spikes(ring))).collect())
+    // Where many lines meet in a corner, rounding leaves rings around hardly anything.
+    let clean = |ring: &Vec<[f64; 2]>| {
+        without_spikes(ring).filter(|ring| ring_size_mm2(ring).abs() > MIN_RING_MM2)
     };
-    rings.simplify_shape(FillRule::Positive).into_iter().filter_map(without_spikes).collect()
+    let clean = |component: Rings| -> Option<Rings> {
+        let mut rings = component.iter();
+        let outer = clean(rings.next()?)?;
+        Some(std::iter::once(outer).chain(rings.filter_map(clean)).collect())
+    };
+    rings.simplify_shape(FillRule::Positive).into_iter().filter_map(clean).collect()
 }
 
 /// The moved rings of a component.
@@ -83,16 +112,22 @@ struct Component {
     rings: Rings,
     /// Whether no edge had to be joined through a corner.
     is_plain: bool,
+    /// Maximum speed of corners, relative to edges.
+    max_speed: f64,
     shrinks: bool,
 }
 
 impl Component {
     /// `None` if nothing is left of the component.
     fn new(rings: &Rings, by_mm: f64, tolerance_mm: f64) -> Option<Self> {
-        let mut component = Self { rings: Vec::new(), is_plain: true, shrinks: by_mm < 0.0 };
+        let mut component =
+            Self { rings: Vec::new(), is_plain: true, max_speed: 1.0, shrinks: by_mm < 0.0 };
         for (number, ring) in rings.iter().enumerate() {
             match moved(ring, by_mm, tolerance_mm) {
-                Moved::Plain(ring) => component.rings.push(ring),
+                Moved::Plain { ring, max_speed } => {
+                    component.max_speed = component.max_speed.max(max_speed);
+                    component.rings.push(ring);
+                }
                 Moved::Joined(ring) => {
                     component.is_plain = false;
                     component.rings.push(ring);

@@ -16,7 +16,11 @@ pub(super) enum Moved {
     /// No edge is left.
     Nothing,
     /// All edges are cut off at their intersections.
-    Plain(Vec<Vector>),
+    Plain {
+        ring: Vec<Vector>,
+        /// Maximum speed of corners that were not arcs, relative to edges.
+        max_speed: f64,
+    },
     /// Some edges are joined through the corner between them.
     Joined(Vec<Vector>),
 }
@@ -50,6 +54,7 @@ struct Front {
     /// 1 if edges move to the left, -1 if they move to the right.
     side: f64,
     tolerance_mm: f64,
+    max_speed: f64,
 }
 
 /// An edge, with the corner where it starts.
@@ -102,12 +107,14 @@ impl Front {
             }
         };
         let edges = (0..count).map(edge).collect();
-        let mut front = Self { edges, distance_mm: by_mm.abs(), side, tolerance_mm };
+        let mut front =
+            Self { edges, distance_mm: by_mm.abs(), side, tolerance_mm, max_speed: 1.0 };
         for at in 0..count {
             let (before, edge) = (front.edges[front.edges[at].before], front.edges[at]);
             if side * cross(before.along, edge.along) > 0.0 {
                 let velocity = meeting(&before, &edge).unwrap_or([f64::INFINITY; 2]);
                 (front.edges[at].velocity, front.edges[at].is_arc) = (velocity, false);
+                front.max_speed = front.max_speed.max(velocity[0].hypot(velocity[1]));
             }
         }
         Some(front)
@@ -169,6 +176,7 @@ impl Front {
                 return None;
             }
             let velocity = meeting(&before, &after)?;
+            self.max_speed = self.max_speed.max(velocity[0].hypot(velocity[1]));
             let corner = self.start(at, moved_mm);
             if !corner.iter().all(|x| x.is_finite()) {
                 return None;
@@ -198,10 +206,11 @@ impl Front {
             }
         }
         ring.dedup_by(|b, a| distance(*a, *b) < SHORT_MM);
-        Moved::Plain(ring)
+        Moved::Plain { ring, max_speed: self.max_speed }
     }
 
-    /// The ring of all edges, of which some, that are not cut off, are joined through their corners.
+    /// The ring of all edges, of which some, that are not cut off, are joined through their
+    /// corners.
     fn joined(&self, whole: &[usize]) -> Moved {
         let mut is_whole = vec![false; self.edges.len()];
         for &at in whole {

@@ -22,6 +22,9 @@ const OUTLINE_TOLERANCE_MM: f64 = 0.004;
 /// Maximum deviation in mm of an inset from the exact offset of that outline.
 const INSET_TOLERANCE_MM: f64 = 0.004;
 
+/// Maximum deviation in mm of arcs of insets.
+const ARC_TOLERANCE_MM: f64 = 0.002;
+
 /// Tolerance, in beads, of the areas that gaps are found with, which takes most of the time.
 /// Growing concave arcs of many corners would be slow, because all lines meet in the centre.
 const GAP_TOLERANCE: f64 = 0.02;
@@ -39,47 +42,63 @@ const MIN_SIZE: f64 = 0.25;
 const MIN_INFILL: f64 = 0.5;
 
 /// The insets of an island, and what is inside and between them.
+#[derive(Default)]
 pub(super) struct Walls {
     pub(super) insets: Vec<Inset>,
-    pub(super) residue: Area,
+    /// Walls too thin for the outermost inset.
+    pub(super) thin: Area,
+    /// What is left between insets, and between them and infill.
+    pub(super) gaps: Area,
     /// Where the centrelines of infill may lie.
     pub(super) infill: Area,
+    /// The area between the innermost insets.
+    pub(super) inside: Area,
 }
 
 impl Walls {
     pub(super) fn new(outline: &Area, settings: &Settings) -> Self {
         let bead_mm = settings.bead_mm;
         let fine = outline.simplified(OUTLINE_TOLERANCE_MM);
-        let inner = |beads: f64| fine.offset(-beads * bead_mm);
+        let inner = |beads: f64| fine.shrunk_evenly(beads * bead_mm, ARC_TOLERANCE_MM);
         let coarse = Coarse::new(&fine, bead_mm);
-        let mut walls =
-            Self { insets: Vec::new(), residue: Area::default(), infill: Area::default() };
-        let mut inside = coarse.outline.clone();
+        let mut walls = Self { inside: coarse.outline.clone(), ..Self::default() };
         let mut outer_depth = 0..0;
         for depth in 0..settings.perimeters {
             let beads = f64::from(depth);
-            let wide = coarse.inner(beads + WIDE);
+            let (wide, is_even) = coarse.inner(beads + WIDE);
             let min_width = if depth == 0 { MIN_WALL } else { MIN_GAP };
-            let gaps = coarse.gaps(&inside, &coarse.grown(&wide, WIDE + REACH), min_width);
-            if !wide.is_empty() {
-                let mut centre = inner(beads + 0.5);
+            let gaps = if is_even {
+                Area::default()
+            } else {
+                coarse.gaps(&walls.inside, &coarse.grown(&wide, WIDE + REACH), min_width)
+            };
+            // An even result may be too thin to be left when it is simplified.
+            if is_even || !wide.is_empty() {
+                let (mut centre, _) = inner(beads + 0.5);
                 if !gaps.is_empty() {
                     centre = centre.intersection(&coarse.grown(&wide, WIDE + REACH - 0.5));
                 }
                 outer_depth = walls.push(depth, outer_depth, &centre);
             }
-            walls.residue.append(gaps);
-            inside = coarse.inner(beads + 1.0);
-            if inside.is_empty() {
+            if depth == 0 {
+                walls.thin = gaps;
+            } else {
+                walls.gaps.append(gaps);
+            }
+            (walls.inside, _) = coarse.inner(beads + 1.0);
+            if walls.inside.is_empty() {
                 return walls;
             }
         }
         let margin = 0.5 - settings.infill_overlap;
         let is_wide = |rings: &[Ring]| mean_width_mm(rings) >= MIN_INFILL * bead_mm;
-        let infill = inner(f64::from(settings.perimeters) + margin);
+        let (infill, is_even) = inner(f64::from(settings.perimeters) + margin);
+        let count = infill.components().len();
         (walls.infill, _) = infill.simplified(INSET_TOLERANCE_MM).split(is_wide);
-        let reached = coarse.grown(&walls.infill, margin + REACH);
-        walls.residue.append(coarse.gaps(&inside, &reached, MIN_GAP));
+        if !is_even || walls.infill.components().len() < count {
+            let reached = coarse.grown(&walls.infill, margin + REACH);
+            walls.gaps.append(coarse.gaps(&walls.inside, &reached, MIN_GAP));
+        }
         walls
     }
 
@@ -112,10 +131,10 @@ impl Coarse {
         Self { outline: outline.simplified(tolerance_mm), bead_mm, tolerance_mm }
     }
 
-    /// The outline shrunk by a number of beads.
-    fn inner(&self, beads: f64) -> Area {
-        let inner = self.outline.offset_within(-beads * self.bead_mm, self.tolerance_mm);
-        inner.simplified(self.tolerance_mm)
+    /// The outline shrunk by a number of beads, and whether that is even.
+    fn inner(&self, beads: f64) -> (Area, bool) {
+        let (inner, is_even) = self.outline.shrunk_evenly(beads * self.bead_mm, self.tolerance_mm);
+        (inner.simplified(self.tolerance_mm), is_even)
     }
 
     /// An area grown by a number of beads.

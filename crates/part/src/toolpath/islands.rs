@@ -8,8 +8,8 @@ use super::infill;
 use super::insets::Walls;
 use super::island::Island;
 use super::settings::{Settings, ToolpathError};
-use super::skeleton::{SkeletonSettings, skeletons};
-use super::solid::{Surfaces, coarse, divide, near_surface};
+use super::skeleton::{Skeleton, SkeletonSettings, skeletons};
+use super::solid::{Near, Surfaces, coarse, divide};
 use crate::area::Area;
 use crate::slice::LayerAreas;
 
@@ -18,6 +18,11 @@ const MIN_SKELETON: f64 = 0.38;
 
 /// Maximum width of skeletons in beads: insets reach wider places.
 const MAX_SKELETON: f64 = 1.6;
+
+/// Length in beads, and size in squares of a bead, below which skeletons in islands with insets are
+/// dropped: to start and end such a bead costs more than it adds.
+const MIN_GAP_LENGTH: f64 = 2.0;
+const MIN_GAP_SIZE: f64 = 1.0;
 
 /// Lays out the insets, the skeletons and the infill of every layer.
 ///
@@ -54,11 +59,11 @@ pub fn islands(
     let done = AtomicUsize::new(0);
     let layer = |number: usize| {
         control.check()?;
-        let near_surface = near_surface(&surfaces, number, settings);
+        let near = Near::new(&surfaces, number, settings);
         let mut islands = Vec::new();
         for each in &layers[number].areas {
             for outline in each.area.clone().into_components() {
-                islands.push(island(each.material, outline, &near_surface, settings, number));
+                islands.push(island(each.material, outline, &near, settings, number));
             }
         }
         control.report(done.fetch_add(1, Ordering::Relaxed) + 1, layers.len());
@@ -70,20 +75,21 @@ pub fn islands(
 fn island(
     material: u8,
     outline: Area,
-    near_surface: &Area,
+    near: &Near<'_>,
     settings: &Settings,
     layer: usize,
 ) -> Island {
-    let Walls { insets, residue, infill } = Walls::new(&outline, settings);
-    let bead_mm = settings.bead_mm;
-    let skeleton_settings = SkeletonSettings {
-        min_width_mm: MIN_SKELETON * bead_mm,
-        max_width_mm: MAX_SKELETON * bead_mm,
-        min_length_mm: MIN_SKELETON * bead_mm,
-        ..SkeletonSettings::default()
-    };
-    let skeletons = skeletons(&residue, &skeleton_settings);
-    let (solid, sparse) = divide(infill, near_surface, settings);
+    let Walls { insets, thin, gaps, infill, inside } = Walls::new(&outline, settings);
+    let mut skeletons = Vec::new();
+    if settings.thin_walls {
+        skeletons.extend(beads_along(&thin, insets.is_empty(), settings));
+    }
+    if settings.gap_fill {
+        skeletons.extend(beads_along(&gaps, insets.is_empty(), settings));
+    }
+    let mut residue = thin;
+    residue.append(gaps);
+    let (solid, sparse) = divide(infill, &inside, near, settings);
     let mut infill = Vec::new();
     if !solid.is_empty() {
         infill.push(infill::solid(solid, settings, layer));
@@ -92,6 +98,24 @@ fn island(
         infill.push(infill::sparse(sparse, settings, layer));
     }
     Island { material, outline, insets, residue, skeletons, infill }
+}
+
+/// The skeletons of residue, without those that are too short next to insets.
+fn beads_along(residue: &Area, is_alone: bool, settings: &Settings) -> Vec<Skeleton> {
+    let bead_mm = settings.bead_mm;
+    let skeleton_settings = SkeletonSettings {
+        min_width_mm: MIN_SKELETON * bead_mm,
+        max_width_mm: MAX_SKELETON * bead_mm,
+        min_length_mm: MIN_SKELETON * bead_mm,
+        ..SkeletonSettings::default()
+    };
+    let mut found = skeletons(residue, &skeleton_settings);
+    found.retain(|skeleton| {
+        is_alone
+            || skeleton.length_mm() >= MIN_GAP_LENGTH * bead_mm
+                && skeleton.area_mm2() >= MIN_GAP_SIZE * bead_mm * bead_mm
+    });
+    found
 }
 
 /// Returns an error if lines would be too many to hold.

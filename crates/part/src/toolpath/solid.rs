@@ -3,12 +3,17 @@
 use super::insets::mean_width_mm;
 use super::settings::Settings;
 use crate::area::{Area, Ring};
+use crate::measure::{Bounds, bounds, overlap, ring_size_mm2};
 
 /// Size in mm² below which a piece of a surface is dropped: a disc of 0.1 mm does not fit into it.
 const SLIVER_MM2: f64 = 0.0078;
 
 /// Tolerance, in beads, of outlines that are compared with those of the next layer.
 const TOLERANCE: f64 = 0.02;
+
+/// Size, in squares of a bead, below which solid pieces within a larger region become sparse, and
+/// sparse pieces solid.
+const MIN_SIZE: f64 = 16.0;
 
 /// Half the width, in beads, below which solid pieces are dropped.
 const MIN_HALF_WIDTH: f64 = 0.45;
@@ -42,17 +47,32 @@ impl Surfaces {
     }
 }
 
-/// The centres of discs, nearly a bead wide, that have to be solid in a layer.
-///
-/// A point lies below fewer layers of the part than required if, at that point, one of these layers
-/// has a top surface; so surfaces need to be compared with the next layer only.
-pub(super) fn near_surface(surfaces: &[Surfaces], layer: usize, settings: &Settings) -> Area {
-    let above = surfaces[layer..].iter().take(settings.top_layers as usize);
-    let below = surfaces[..=layer].iter().rev().take(settings.bottom_layers as usize);
-    let tops = above.map(|surfaces| &surfaces.top);
-    let bottoms = below.map(|surfaces| &surfaces.bottom);
-    let near = Area::union_of(tops.chain(bottoms).cloned().collect());
-    offset(&near, -MIN_HALF_WIDTH, settings)
+/// The surfaces within as many layers of a layer as have to be solid.
+pub(super) struct Near<'a>(Vec<(Bounds, &'a Vec<Ring>)>);
+
+impl<'a> Near<'a> {
+    /// The surfaces near a layer.
+    ///
+    /// A point lies below fewer layers of the part than required if, at that point, one of these
+    /// layers has a top surface; so surfaces need to be compared with the next layer only.
+    pub(super) fn new(surfaces: &'a [Surfaces], layer: usize, settings: &Settings) -> Self {
+        let above = surfaces[layer..].iter().take(settings.top_layers as usize);
+        let below = surfaces[..=layer].iter().rev().take(settings.bottom_layers as usize);
+        let tops = above.map(|surfaces| &surfaces.top);
+        let bottoms = below.map(|surfaces| &surfaces.bottom);
+        let components = tops.chain(bottoms).flat_map(Area::components);
+        Self(components.filter_map(|rings| Some((bounds(&rings[0])?, rings))).collect())
+    }
+
+    /// The centres of discs, nearly a bead wide, that have to be solid, within an area.
+    ///
+    /// Most surfaces are slivers along the outline, which discs within the area do not reach.
+    fn discs(&self, inside: &Area, settings: &Settings) -> Area {
+        let Some(inner) = inside.bounds() else { return Area::default() };
+        let near = self.0.iter().filter(|(outer, _)| overlap(*outer, inner, 0.0));
+        let near: Vec<_> = near.map(|(_, rings)| *rings).collect();
+        offset(&inside.union_of_meeting(&near), -MIN_HALF_WIDTH, settings)
+    }
 }
 
 /// The area offset by a number of beads, to within the tolerance.
@@ -63,25 +83,39 @@ fn offset(area: &Area, beads: f64, settings: &Settings) -> Area {
 
 /// Divides an infill region into solid and sparse, which share a border.
 ///
-/// `near_surface` is that of the layer.
+/// `inside` is the area between the innermost insets, around the region.
 /// Solid pieces grow, so that they are anchored in their surroundings.
-pub(super) fn divide(region: Area, near_surface: &Area, settings: &Settings) -> (Area, Area) {
+/// Small solid pieces within larger ones become sparse; sparse pieces that are small or narrow
+/// become solid.
+pub(super) fn divide(
+    region: Area,
+    inside: &Area,
+    near: &Near<'_>,
+    settings: &Settings,
+) -> (Area, Area) {
     if settings.density >= 1.0 {
         return (region, Area::default());
     }
-    let near = region.intersection(near_surface).without_slivers(SLIVER_MM2);
+    let is_large = |rings: &[Ring]| {
+        let mm2: f64 = rings.iter().map(|ring| ring_size_mm2(ring)).sum();
+        // Without sparse infill, small pieces stay empty like large ones.
+        settings.density == 0.0 || mm2 >= MIN_SIZE * settings.bead_mm * settings.bead_mm
+    };
+    let (region, small) = region.split(is_large);
+    let near = near.discs(inside, settings).intersection(&region).without_slivers(SLIVER_MM2);
     let solid = offset(&near, MIN_HALF_WIDTH + ANCHOR, settings).intersection(&region);
+    let (mut solid, _) = solid.split(is_large);
     if solid.is_empty() {
-        return (Area::default(), region);
+        return (small, region);
     }
     // Sparse pieces that are too narrow become solid.
-    let is_wide = |rings: &[Ring]| mean_width_mm(rings) >= settings.bead_mm;
+    let is_wide = |rings: &[Ring]| mean_width_mm(rings) >= settings.bead_mm && is_large(rings);
     let (sparse, narrow) = region.difference(&solid).split(is_wide);
     if sparse.is_empty() {
-        return (region, sparse);
+        solid = region;
+    } else if !narrow.is_empty() {
+        solid = region.difference(&sparse);
     }
-    if narrow.is_empty() {
-        return (solid, sparse);
-    }
-    (region.difference(&sparse), sparse)
+    solid.append(small);
+    (solid, sparse)
 }

@@ -289,7 +289,7 @@ fn solid_layers_follow_the_surfaces() {
     }
     // The half without a tower, and a bead for anchorage.
     let [min, max] = layers[9][0].infill[0].region.bounds().unwrap();
-    assert!((min[0] - 19.5).abs() < 0.02 && (max[0] - 38.875).abs() < 0.02, "{min:?} {max:?}");
+    assert!((min[0] - 19.5).abs() < 0.02 && (max[0] - 38.775).abs() < 0.02, "{min:?} {max:?}");
     // Lines of one layer cross those of the next, and lie on those of the next but one.
     let lines = |z: usize| &layers[z][0].infill[0].lines;
     assert_eq!(lines(10), lines(12));
@@ -332,6 +332,46 @@ fn thin_walls_end_where_wide_areas_begin() {
     assert!((10.0..10.6).contains(&min[0]) && max[0] > 19.9, "{min:?} {max:?}");
     let reach = island.insets[0].ring.iter().map(|point| point[0]).fold(0.0, f64::max);
     assert!((min[0] - 0.5 * BEAD_MM - reach).abs() < 0.1, "{reach} {min:?}");
+}
+
+#[test]
+fn beads_of_varying_width_can_be_left_out() {
+    // A block with a fin 0.6 mm wide, and a wall with a gap 0.3 mm wide between its insets.
+    let fin = rectangle(0.0, 0.0, 10.0, 10.0).union(&rectangle(10.0, 5.0, 10.0, 0.6));
+    let wall = rectangle(30.0, 0.0, 20.0, 2.3);
+    let count = |area: &Area, gap_fill: bool, thin_walls: bool| {
+        let settings = Settings { gap_fill, thin_walls, ..without_solid() };
+        laid_out(area, &settings)[0].skeletons.len()
+    };
+    for (area, expected) in [(&fin, [1, 1, 0, 0]), (&wall, [1, 0, 1, 0])] {
+        let got = [[true, true], [false, true], [true, false], [false, false]];
+        assert_eq!(got.map(|[gaps, walls]| count(area, gaps, walls)), expected);
+    }
+    // A stub beside insets is too short; a pillar of one bead is all there is.
+    let stub = rectangle(0.0, 0.0, 10.0, 10.0).union(&rectangle(10.0, 5.0, 0.7, 0.6));
+    assert_eq!(count(&stub, true, true), 0);
+    assert_eq!(count(&rectangle(0.0, 0.0, 0.6, 0.6), true, true), 1);
+}
+
+#[test]
+fn small_pieces_join_their_surroundings() {
+    let kinds = |area: &Area, above: &Area, density: f64| -> Vec<bool> {
+        let settings = Settings { density, top_layers: 1, bottom_layers: 0, ..Settings::default() };
+        let stack = layers(&[area.clone(), above.clone()]);
+        let islands = islands(&stack, &settings, &Control::default()).unwrap().remove(0);
+        islands[0].infill.iter().map(|infill| infill.is_solid).collect()
+    };
+    let plate = rectangle(0.0, 0.0, 20.0, 20.0);
+    let cut = |side: f64| plate.difference(&rectangle(10.0, 10.0, side, side));
+    // Surfaces of 0.6 mm and of 3 mm.
+    assert_eq!(kinds(&plate, &cut(0.6), 0.2), [false]);
+    assert_eq!(kinds(&plate, &cut(3.0), 0.2), [true, false]);
+    // Sparse regions of 1.55 mm, which are solid unless there is no sparse infill.
+    let pillar = rectangle(0.0, 0.0, 4.0, 4.0);
+    assert_eq!(kinds(&pillar, &pillar, 0.2), [true]);
+    assert_eq!(kinds(&pillar, &pillar, 0.0), [false]);
+    // Small surfaces of small regions.
+    assert_eq!(kinds(&pillar, &Area::default(), 0.0), [true]);
 }
 
 #[test]
@@ -391,7 +431,7 @@ fn extreme_areas_have_clear_results() {
     // No perimeters, and more than fit.
     let none = &laid_out(&square(0.0, 5.0), &Settings { perimeters: 0, ..without_solid() })[0];
     assert!(
-        none.insets.is_empty() && (none.infill[0].region.size_mm2() - 4.75 * 4.75).abs() < 0.01
+        none.insets.is_empty() && (none.infill[0].region.size_mm2() - 4.55 * 4.55).abs() < 0.01
     );
     let many = &laid_out(&square(0.0, 5.0), &Settings { perimeters: 1000, ..without_solid() })[0];
     assert_eq!((many.insets.len(), many.infill.len()), (5, 0));

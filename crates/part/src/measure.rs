@@ -1,4 +1,4 @@
-//! Bounding boxes.
+//! Bounding boxes and sizes.
 
 /// Minimum and maximum x and y.
 pub(crate) type Bounds = [[f64; 2]; 2];
@@ -15,4 +15,15 @@ pub(crate) fn bounds<'a>(points: impl IntoIterator<Item = &'a [f64; 2]>) -> Opti
 /// Whether two boxes are nearer than a distance in x and y.
 pub(crate) fn overlap(a: Bounds, b: Bounds, reach: f64) -> bool {
     [0, 1].iter().all(|&k| a[0][k] <= b[1][k] + reach && b[0][k] <= a[1][k] + reach)
+}
+
+/// Area enclosed by a ring in mm², negative if the ring is clockwise.
+pub(crate) fn ring_size_mm2(ring: &[[f64; 2]]) -> f64 {
+    let Some(&origin) = ring.first() else { return 0.0 };
+    let from_origin = |point: [f64; 2]| [point[0] - origin[0], point[1] - origin[1]];
+    let cross = |pair: &[[f64; 2]]| {
+        let [a, b] = [pair[0], pair[1]].map(from_origin);
+        (a[0] * b[1] - b[0] * a[1]) / 2.0
+    };
+    ring.windows(2).map(cross).sum()
 }
