@@ -24,6 +24,12 @@ pub struct BeadArgs {
     /// Number of solid layers at the top and at the bottom.
     #[arg(long, value_name = "N", default_value_t = 3)]
     solid_layers: u32,
+    /// Leave gaps between insets, and between them and infill, empty.
+    #[arg(long)]
+    no_gap_fill: bool,
+    /// Leave out walls that are too thin for an inset.
+    #[arg(long)]
+    no_thin_walls: bool,
     /// Join the insets and the infill of each island to one bead where the geometry allows it.
     #[arg(long)]
     join: bool,
@@ -58,6 +64,8 @@ impl BeadArgs {
             angle_degrees: self.angle,
             top_layers: self.solid_layers,
             bottom_layers: self.solid_layers,
+            gap_fill: !self.no_gap_fill,
+            thin_walls: !self.no_thin_walls,
             ..toolpath::Settings::default()
         }
     }
