@@ -245,23 +245,26 @@ def measure(args, folder, part, basis, density, width):
     with open(config, "w", encoding="utf-8") as file:
         lines = settings(basis, len(meshes), density, thin_walls, width)
         file.writelines(f"{key} = {value}\n" for key, value in lines.items())
-    theirs, variants, reason = [], {}, None
+    theirs, missing = [], {}
     wanted = VARIANTS if basis == "same" else {"unjoined": []}
     times = {variant: [] for variant in wanted}
     for _ in range(args.runs):
         theirs.append(slice_part(project, config, f"{stem}-prusa.gcode"))
         for variant, more in wanted.items():
-            if reason is None:
-                seconds, reason = plan_part(args.binary, path, rotation,
-                                            flags(basis, density, thin_walls) + more,
-                                            f"{stem}-{variant}.gcode")
-                times[variant] += [] if seconds is None else [seconds]
+            if variant in missing:
+                continue
+            seconds, reason = plan_part(args.binary, path, rotation,
+                                        flags(basis, density, thin_walls) + more,
+                                        f"{stem}-{variant}.gcode")
+            if seconds is None:
+                missing[variant] = reason
+            else:
+                times[variant].append(seconds)
     slicer = figures(args.binary, f"{stem}-prusa.gcode", theirs)
-    if reason is None:
-        variants = {variant: figures(args.binary, f"{stem}-{variant}.gcode", times[variant])
-                    for variant in wanted}
+    variants = {variant: figures(args.binary, f"{stem}-{variant}.gcode", times[variant])
+                for variant in wanted if variant not in missing}
     return {"part": name, "width_mm": width, "basis": basis, "density": density, "materials": len(meshes),
-            "prusaslicer": slicer, "beadwork": variants, "missing": reason}
+            "prusaslicer": slicer, "beadwork": variants, "missing": missing}
 
 
 RATIOS = [("beads", "beads"), ("infill", "infill beads"), ("travel_mm", "travel"),
@@ -307,8 +310,9 @@ def table(rows):
                 cells = [number(values[key], 3) for key, _ in RATIOS]
                 lines.append(f"| {row['basis']} | {row['part']} | {row['density']} % | {variant} | "
                              + " | ".join(cells) + " |")
-    for reason in sorted({row["missing"] for row in rows if row["missing"]}):
-        lines += ["", f"No program of beadwork: {reason}"]
+    for row in rows:
+        for variant, reason in row["missing"].items():
+            lines += ["", f"No program: {row['part']}, {row['density']} %, {variant}: {reason}"]
     return "\n".join(lines)
 
 
@@ -339,7 +343,7 @@ def verdicts(rows):
             continue
         cells = []
         for _, variant, key, limit in limits(row["part"], row["density"]):
-            ratio = row["ratios"][variant][key]
+            ratio = row["ratios"].get(variant, {}).get(key)
             is_kept = ratio is not None and ratio <= limit + 5e-4
             if key == "filament_mm3":
                 is_kept = is_kept and ratio >= 0.97 - 5e-4
