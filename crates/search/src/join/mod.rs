@@ -21,8 +21,9 @@
 //! 3. What can still be joined is joined greedily, nearest first: the other ends of the sequences,
 //!    and loops that come within reach of each other only in some part.
 //!
-//! The [`Outcome::bound`] is the number of connected components of the graph of all possible steps:
-//! no step leads from one component to another.
+//! The [`Outcome::bound`] is the number of connected components of the graph of all elements with
+//! points within reach of each other: no step leads from one component to another.
+//! It does not consider what lies between these points, such as an outline.
 //!
 //! # Example
 //! ```
@@ -45,6 +46,8 @@ mod solve;
 mod surroundings;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod twin;
 
 pub use bead::{Bead, OnLoop, Part};
 pub use solve::{Attachment, Input, Loops, Outcome, Settings, solve};

@@ -82,6 +82,8 @@ pub struct Loops<'a> {
     candidates: Vec<Candidate>,
     /// Sequences of loops that are within reach of each other all along.
     sequences: Vec<Bead>,
+    /// Pairs of loops with points within reach of each other, whatever lies between.
+    near_pairs: Vec<[usize; 2]>,
 }
 
 impl<'a> Loops<'a> {
@@ -96,6 +98,7 @@ impl<'a> Loops<'a> {
                 rings: loops,
                 candidates: Vec::new(),
                 sequences: Vec::new(),
+                near_pairs: Vec::new(),
             };
         }
         let near = Surroundings::new(loops, outline, settings.max_step_mm);
@@ -107,11 +110,12 @@ impl<'a> Loops<'a> {
             beads.join(candidate.elements);
         }
         let sequences = beads.into_beads();
-        Self { near: Some(near), rings: loops, candidates, sequences }
+        let near_pairs = near.near_pairs();
+        Self { near: Some(near), rings: loops, candidates, sequences, near_pairs }
     }
 
-    /// All ends of chains that can be joined to a loop, for callers who choose the ends of their
-    /// chains accordingly.
+    /// All ends of chains that can be joined to the nearest point of a loop, for callers who choose
+    /// the ends of their chains accordingly.
     ///
     /// Sorted by chain, end and loop.
     /// O(n) for n ends, as long as few edges lie within a step of each.
@@ -150,8 +154,16 @@ impl<'a> Loops<'a> {
         candidates.extend(chain_candidates(chains, near));
         keep_nearest(&mut candidates);
 
+        // Not only the steps found: two loops may come within reach of each other between samples,
+        // and the nearest point of a loop may lie behind an outline when another one does not.
         let mut components = DisjointSets::new(count);
+        let near_chains = chains.iter().enumerate().flat_map(|(chain, ends)| {
+            let chain = self.rings.len() + chain;
+            let near = ends.iter().flat_map(|&end| near.loops_within(end));
+            near.map(move |ring| [ring, chain])
+        });
         let steps = candidates.iter().map(|candidate| candidate.elements);
+        let steps = steps.chain(self.near_pairs.iter().copied()).chain(near_chains);
         let united = steps.filter(|&[a, b]| components.union(a as u32, b as u32)).count();
 
         // Joining loops first is not always better: it may use up the ends that chains need.

@@ -2,7 +2,7 @@
 
 use super::bead::OnLoop;
 use super::geometry::{crosses, distance2, nearest_on_segment};
-use crate::segment::{Segment, SegmentGrid};
+use crate::segment::{Segment, SegmentGrid, are_near};
 
 /// Distance in mm below which points are the same: outlines are rounded to less.
 const SAME_MM: f64 = 1e-4;
@@ -81,6 +81,34 @@ impl<'a> Surroundings<'a> {
         near.retain(|near| self.is_clear(point_mm, near.1.point_mm));
         near.sort_unstable_by_key(|near| near.0);
         near.into_iter().map(|(number, on_loop, _)| (number, on_loop)).collect()
+    }
+
+    /// The loops within reach of a point, whatever lies between; a loop may be repeated.
+    pub(super) fn loops_within(&self, point_mm: [f64; 2]) -> Vec<usize> {
+        let mut found = Vec::new();
+        self.for_each_near(point_mm, |number, _, _| found.push(number));
+        found
+    }
+
+    /// All pairs of loops with points within reach of each other, whatever lies between.
+    pub(super) fn near_pairs(&self) -> Vec<[usize; 2]> {
+        let mut found = Vec::new();
+        for (&segment, &(ring, _)) in self.grid.segments().iter().zip(&self.edges) {
+            let Some(ring) = ring else { continue };
+            self.grid.any_near(segment, self.reach_mm, |other| {
+                if let (Some(other_ring), _) = self.edges[other as usize]
+                    && ring < other_ring
+                    && found.last() != Some(&[ring as usize, other_ring as usize])
+                    && are_near(segment, self.grid.segments()[other as usize], self.reach_mm)
+                {
+                    found.push([ring as usize, other_ring as usize]);
+                }
+                false
+            });
+        }
+        found.sort_unstable();
+        found.dedup();
+        found
     }
 
     /// The nearest point of a loop, if it is within reach of a point and the step to it is clear.

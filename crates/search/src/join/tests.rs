@@ -139,7 +139,32 @@ fn nothing_is_joined_across_the_outline() {
     let loops = outlines.iter().map(|outline| inset(outline, 0.25)).collect();
     let island = Island { outline: outlines.to_vec(), loops, chains: Vec::new() };
     let joined = island.solve(1.0);
-    assert_eq!((joined.beads.len(), joined.bound), (2, 2));
+    assert_eq!((joined.beads.len(), joined.bound), (2, 1), "the bound does not know the outline");
+}
+
+#[test]
+fn the_bound_counts_steps_between_samples() {
+    // The tip of the second loop is within reach of the middle of an edge only, far from samples.
+    let square = rectangle(0.0, 0.0, 9.0, 9.0);
+    let tip = vec![[9.9, 4.05], [14.0, 3.0], [14.0, 6.0]];
+    let island = Island { outline: Vec::new(), loops: vec![tip, square], chains: Vec::new() };
+    for max_step_mm in [0.91, 0.95, 1.0, 1.2] {
+        assert_eq!(island.solve(max_step_mm).bound, 1);
+    }
+    assert_eq!(island.solve(0.89).bound, 2);
+}
+
+#[test]
+fn the_bound_counts_steps_to_points_that_are_not_the_nearest() {
+    // The nearest point of the loop lies behind a slit.
+    let square = rectangle(0.0, 0.0, 4.0, 4.0);
+    let slit = rectangle(1.9, 4.1, 0.2, 0.1);
+    let island = Island {
+        outline: vec![rectangle(-1.0, -1.0, 6.0, 6.0), slit],
+        loops: vec![square],
+        chains: vec![[[2.0, 4.4], [2.0, 4.9]]],
+    };
+    assert_eq!(island.solve(1.0).bound, 1);
 }
 
 #[test]
