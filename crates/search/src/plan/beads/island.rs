@@ -67,7 +67,7 @@ pub(super) fn island_beads(
             counts.optimal_regions = made.counts.optimal_regions;
         }
         made.strands = match &joiner {
-            Some(joiner) => join_all(joiner, &seams, &made.chains),
+            Some(joiner) => join_all(joiner, &seams, &made.ends_mm()),
             None => separate(&loops, &seams, &made.chains),
         };
         if best.as_ref().is_none_or(|best| made.strands.len() < best.strands.len()) {
@@ -87,6 +87,11 @@ pub(super) fn island_beads(
 }
 
 impl IslandBeads {
+    /// Both ends of each chain.
+    pub(super) fn ends_mm(&self) -> Vec<[[f64; 2]; 2]> {
+        self.chains.iter().map(Chain::ends_mm).collect()
+    }
+
     /// Adds the chains of an infill region.
     fn add_chains(&mut self, infill: &Infill, linked: Linked, bead_mm: f64) {
         let feature = infill_feature(infill);
@@ -186,10 +191,9 @@ fn separate(loops: &[Loop], seams: &[Option<OnLoop>], chains: &[Chain]) -> Vec<j
 fn join_all(
     joiner: &join::Loops<'_>,
     seams: &[Option<OnLoop>],
-    chains: &[Chain],
+    ends: &[[[f64; 2]; 2]],
 ) -> Vec<join::Bead> {
-    let ends: Vec<[[f64; 2]; 2]> = chains.iter().map(Chain::ends_mm).collect();
-    let mut strands = joiner.join(&ends).beads;
+    let mut strands = joiner.join(ends).beads;
     for strand in &mut strands {
         keep_seam(strand, seams);
     }
@@ -204,6 +208,10 @@ fn keep_seam(strand: &mut join::Bead, seams: &[Option<OnLoop>]) {
     });
     let seam = loops.enumerate().find_map(|(at, number)| Some((at, seams[number]?)));
     let Some((at, seam)) = seam else { return };
+    if strand.parts.len() == 1 {
+        strand.ways = vec![vec![seam]];
+        return;
+    }
     let distance2 = |way: &Vec<OnLoop>| {
         (0..2).map(|axis| (way[at].point_mm[axis] - seam.point_mm[axis]).powi(2)).sum::<f64>()
     };

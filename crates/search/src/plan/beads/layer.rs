@@ -8,7 +8,7 @@ use super::island::{IslandBeads, island_beads};
 use super::outcome::Counts;
 use super::settings::Settings;
 use super::solve::BeadError;
-use super::strand::{Chain, bead};
+use super::strand::bead;
 use crate::Stop;
 use crate::join::{self, OnLoop, Part};
 use crate::travel::{self, Item, Shape, Way};
@@ -35,6 +35,8 @@ pub(super) struct PlannedLayer {
 struct Candidate<'a> {
     island: &'a IslandBeads,
     strand: &'a join::Bead,
+    /// Both ends of each chain of the island.
+    ends: &'a [[[f64; 2]; 2]],
     group: u32,
     /// For a bead of loops, where it may begin.
     entries: Vec<[f64; 2]>,
@@ -85,10 +87,11 @@ impl LayerPlanner<'_> {
         islands: &[IslandBeads],
         planned: &mut PlannedLayer,
     ) -> Result<(), BeadError> {
+        let ends: Vec<Vec<[[f64; 2]; 2]>> = islands.iter().map(IslandBeads::ends_mm).collect();
         let candidates: Vec<Candidate<'_>> = (0..)
-            .zip(islands)
-            .flat_map(|(group, island)| {
-                island.strands.iter().map(move |strand| Candidate::new(island, strand, group))
+            .zip(islands.iter().zip(&ends))
+            .flat_map(|(group, (island, ends))| {
+                island.strands.iter().map(move |strand| Candidate::new(island, strand, ends, group))
             })
             .collect();
         let items: Vec<Item<'_>> = candidates.iter().map(Candidate::item).collect();
@@ -125,20 +128,25 @@ impl LayerPlanner<'_> {
 }
 
 impl<'a> Candidate<'a> {
-    fn new(island: &'a IslandBeads, strand: &'a join::Bead, group: u32) -> Self {
+    fn new(
+        island: &'a IslandBeads,
+        strand: &'a join::Bead,
+        ends: &'a [[[f64; 2]; 2]],
+        group: u32,
+    ) -> Self {
         let entries = if strand.has_only_loops() {
             strand.ways.iter().map(|way| way[0].point_mm).collect()
         } else {
             Vec::new()
         };
-        Self { island, strand, group, entries }
+        Self { island, strand, ends, group, entries }
     }
 
     fn item(&self) -> Item<'_> {
         let has_loops = self.strand.parts.iter().any(|part| matches!(part, Part::Loop(_)));
         let item = if self.entries.is_empty() {
-            let ends: Vec<[[f64; 2]; 2]> = self.island.chains.iter().map(Chain::ends_mm).collect();
-            let [start, end] = [self.strand.start_mm(0, &ends), self.strand.end_mm(0, &ends)];
+            let [start, end] =
+                [self.strand.start_mm(0, self.ends), self.strand.end_mm(0, self.ends)];
             Item { shape: Shape::Bead { start, end, reversible: true }, group: 0, stage: 0 }
         } else {
             Item::closed(&self.entries)
