@@ -63,10 +63,13 @@ impl CutPart {
                 control::quiet(threads, |control| cut.coverage(&cells, &settings, control))??;
             found.extend(remarks::of_bodies(&model, &coverage));
         }
-        let is_printed = |islands: &Vec<Island>| islands.iter().any(has_lines);
+        let is_printed = |islands: &Vec<Island>| islands.iter().any(Island::is_printed);
         let first = layers.iter().position(is_printed);
         let last = layers.iter().rposition(is_printed);
         let (Some(first), Some(last)) = (first, last) else {
+            if toolpath.perimeters == 0 && toolpath.density <= 0.0 {
+                bail!("nothing to print: no perimeters, no infill and no solid layers");
+            }
             bail!("nothing to print: the part is thinner than a bead of {} mm", toolpath.bead_mm);
         };
         if let Some(gap) = (first..last).find(|&layer| !is_printed(&layers[layer])) {
@@ -81,11 +84,19 @@ impl CutPart {
                 count(first as u64, "layer")
             ));
         }
+        let above = areas[last + 1..].iter().filter(|layer| !layer.areas.is_empty()).count();
+        if above > 0 {
+            found.push(format!(
+                "{} at the top without beads: the part is thinner than a bead there",
+                count(above as u64, "layer")
+            ));
+        }
         layers.truncate(last + 1);
         areas.truncate(last + 1);
         layers.drain(..first);
         areas.drain(..first);
-        let lost: Vec<&Island> = layers.iter().flatten().filter(|each| !has_lines(each)).collect();
+        let lost: Vec<&Island> =
+            layers.iter().flatten().filter(|each| !each.is_printed()).collect();
         if !lost.is_empty() {
             found.push(format!(
                 "{} too small to print: {:.2} mm² in all layers",
@@ -111,15 +122,6 @@ impl CutPart {
         let toolpath = *toolpath;
         Ok(BeadPart { name, model, frame, areas, islands: layers, toolpath, remarks, bounds })
     }
-}
-
-/// Whether anything of an island is printed.
-fn has_lines(island: &Island) -> bool {
-    let has_infill = island
-        .infill
-        .iter()
-        .any(|infill| infill.lines.iter().any(|line| line.len() > 1) || !infill.loops.is_empty());
-    has_infill || !island.insets.is_empty() || !island.skeletons.is_empty()
 }
 
 /// A plan of beads as checked G-code.

@@ -52,3 +52,13 @@ pub struct Infill {
     /// Closed lines, of concentric infill only, from the outside inwards.
     pub loops: Vec<Ring>,
 }
+
+impl Island {
+    /// Whether anything of the island is printed; not if it is too small.
+    pub fn is_printed(&self) -> bool {
+        let has_lines = |infill: &Infill| {
+            infill.lines.iter().any(|line| line.len() > 1) || !infill.loops.is_empty()
+        };
+        !self.insets.is_empty() || !self.skeletons.is_empty() || self.infill.iter().any(has_lines)
+    }
+}

@@ -64,7 +64,9 @@ pub fn solve(
     let tools: Vec<Vec<u8>> = layers
         .iter()
         .map(|islands| {
-            let mut tools: Vec<u8> = islands.iter().map(|island| island.material).collect();
+            // A tool is not fetched for islands that are too small to be printed.
+            let printed = islands.iter().filter(|island| island.is_printed());
+            let mut tools: Vec<u8> = printed.map(|island| island.material).collect();
             tools.sort_unstable();
             tools.dedup();
             tools

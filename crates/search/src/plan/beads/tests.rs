@@ -232,3 +232,30 @@ fn layers_may_be_empty() {
     let plan = plan(&[Vec::new(), Vec::new()]);
     assert_eq!((plan.layers.len(), plan.lifts(), plan.stop), (2, 0, Stop::Optimal));
 }
+
+#[test]
+fn tools_are_not_fetched_for_what_is_too_small() {
+    // The second material is too thin in every other layer.
+    let layer = |number: u32| {
+        let width = if number.is_multiple_of(2) { 3.0 } else { 0.05 };
+        let rings = [rectangle(0.0, 0.0, 9.0, 9.0), rectangle(9.0, 0.0, width, 9.0)];
+        let areas = rings.iter().zip(0..).map(|(ring, material)| {
+            let area = Area::from_rings(std::slice::from_ref(ring), FillRule::NonZero);
+            MaterialArea { material, area }
+        });
+        LayerAreas { areas: areas.collect() }
+    };
+    let areas: Vec<LayerAreas> = (0..4).map(layer).collect();
+    let toolpath = toolpath::Settings::default();
+    let layers = islands(&areas, &toolpath, &Control::default()).unwrap();
+    assert_eq!(layers[1].len(), 2);
+    let costs = CostMatrix::uniform(2);
+    let plan = solve(&layers, &toolpath, &costs, &Settings::default(), &Control::default());
+    let plan = plan.unwrap();
+    check(&layers, &plan);
+    assert_eq!(plan.order.orders[1].len(), 1);
+    let beads = plan.layers.iter().flat_map(|layer| &layer.beads);
+    let mut tools: Vec<u8> = beads.map(|bead| bead.tool).collect();
+    tools.dedup();
+    assert_eq!(plan.order.changes as usize, tools.len() - 1);
+}
