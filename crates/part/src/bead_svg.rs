@@ -104,7 +104,7 @@ fn write_beads(
             let [red, green, blue] = colour(bead, moves[0].feature, colours);
             writeln!(
                 out,
-                r##"" stroke="#{red:02x}{green:02x}{blue:02x}" stroke-width="{:.3}"/>"##,
+                r##"" stroke="#{red:02x}{green:02x}{blue:02x}" stroke-width="{:.3}" stroke-linejoin="round"/>"##,
                 DRAWN_WIDTH * moves[0].width_mm
             )?;
         }

@@ -8,6 +8,10 @@ use super::vector::{Vector, add_scaled, distance, left, lerp, nearest_on_segment
 
 /// Rays across the width of a bead that measure how far it is from the end of the wall.
 const RAYS: usize = 6;
+/// Distance from the end of a bead to the boundary, in mm and as a share of half the maximum width:
+/// positions in a file are rounded, callers simplify the boundary, and the centreline must not
+/// touch the outline.
+const END_GAP: [f64; 2] = [0.005, 0.025];
 /// Change of width that a simplified line may have to the original one, as a ratio.
 const WIDTH_TOLERANCE: f64 = 0.05;
 /// Directions in which a bead without direction is tried.
@@ -120,7 +124,7 @@ fn extend(nodes: &mut Vec<Node>, trim_mm: [f64; 2], boundary: &Boundary, max_rad
     }
 }
 
-/// Mean distance in mm to the boundary ahead, over the width of the bead, but not beyond it.
+/// Mean distance in mm to the boundary ahead, over the width of the bead, but not up to it.
 fn room_ahead(end: Node, direction: Vector, boundary: &Boundary, max_radius: f64) -> f64 {
     let half_width = end.radius.min(max_radius);
     let limit = 2.5 * half_width.max(end.radius.min(2.0 * max_radius));
@@ -129,7 +133,8 @@ fn room_ahead(end: Node, direction: Vector, boundary: &Boundary, max_radius: f64
         boundary.hit(from, direction, limit)
     };
     let sum: f64 = (0..RAYS).map(|i| hit((2 * i + 1) as f64 / RAYS as f64 - 1.0)).sum();
-    (sum / RAYS as f64).min(hit(0.0))
+    let room = hit(0.0) - END_GAP[0] - END_GAP[1] * max_radius;
+    (sum / RAYS as f64).min(room).max(0.0)
 }
 
 /// Drops points between which position and width are almost linear, as Douglas and Peucker do.

@@ -572,3 +572,20 @@ fn degenerate_areas() {
         }
     }
 }
+
+#[test]
+fn centrelines_do_not_touch_the_ends_of_walls() {
+    // Positions in a file are rounded to 0.001 mm; a centreline on the outline has left the part.
+    for width in [0.25, 0.3, 0.5, 0.7, 0.799_93, 0.8] {
+        for length in [1.0, 7.3, 20.0] {
+            let wall = vec![[0.0, 0.0], [length, 0.0], [length, width], [0.0, width]];
+            let found = skeletons(&area(&[wall]), &SkeletonSettings::default());
+            assert_eq!(found.len(), 1, "{length} x {width}");
+            for point in &found[0].points {
+                let margin = point[0].min(length - point[0]);
+                assert!(margin > 0.004, "{length} x {width}: {margin}");
+            }
+            assert!(found[0].length_mm() > length - 0.05, "{length} x {width}");
+        }
+    }
+}

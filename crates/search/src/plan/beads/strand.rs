@@ -93,12 +93,23 @@ pub(super) fn bead(
         if at == 0 {
             bead.start_mm = start_mm;
         } else if !is_same(bead.end_mm(), start_mm) {
-            // The step belongs to what it leads to.
-            bead.moves.push(ExtrusionMove { to_mm: start_mm, ..moves[0] });
+            let before = bead.moves.last().copied();
+            bead.moves.push(step(before.unwrap_or(moves[0]), moves[0], start_mm));
         }
         bead.moves.extend(moves);
     }
     bead
+}
+
+/// The step from one move to another.
+///
+/// It is as wide as the narrower one, because it may begin or end in a thin wall.
+/// It belongs to what it leads to, but to a skeleton if it leaves one: insets keep a distance from
+/// the outline that skeletons do not.
+fn step(before: ExtrusionMove, after: ExtrusionMove, to_mm: [f64; 2]) -> ExtrusionMove {
+    let is_skeleton = matches!(before.feature, Feature::ThinWall | Feature::GapFill);
+    let feature = if is_skeleton { before.feature } else { after.feature };
+    ExtrusionMove { to_mm, width_mm: before.width_mm.min(after.width_mm), feature }
 }
 
 /// Whether two points are exactly the same, so that no move leads from one to the other.
