@@ -34,6 +34,7 @@ pub struct BeadArgs {
     #[arg(long)]
     join: bool,
     /// Where outlines begin: aligned (above each other), nearest (shortest travel), rear or random.
+    /// With --join, an outline that is joined to infill begins near an end of that infill.
     #[arg(long, value_name = "RULE", default_value = "aligned")]
     seam: Seam,
     /// Order of the beads of a layer: islands (one island after the other, loops before infill) or

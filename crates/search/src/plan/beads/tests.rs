@@ -259,3 +259,50 @@ fn tools_are_not_fetched_for_what_is_too_small() {
     tools.dedup();
     assert_eq!(plan.order.changes as usize, tools.len() - 1);
 }
+
+#[test]
+fn joined_thin_walls_stay_within_the_outline() {
+    // A block with a fin that is thinner than a bead.
+    for fin in [0.3, 0.45, 0.6] {
+        let (low, high) = (5.0 - fin / 2.0, 5.0 + fin / 2.0);
+        let ring = vec![
+            [0.0, 0.0],
+            [10.0, 0.0],
+            [10.0, low],
+            [18.0, low],
+            [18.0, high],
+            [10.0, high],
+            [10.0, 10.0],
+            [0.0, 10.0],
+        ];
+        let area = Area::from_rings(std::slice::from_ref(&ring), FillRule::NonZero);
+        let areas = [LayerAreas { areas: vec![MaterialArea { material: 0, area }] }];
+        let toolpath = toolpath::Settings::default();
+        let layers = islands(&areas, &toolpath, &Control::default()).unwrap();
+        assert!(!layers[0][0].skeletons.is_empty());
+        let settings = Settings { join: Some(join::Settings::default()), ..Settings::default() };
+        let costs = CostMatrix::uniform(1);
+        let plan = solve(&layers, &toolpath, &costs, &settings, &Control::default()).unwrap();
+        check(&layers, &plan);
+        assert!(plan.layers[0].beads.len() < 3, "the fin is joined to the block");
+        let from_edge = |point: [f64; 2]| {
+            let nearest = |at: usize| {
+                let edge = [ring[at], ring[(at + 1) % ring.len()]];
+                crate::segment::project(point, edge).1
+            };
+            (0..ring.len()).map(nearest).fold(f64::INFINITY, f64::min)
+        };
+        for bead in &plan.layers[0].beads {
+            let mut from = bead.start_mm;
+            for step in &bead.moves {
+                let is_skeleton = matches!(step.feature, Feature::ThinWall | Feature::GapFill);
+                let needed = if is_skeleton { 0.004 } else { 0.45 * step.width_mm - 0.002 };
+                for part in (0..=10).map(f64::from) {
+                    let point = [0, 1].map(|k| from[k] + part / 10.0 * (step.to_mm[k] - from[k]));
+                    assert!(from_edge(point) >= needed, "{fin}: {point:?}");
+                }
+                from = step.to_mm;
+            }
+        }
+    }
+}
