@@ -191,7 +191,7 @@ fn skeletons_have_a_tolerance_of_their_own() {
     };
     assert!(matches!(check(0.05), Err(CheckError::OutsideOutline { .. })));
     assert!(check(0.1).is_ok());
-    for outside in [-0.1, 0.5, f64::NAN] {
+    for outside in [-0.1, 0.6, f64::NAN] {
         let error = check(outside).unwrap_err();
         assert!(matches!(error, CheckError::Settings(SettingsError::Value { .. })), "{error}");
     }

@@ -316,8 +316,8 @@ fn strips_cover_walls() {
             let found_coverage = coverage(&area, &found);
             println!("{width} {name} {} {found_coverage:.3?}", found.len());
             let Coverage { sum, covered, twice, outside } = found_coverage;
-            assert!((0.95..1.03).contains(&sum), "{width} {name} {found_coverage:?}");
-            assert!(covered > 0.94, "{width} {name} {found_coverage:?}");
+            assert!((0.94..1.03).contains(&sum), "{width} {name} {found_coverage:?}");
+            assert!(covered > 0.935, "{width} {name} {found_coverage:?}");
             assert!(twice < 0.035 && outside < 0.012, "{width} {name} {found_coverage:?}");
             check(&area, &found);
         }
@@ -358,7 +358,8 @@ fn a_wall_is_covered_from_end_to_end() {
             let wall = stroke(&[[0.0, 0.0], [length, 0.0]], width);
             let found = found(&wall);
             assert_eq!(found.len(), 1, "{width} {length}");
-            assert!((found[0].length_mm() - length).abs() < 0.005);
+            let gaps = length - found[0].length_mm();
+            assert!((0.01..0.04).contains(&gaps), "both ends keep a distance: {gaps}");
             assert!(found[0].points.iter().all(|p| p[1].abs() < 0.005));
             assert!(found[0].widths_mm.iter().all(|w| (w - width).abs() < 0.005));
         }
