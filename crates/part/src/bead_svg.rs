@@ -7,6 +7,9 @@ use beadwork_gcode::Feature;
 use crate::bead::{Bead, BeadLayer};
 use crate::svg::{FONT, PATH_COLOUR, escape};
 
+/// Corners of beads are round.
+const JOINT: &str = r#"stroke-linejoin="round""#;
+
 /// A layer to draw.
 #[derive(Clone, Copy, Debug)]
 pub struct BeadPanel<'a> {
@@ -104,7 +107,7 @@ fn write_beads(
             let [red, green, blue] = colour(bead, moves[0].feature, colours);
             writeln!(
                 out,
-                r##"" stroke="#{red:02x}{green:02x}{blue:02x}" stroke-width="{:.3}" stroke-linejoin="round"/>"##,
+                r##"" stroke="#{red:02x}{green:02x}{blue:02x}" stroke-width="{:.3}" {JOINT}/>"##,
                 DRAWN_WIDTH * moves[0].width_mm
             )?;
         }

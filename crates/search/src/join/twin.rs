@@ -203,15 +203,15 @@ fn beads_are_nearly_the_fewest() {
         let island = random_island(&mut rng);
         let max_step_mm = rng.random_range(0.3..1.3);
         let joined = island.solve(max_step_mm);
-        let [most, least] = [false, true].map(|is_lax| island.fewest(max_step_mm, is_lax));
-        assert!(least <= most, "case {case}");
-        assert!(joined.beads.len() >= least, "case {case}: {} < {least}", joined.beads.len());
-        assert!(joined.bound <= most, "case {case}: bound {} > {most}", joined.bound);
-        if least == most {
+        let [highest, lowest] = [false, true].map(|is_lax| island.fewest(max_step_mm, is_lax));
+        assert!(lowest <= highest, "case {case}");
+        assert!(joined.beads.len() >= lowest, "case {case}: {} < {lowest}", joined.beads.len());
+        assert!(joined.bound <= highest, "case {case}: bound {} > {highest}", joined.bound);
+        if lowest == highest {
             known += 1;
-            optimal += usize::from(joined.beads.len() == least);
-            excess += joined.beads.len() - least;
-            fewest += least;
+            optimal += usize::from(joined.beads.len() == lowest);
+            excess += joined.beads.len() - lowest;
+            fewest += lowest;
         }
     }
     println!("{known} minima known, {optimal} reached; {excess} more beads than {fewest}");
