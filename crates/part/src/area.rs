@@ -113,6 +113,21 @@ impl Area {
         self
     }
 
+    /// The area without holes that are slits: those whose mean width, twice their size divided by
+    /// their perimeter, is below a width in mm.
+    #[must_use]
+    pub fn without_slits(mut self, min_width_mm: f64) -> Self {
+        for rings in &mut self.components {
+            let mut is_outer = true;
+            rings.retain(|ring| {
+                let size_mm2 = -ring_size_mm2(ring);
+                std::mem::take(&mut is_outer)
+                    || 2.0 * size_mm2 >= min_width_mm * ring_length_mm(ring)
+            });
+        }
+        self
+    }
+
     /// The area with fewer corners: no point of its border moves by more than a tolerance in mm.
     ///
     /// Rings that keep fewer than three corners are left out.
@@ -228,6 +243,12 @@ impl Area {
     }
 }
 
+/// Length of a ring in mm.
+fn ring_length_mm(ring: &[[f64; 2]]) -> f64 {
+    let next = ring.iter().cycle().skip(1);
+    ring.iter().zip(next).map(|(a, b)| ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)).sqrt()).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use rand::{RngExt, SeedableRng};
@@ -242,6 +263,15 @@ mod tests {
 
     fn area(rings: &[Ring]) -> Area {
         Area::from_rings(rings, FillRule::EvenOdd)
+    }
+
+    #[test]
+    fn slits_are_holes_of_little_width() {
+        let slit =
+            |width: f64| vec![[2.0, 2.0], [2.0, 2.0 + width], [8.0, 8.0 + width], [8.0, 8.0]];
+        let with_slit = |width| area(&[square(0.0, 0.0, 10.0), slit(width)]);
+        assert_eq!(with_slit(0.01).without_slits(0.02).components()[0].len(), 1);
+        assert_eq!(with_slit(0.05).without_slits(0.02).components()[0].len(), 2);
     }
 
     #[test]
