@@ -117,9 +117,10 @@ impl Island {
                     let element = element_of[to];
                     if set & 1 << element == 0 {
                         // A loop is left where it was entered, a chain at its other end.
-                        let exit = match elements[element].is_loop {
-                            true => to,
-                            false => first[element] + 1 - (to - first[element]),
+                        let exit = if elements[element].is_loop {
+                            to
+                        } else {
+                            first[element] + 1 - (to - first[element])
                         };
                         ends[set | 1 << element][exit] = true;
                     }
