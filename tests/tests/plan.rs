@@ -225,7 +225,7 @@ fn bad_input_is_reported_and_leaves_nothing_behind() {
         text(&out),
     ];
     assert!(misused(&twice).contains("the same file"));
-    assert!(misused(&["plan", "example:palette"]).contains("--objective"));
+    assert!(misused(&["plan", "example:palette", "--objective"]).contains("--objective"));
     assert!(misused(&["plan", "--objective", "tools"]).contains("PART"));
     assert!(
         misused(&["plan", "x.stl", "--objective", "tools", "--rotate", "90"])

@@ -54,7 +54,10 @@ fn flags_change_what_is_printed() {
         (number("beads"), number("extrusion_mm"), value)
     };
     let (beads, sparse_mm, value) = plan(&[]);
-    assert!(value["travel_bound_mm"].is_null() || value["travel_bound_mm"].is_number());
+    let travel = |key: &str| value[key].as_f64().unwrap();
+    assert!(0.0 < travel("travel_bound_mm"));
+    assert!(travel("travel_bound_mm") <= travel("bead_travel_mm"));
+    assert!(travel("bead_travel_mm") <= travel("travel_mm"));
     let (_, solid_mm, _) = plan(&["--density", "100"]);
     let (_, hollow_mm, _) = plan(&["--density", "0", "--solid-layers", "0"]);
     assert!(hollow_mm < sparse_mm && sparse_mm < solid_mm);
@@ -63,6 +66,9 @@ fn flags_change_what_is_printed() {
     let (one, ..) = plan(&["--perimeters", "1", "--solid-layers", "0"]);
     let (three, ..) = plan(&["--perimeters", "3", "--solid-layers", "0"]);
     assert!(one < three);
+    for pattern in ["lines", "hexagons", "concentric"] {
+        plan(&["--perimeters", "0", "--density", "100", "--pattern", pattern]);
+    }
     for pattern in ["grid", "triangles", "hexagons", "hybrid", "concentric"] {
         let (_, length_mm, value) = plan(&["--pattern", pattern]);
         assert_eq!(value["pattern"], pattern);
@@ -93,7 +99,7 @@ fn wrong_flags_are_refused() {
         (&["--pattern", "gyroid"], "expected lines, grid"),
         (&["--seam", "hidden"], "expected aligned, nearest"),
         (&["--fill", "nonzero"], "beads"),
-        (&["--perimeters", "-1"], "--perimeters"),
+        (&["--perimeters", "many"], "--perimeters"),
     ] {
         let arguments = [&["plan", "example:rectangular", "--json"], flags].concat();
         let message = misused(&arguments);

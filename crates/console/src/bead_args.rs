@@ -4,11 +4,21 @@ use beadwork_part::toolpath::{self, InfillPattern};
 use beadwork_search::plan::beads::{self, Seam};
 use beadwork_search::{join, travel};
 
+/// Spanning trees of the bound on travel, each of which takes O(n²) for the n beads of a tool in a
+/// layer.
+const BOUND_ITERATIONS: u32 = 20;
+
 /// Flags that name the beads of a part.
 #[derive(clap::Args)]
 pub struct BeadArgs {
     /// Infill density in per cent; 100 for solid parts.
-    #[arg(long, value_name = "PERCENT", default_value_t = 20.0, value_parser = percent)]
+    #[arg(
+        long,
+        value_name = "PERCENT",
+        default_value_t = 20.0,
+        value_parser = percent,
+        allow_hyphen_values = true
+    )]
     pub density: f64,
     /// Infill pattern: lines, grid, triangles, hexagons, hybrid (triangles and hexagons) or
     /// concentric.
@@ -81,6 +91,7 @@ impl BeadArgs {
                 OrderName::Free => travel::Order::Free,
             },
             seam: self.seam,
+            bound_iterations: BOUND_ITERATIONS,
             seed,
             ..beads::Settings::default()
         }

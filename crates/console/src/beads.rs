@@ -53,6 +53,7 @@ impl CutPart {
         let Self { name, model, cut, settings, mut remarks } = self;
         let mut areas =
             control::with_bar("areas", threads, |control| cut.areas(&settings, control))??;
+        areas.iter_mut().for_each(LayerAreas::fill_slits);
         let mut layers =
             control::with_bar("lay out", threads, |control| islands(&areas, toolpath, control))??;
         let mut found = Vec::new();

@@ -47,6 +47,7 @@ impl BeadSummary<'_> {
             "infill_beads": total.infill,
             "infill_bead_bound": total.infill_bound,
             "lifts": plan.lifts(),
+            "bead_travel_mm": number(plan.travel_mm),
             "travel_bound_mm": plan.travel_bound_mm.map(number),
             "tool_cost": number(plan.order.cost),
             "bounds": {

@@ -19,8 +19,7 @@ use crate::frame::Frame;
 /// Size in mm² below which pieces of an area are rounding errors of boolean operations.
 const SLIVER_MM2: f64 = 1e-4;
 
-/// Width in mm below which a hole is a slit between surfaces that should touch: far below what can
-/// be printed, but a wall for every line beside it.
+/// Width in mm below which a hole is a slit.
 const SLIT_MM: f64 = 0.02;
 
 /// The area of each material in a layer.
@@ -41,6 +40,16 @@ pub struct MaterialArea {
 }
 
 impl LayerAreas {
+    /// Fills holes that are narrower than 0.02 mm on average.
+    ///
+    /// Surfaces that should touch leave such slits between them.
+    /// They are far too narrow to be printed, but every bead beside them would keep its distance.
+    pub fn fill_slits(&mut self) {
+        for each in &mut self.areas {
+            each.area = std::mem::take(&mut each.area).without_slits(SLIT_MM);
+        }
+    }
+
     /// The area of all materials together.
     pub fn union(&self) -> Area {
         Area::union_of(self.areas.iter().map(|each| each.area.clone()).collect())
@@ -54,7 +63,7 @@ impl Cut {
     /// order, each over those before it; modifiers change the material of their object, and
     /// negative bodies remove from it.
     /// Areas that touch share their border to within rounding, a millionth of their extent; pieces
-    /// below 0.0001 mm² are dropped, and holes narrower than 0.02 mm are filled.
+    /// below 0.0001 mm² are dropped.
     /// The area of a painted body ends at its outline, but inside it the borders between colours
     /// follow the cells of [`Cut::layers`].
     ///
@@ -126,7 +135,7 @@ impl<'a> Builder<'a> {
             object.finish().into_iter().for_each(|(material, area)| layer.push(material, area));
         }
         let areas = layer.finish().into_iter().filter_map(|(material, area)| {
-            let area = area.without_slivers(SLIVER_MM2).without_slits(SLIT_MM);
+            let area = area.without_slivers(SLIVER_MM2);
             (!area.is_empty()).then_some(MaterialArea { material, area })
         });
         let mut areas: Vec<MaterialArea> = areas.collect();

@@ -90,7 +90,9 @@ impl Walls {
                 return walls;
             }
         }
-        let margin = 0.5 - settings.infill_overlap;
+        // Without insets there is nothing to overlap: infill must stay within the outline.
+        let overlap = if settings.perimeters > 0 { settings.infill_overlap } else { 0.0 };
+        let margin = 0.5 - overlap;
         let is_wide = |rings: &[Ring]| mean_width_mm(rings) >= MIN_INFILL * bead_mm;
         let (infill, is_even) = inner(f64::from(settings.perimeters) + margin);
         let count = infill.components().len();
