@@ -34,7 +34,7 @@
 //! // Infill: one chain that begins near the inner loop.
 //! let chain = [[-3.7, -3.7], [3.7, 3.7]];
 //! let input = Input { loops: &[&outer, &inner], chains: &[chain], outline: &[&outline] };
-//! let joined = join::solve(&input, &Settings { max_step_mm: 1.0 });
+//! let joined = join::solve(&input, &Settings::default());
 //! assert_eq!((joined.beads.len(), joined.bound), (1, 1));
 //! ```
 

@@ -26,12 +26,15 @@ pub struct Settings {
     /// Maximum length in mm of a step between two loops or chains.
     /// More than the distance between two insets; if it is not more than 0, nothing is joined.
     pub max_step_mm: f64,
+    /// Distance in mm that steps keep from the outline, about half the width of a bead.
+    /// A step whose ends are nearer to the outline must not come nearer than its ends.
+    pub clearance_mm: f64,
 }
 
 impl Default for Settings {
-    /// 1 mm: two beads of 0.5 mm.
+    /// Steps of 1 mm, two beads of 0.5 mm, which may touch the outline.
     fn default() -> Self {
-        Self { max_step_mm: 1.0 }
+        Self { max_step_mm: 1.0, clearance_mm: 0.0 }
     }
 }
 
@@ -91,6 +94,8 @@ impl<'a> Loops<'a> {
     pub fn new(loops: &'a [&'a [[f64; 2]]], outline: &[&[[f64; 2]]], settings: &Settings) -> Self {
         let is_valid = settings.max_step_mm > 0.0
             && settings.max_step_mm.is_finite()
+            && settings.clearance_mm >= 0.0
+            && settings.clearance_mm.is_finite()
             && loops.iter().all(|ring| !ring.is_empty());
         if !is_valid {
             return Self {
@@ -101,7 +106,7 @@ impl<'a> Loops<'a> {
                 near_pairs: Vec::new(),
             };
         }
-        let near = Surroundings::new(loops, outline, settings.max_step_mm);
+        let near = Surroundings::new(loops, outline, settings.max_step_mm, settings.clearance_mm);
         let mut candidates = loop_candidates(&near);
         keep_nearest(&mut candidates);
         let mut beads =

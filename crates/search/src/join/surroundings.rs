@@ -11,6 +11,7 @@ const SAME_MM: f64 = 1e-4;
 pub(super) struct Surroundings<'a> {
     loops: &'a [&'a [[f64; 2]]],
     reach_mm: f64,
+    clearance_mm: f64,
     grid: SegmentGrid,
     /// For each segment of the grid the number of its loop, `None` for the outline, and its own
     /// number in it.
@@ -20,7 +21,12 @@ pub(super) struct Surroundings<'a> {
 }
 
 impl<'a> Surroundings<'a> {
-    pub(super) fn new(loops: &'a [&'a [[f64; 2]]], outline: &[&[[f64; 2]]], reach_mm: f64) -> Self {
+    pub(super) fn new(
+        loops: &'a [&'a [[f64; 2]]],
+        outline: &[&[[f64; 2]]],
+        reach_mm: f64,
+        clearance_mm: f64,
+    ) -> Self {
         let mut segments = Vec::new();
         let mut edges = Vec::new();
         let numbered = (0..).map(Some).zip(loops.iter());
@@ -30,7 +36,7 @@ impl<'a> Surroundings<'a> {
         }
         let grid = SegmentGrid::new(segments, reach_mm);
         let samples = loops.iter().map(|ring| samples(ring, reach_mm)).collect();
-        Self { loops, reach_mm, grid, edges, samples }
+        Self { loops, reach_mm, clearance_mm, grid, edges, samples }
     }
 
     pub(super) fn reach_mm(&self) -> f64 {
@@ -131,11 +137,35 @@ impl<'a> Surroundings<'a> {
         distance2(from, to) <= self.reach_mm * self.reach_mm && self.is_clear(from, to)
     }
 
-    /// Whether the straight line between two points properly crosses neither outline nor loops.
+    /// Whether the straight line between two points properly crosses neither outline nor loops, and
+    /// keeps the clearance from the outline, or the distance of its ends if they are nearer.
     fn is_clear(&self, from: [f64; 2], to: [f64; 2]) -> bool {
         let crosses =
             |segment: u32| crosses([from, to], self.grid.segments()[segment as usize], SAME_MM);
-        !self.grid.any_near([from, to], SAME_MM, crosses)
+        if self.grid.any_near([from, to], SAME_MM, crosses) {
+            return false;
+        }
+        let ends_mm = self.to_outline_mm([from; 2]).min(self.to_outline_mm([to; 2]));
+        self.to_outline_mm([from, to]) >= ends_mm - SAME_MM
+    }
+
+    /// Distance of a segment that does not cross the outline from the outline, at most the
+    /// clearance, in mm.
+    fn to_outline_mm(&self, [from, to]: Segment) -> f64 {
+        let mut best2 = self.clearance_mm * self.clearance_mm;
+        if best2 > 0.0 {
+            self.grid.any_near([from, to], self.clearance_mm, |segment| {
+                if self.edges[segment as usize].0.is_none() {
+                    // Two segments that do not cross are nearest at an end of one of them.
+                    let [a, b] = self.grid.segments()[segment as usize];
+                    let near = |point, c, d| distance2(point, nearest_on_segment(point, c, d));
+                    let nearest = near(from, a, b).min(near(to, a, b));
+                    best2 = best2.min(nearest).min(near(a, from, to)).min(near(b, from, to));
+                }
+                false
+            });
+        }
+        best2.sqrt()
     }
 }
 

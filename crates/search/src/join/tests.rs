@@ -30,7 +30,7 @@ impl Island {
         let [loops, outline] = [&self.loops, &self.outline]
             .map(|rings| rings.iter().map(|ring| &ring[..]).collect::<Vec<_>>());
         let input = Input { loops: &loops, chains: &self.chains, outline: &outline };
-        let outcome = solve(&input, &Settings { max_step_mm });
+        let outcome = solve(&input, &Settings { max_step_mm, ..Settings::default() });
         self.check(&outcome, max_step_mm);
         outcome
     }
@@ -116,6 +116,23 @@ fn a_ring_with_thin_walls_becomes_one_bead() {
     let joined = island.solve(1.0);
     assert_eq!((joined.beads.len(), joined.bound), (1, 1));
     assert!(joined.beads[0].ways.len() > 10, "it may begin anywhere");
+}
+
+#[test]
+fn steps_keep_the_distance_of_their_ends() {
+    // A notch of the outline reaches between two loops, but not across the step.
+    let mut outline = rectangle(0.0, 0.0, 10.4, 5.0);
+    outline.splice(1..1, [[5.1, 0.0], [5.2, 4.6], [5.3, 0.0]]);
+    let loops = vec![rectangle(0.25, 0.25, 4.6, 4.5), rectangle(5.55, 0.25, 4.6, 4.5)];
+    let island =
+        Island { outline: vec![outline.clone()], loops: loops.clone(), chains: Vec::new() };
+    assert_eq!(island.solve(1.0).beads.len(), 1);
+    let rings: Vec<&[[f64; 2]]> = loops.iter().map(Vec::as_slice).collect();
+    let input = Input { loops: &rings, chains: &[], outline: &[&outline] };
+    let settings = Settings { clearance_mm: 0.25, ..Settings::default() };
+    assert_eq!(solve(&input, &settings).beads.len(), 2, "0.15 mm above the notch");
+    let settings = Settings { clearance_mm: 0.1, ..Settings::default() };
+    assert_eq!(solve(&input, &settings).beads.len(), 1);
 }
 
 #[test]
@@ -210,9 +227,9 @@ fn degenerate_input_is_left_alone() {
     let input = Input { loops: &[&point, &[]], chains: &[chain], outline: &[] };
     assert_eq!(solve(&input, &Settings::default()).beads.len(), 3, "a loop without corners");
     let input = Input { loops: &[&point, &point], ..input };
-    let joined = solve(&input, &Settings { max_step_mm: 2.0 });
+    let joined = solve(&input, &Settings { max_step_mm: 2.0, ..Settings::default() });
     assert_eq!((joined.beads.len(), joined.bound), (1, 1));
     for max_step_mm in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert_eq!(solve(&input, &Settings { max_step_mm }).beads.len(), 3);
+        assert_eq!(solve(&input, &Settings { max_step_mm, ..Settings::default() }).beads.len(), 3);
     }
 }

@@ -38,7 +38,7 @@ impl Island {
         let [loops, outline] = [&self.loops, &self.outline]
             .map(|rings| rings.iter().map(|ring| &ring[..]).collect::<Vec<_>>());
         let input = Input { loops: &loops, chains: &self.chains, outline: &outline };
-        solve(&input, &Settings { max_step_mm })
+        solve(&input, &Settings { max_step_mm, ..Settings::default() })
     }
 
     fn elements(&self) -> Vec<Element> {
