@@ -71,7 +71,8 @@
 //! outlines.
 //!
 //! # Limits
-//! A part has one bead width; there are no supports or bridges.
+//! Insets and infill of a part have one bead width.
+//! Supports are not generated, and bridges are printed like other infill.
 //! Parts thinner than a bead may have no cells.
 //! [`Region::MAX_SIDE`](beadwork_grid::Region::MAX_SIDE) limits the cells of a side,
 //! [`Zones::MAX`](beadwork_grid::Zones::MAX) the number of materials.

@@ -149,6 +149,13 @@ pub(super) struct Files<'a> {
     pub(super) totals: Option<PathBuf>,
 }
 
+impl Files<'_> {
+    /// The file of the totals, to follow the name of the G-code file in a sentence.
+    pub(super) fn beside(&self) -> String {
+        self.totals.as_ref().map_or_else(String::new, |totals| format!(" and {}", totals.display()))
+    }
+}
+
 impl Args {
     /// The files to write.
     ///

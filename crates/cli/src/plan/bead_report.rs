@@ -4,12 +4,12 @@ use std::fmt::Write;
 
 use beadwork_console::beads::{BeadPart, PrintedBeads};
 use beadwork_console::output::number;
-use beadwork_console::text::{count, duration};
+use beadwork_console::text::count;
 use beadwork_search::plan::beads::BeadPlan;
 use serde_json::{Value, json};
 
 use super::args::Files;
-use super::report::Seconds;
+use super::totals::{Seconds, tower, with_totals, write_totals};
 
 pub(super) struct BeadSummary<'a> {
     pub(super) part: &'a BeadPart,
@@ -24,12 +24,8 @@ impl BeadSummary<'_> {
         let Self { part, plan, printed, seconds } = self;
         let total = plan.total();
         let toolpath = &part.toolpath;
-        let purge = printed.settings.purge.as_ref();
-        let tower =
-            purge.and_then(|purge| purge.tower).filter(|_| printed.totals.prime_tower_mm > 0.0);
         let fill: Vec<Value> =
             printed.checked.fill.iter().map(|fill| number(fill.ratio().unwrap_or(0.0))).collect();
-        let mut value = json!(printed.totals);
         let more = json!({
             "part": part.name,
             "remarks": part.remarks,
@@ -67,19 +63,10 @@ impl BeadSummary<'_> {
                 "motions": printed.checked.motions,
                 "fill": fill,
             },
-            "tower": tower.map(|tower| json!({
-                "left_mm": tower.left_mm, "front_mm": tower.front_mm, "width_mm": tower.width_mm,
-            })),
-            "seconds": {
-                "slice": seconds.slice,
-                "plan": seconds.plan,
-                "print": seconds.print,
-            },
+            "tower": tower(&printed.settings, &printed.totals),
+            "seconds": seconds.json(),
         });
-        if let (Value::Object(value), Value::Object(more)) = (&mut value, more) {
-            value.extend(more);
-        }
-        value
+        with_totals(&printed.totals, more)
     }
 
     /// A few lines of text.
@@ -127,20 +114,10 @@ impl BeadSummary<'_> {
                 plan.fixed.changes
             )?;
         }
-        let grams: f64 = totals.tools.iter().map(|tool| tool.grams).sum();
-        writeln!(
-            text,
-            "{} to print, {grams:.1} g, {:.1} m of beads, {:.1} m of travel",
-            duration(totals.print_seconds),
-            totals.extrusion_mm / 1000.0,
-            totals.travel_mm / 1000.0,
-        )?;
+        write_totals(text, totals)?;
         if let Some(gcode) = files.gcode {
             let beads = printed.checked.beads;
-            let beside = files
-                .totals
-                .as_ref()
-                .map_or_else(String::new, |totals| format!(" and {}", totals.display()));
+            let beside = files.beside();
             writeln!(
                 text,
                 "wrote {} (checked from its text: {beads} beads, each printed once, within the \
@@ -148,10 +125,6 @@ impl BeadSummary<'_> {
                 gcode.display()
             )?;
         }
-        let Seconds { slice, plan, print } = seconds;
-        writeln!(
-            text,
-            "{slice:.2} s to slice, {plan:.2} s to plan, {print:.2} s to write and check"
-        )
+        seconds.write(text)
     }
 }

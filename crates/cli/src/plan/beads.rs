@@ -15,7 +15,7 @@ use rayon::ThreadPool;
 
 use super::args::{Args, Files};
 use super::bead_report::BeadSummary;
-use super::report::Seconds;
+use super::totals::Seconds;
 
 /// Maximum number of layers drawn: two rows.
 const PANELS: usize = 4;

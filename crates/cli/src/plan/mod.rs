@@ -5,6 +5,7 @@ mod bead_report;
 mod beads;
 mod drawing;
 mod report;
+mod totals;
 
 use std::time::Instant;
 
@@ -21,7 +22,8 @@ use rayon::ThreadPool;
 
 pub(crate) use args::Args;
 
-use report::{Report, Seconds};
+use report::Report;
+use totals::Seconds;
 
 /// Maximum number of grids that are planned: the best ones of those that were screened.
 const PLANNED_GRIDS: usize = 4;

@@ -5,21 +5,12 @@ use std::fmt::Write;
 use beadwork_console::output::number;
 use beadwork_console::part::Part;
 use beadwork_console::plan::Printed;
-use beadwork_console::text::{count, duration};
+use beadwork_console::text::count;
 use beadwork_search::plan::tools::ToolPlan;
 use serde_json::{Value, json};
 
 use super::args::Files;
-
-/// Wall-clock time of the steps, in s.
-pub(super) struct Seconds {
-    /// Reading, repairing and slicing.
-    pub(super) slice: f64,
-    /// Planning.
-    pub(super) plan: f64,
-    /// Writing and checking the G-code.
-    pub(super) print: f64,
-}
+use super::totals::{Seconds, tower, with_totals, write_totals};
 
 pub(super) struct Report<'a> {
     pub(super) part: &'a Part,
@@ -42,9 +33,6 @@ impl Report<'_> {
         let continuous = plan.layers.iter().filter(|layer| layer.is_continuous);
         let optimal = plan.layers.iter().filter(|layer| layer.is_optimal()).count();
         let kept_links = plan.layers.iter().filter_map(|layer| layer.kept_links);
-        let purge = printed.settings.purge.as_ref();
-        let tower = purge.and_then(|purge| purge.tower).filter(|_| totals.prime_tower_mm > 0.0);
-        let mut value = json!(totals);
         let more = json!({
             "part": part.name,
             "remarks": part.remarks,
@@ -77,19 +65,10 @@ impl Report<'_> {
             })).collect::<Vec<_>>(),
             "kept_links": kept_links.map(u64::from).sum::<u64>(),
             "checked": { "layers": printed.checked.layers, "cells": printed.checked.cells },
-            "tower": tower.map(|tower| json!({
-                "left_mm": tower.left_mm, "front_mm": tower.front_mm, "width_mm": tower.width_mm,
-            })),
-            "seconds": {
-                "slice": seconds.slice,
-                "plan": seconds.plan,
-                "print": seconds.print,
-            },
+            "tower": tower(&printed.settings, totals),
+            "seconds": seconds.json(),
         });
-        if let (Value::Object(value), Value::Object(more)) = (&mut value, more) {
-            value.extend(more);
-        }
-        value
+        with_totals(totals, more)
     }
 
     /// A few lines of text.
@@ -138,20 +117,10 @@ impl Report<'_> {
                 count(planned.fixed.changes.into(), "tool change")
             )?;
         }
-        let grams: f64 = totals.tools.iter().map(|tool| tool.grams).sum();
-        writeln!(
-            text,
-            "{} to print, {grams:.1} g, {:.1} m of beads, {:.1} m of travel",
-            duration(totals.print_seconds),
-            totals.extrusion_mm / 1000.0,
-            totals.travel_mm / 1000.0,
-        )?;
+        write_totals(text, totals)?;
         if let Some(gcode) = files.gcode {
             let cells = printed.checked.cells;
-            let beside = files
-                .totals
-                .as_ref()
-                .map_or_else(String::new, |totals| format!(" and {}", totals.display()));
+            let beside = files.beside();
             writeln!(
                 text,
                 "wrote {} (checked from its text: {cells} cells, each printed once with the tool \
@@ -159,10 +128,6 @@ impl Report<'_> {
                 gcode.display()
             )?;
         }
-        let Seconds { slice, plan, print } = seconds;
-        writeln!(
-            text,
-            "{slice:.2} s to slice, {plan:.2} s to plan, {print:.2} s to write and check"
-        )
+        seconds.write(text)
     }
 }
