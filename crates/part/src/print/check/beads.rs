@@ -100,6 +100,8 @@ pub struct BeadReport {
 /// Not checked are the travel speed, the speed of retraction, speeds below the maximum,
 /// accelerations, the fan, the shape of the prime tower, travel across the layer that is being
 /// printed, and comments other than those of features.
+/// Commands that the trace does not follow, such as macros, `G10`, `G11` and `M221`, do not count
+/// ([`Program::unknown_commands`]).
 ///
 /// Progress counts layers.
 /// Takes time about linear in the motions and the edges of the outlines.

@@ -56,6 +56,8 @@ pub struct Report {
 ///
 /// The travel speed, the fan, the shape of the prime tower, and travel across the layer that is
 /// being printed are not checked.
+/// Commands that the trace does not follow, such as macros, `G10`, `G11` and `M221`, do not count
+/// ([`Program::unknown_commands`]).
 ///
 /// Progress counts layers.
 /// Takes time linear in the motions and cells.
