@@ -10,7 +10,8 @@ use std::f64::consts::{FRAC_PI_4, PI};
 use beadwork_base::{CancelToken, Control};
 use beadwork_search::Stop;
 use beadwork_search::link::{
-    Bead, End, Link, Links, LinksError, Method, Outcome, Point, Rule, Settings, solve, verify,
+    Bead, DirectedLine, End, Link, Links, LinksError, Method, Outcome, Point, Rule, Settings,
+    solve, verify,
 };
 use infill::{Ring, circle, gear, gear_like, lines, square, star};
 use rand::{Rng, RngExt, SeedableRng};
@@ -135,6 +136,143 @@ fn random_links_give_what_exhaustive_search_gives() {
     for seed in 0..3000 {
         compare(&random_links(&mut rng, 16), seed);
     }
+}
+
+/// The beads of nearest neighbour from an end, by scanning all ends at each step.
+fn slow_nearest(links: &Links, start: End, links_first: bool) -> Vec<Bead> {
+    let mut left: Vec<End> = (0..2 * links.line_count()).map(End::from_index).collect();
+    let mut used: Vec<u32> = Vec::new();
+    let mut beads = vec![Bead::default()];
+    let mut entry = start;
+    loop {
+        left.retain(|end| end.line != entry.line);
+        beads.last_mut().unwrap().lines.push(DirectedLine::from(entry));
+        let exit = entry.other();
+        let is_usable = |link: u32| {
+            let [a, b] = links.all()[link as usize].ends;
+            let is_excluded = links
+                .conflicts()
+                .iter()
+                .any(|pair| pair.contains(&link) && used.iter().any(|one| pair.contains(one)));
+            !is_excluded && (a == exit && left.contains(&b) || b == exit && left.contains(&a))
+        };
+        let usable: Vec<u32> =
+            (0..links.all().len() as u32).filter(|&link| is_usable(link)).collect();
+        let far = |link: u32| links.all()[link as usize].other(exit);
+        let by_link = usable.iter().copied().min_by(|&a, &b| {
+            links.link(a).length_mm.total_cmp(&links.link(b).length_mm).then(a.cmp(&b))
+        });
+        let square = |end: End| {
+            let [[x, y], [u, v]] = [links.point(exit), links.point(end)];
+            (x - u) * (x - u) + (y - v) * (y - v)
+        };
+        let by_distance =
+            left.iter().copied().min_by(|&a, &b| square(a).total_cmp(&square(b)).then(a.cmp(&b)));
+        let (next, link) = match (by_link.filter(|_| links_first), by_distance) {
+            (Some(link), _) => (far(link), Some(link)),
+            (None, Some(end)) => (end, usable.iter().copied().find(|&link| far(link) == end)),
+            (None, None) => return beads,
+        };
+        match link {
+            Some(link) => {
+                beads.last_mut().unwrap().links.push(link);
+                used.push(link);
+            }
+            None => beads.push(Bead::default()),
+        }
+        entry = next;
+    }
+}
+
+/// The best of `rounds` rounds of break points after a first run, by slow runs.
+fn slow_break_points(links: &Links, first: Vec<Bead>, links_first: bool, rounds: u32) -> Vec<Bead> {
+    let mut best = first;
+    for _ in 0..rounds {
+        let around: Vec<End> = best
+            .windows(2)
+            .flat_map(|pair| {
+                let [before, after] = [pair[0].lines.last(), pair[1].lines.first()];
+                [before.unwrap().exit(), after.unwrap().entry()]
+            })
+            .collect();
+        for start in around {
+            let beads = slow_nearest(links, start, links_first);
+            if beads.len() < best.len() {
+                best = beads;
+            }
+        }
+    }
+    best
+}
+
+/// Compares nearest neighbour and break points with slow ones; returns by how many beads further
+/// rounds improved on the paper's one round.
+fn compare_break_points(links: &Links, seed: u64) -> usize {
+    let mut saved = 0;
+    for links_first in [false, true] {
+        let by = |method: Method, rounds: u32| {
+            run(links, &Settings { method, seed, links_first, rounds, ..Settings::default() }).beads
+        };
+        let first = by(Method::Nearest, 1);
+        assert_eq!(first, slow_nearest(links, first[0].lines[0].entry(), links_first));
+        assert_eq!(first, by(Method::BreakPoints, 0));
+        let mut before = first.len();
+        for rounds in [1, 2, 3, u32::MAX] {
+            let beads = by(Method::BreakPoints, rounds);
+            // More rounds than lines change nothing.
+            let rounds = rounds.min(links.line_count() as u32);
+            assert_eq!(beads, slow_break_points(links, first.clone(), links_first, rounds));
+            assert!(beads.len() <= before);
+            if rounds > 1 {
+                saved += before - beads.len();
+            }
+            before = beads.len();
+        }
+    }
+    saved
+}
+
+#[test]
+fn break_points_give_what_slow_ones_give() {
+    let mut rng = Random::seed_from_u64(5);
+    let mut saved = 0;
+    for seed in 0..2000 {
+        saved += compare_break_points(&random_links(&mut rng, 16), seed);
+    }
+    for seed in 0..600 {
+        let (rings, spacing, angle) = random_region(&mut rng);
+        let lines = lines(&rings, spacing, angle);
+        let links = Rule::default().links(&lines, &rings, spacing).unwrap();
+        saved += compare_break_points(&links, seed);
+    }
+    assert!(saved > 20, "further rounds saved {saved} beads");
+}
+
+#[test]
+fn only_the_first_round_reports_progress() {
+    let (rings, spacing) = gear_like(100);
+    let lines = lines(&rings, spacing, FRAC_PI_4);
+    let links = Rule::default().links(&lines, &rings, spacing).unwrap();
+    let nearest = Settings { method: Method::Nearest, links_first: false, ..Settings::default() };
+    let first_starts = 2 * (run(&links, &nearest).beads.len() - 1);
+    let done = std::sync::Mutex::new(vec![0]);
+    let progress = |progress: beadwork_base::Progress| {
+        let mut done = done.lock().unwrap();
+        done.push(progress.done);
+        assert_eq!(done.len(), progress.done + 1);
+        assert_eq!(progress.total, first_starts);
+    };
+    let control = Control { progress: Some(&progress), ..Control::default() };
+    let settings = Settings {
+        method: Method::BreakPoints,
+        links_first: false,
+        rounds: u32::MAX,
+        ..Settings::default()
+    };
+    let outcome = solve(&links, &settings, &control);
+    assert_eq!(outcome.stop, Stop::Done);
+    assert_eq!(done.into_inner().unwrap().last(), Some(&first_starts));
+    assert!(outcome.work.runs as usize > first_starts + 1);
 }
 
 /// A random star with up to one hole, with few lines.

@@ -119,6 +119,31 @@ impl<'a> Nearest<'a> {
         (best, None)
     }
 
+    /// Rounds of starts at the break points of the best beads, from those of a first run, until a
+    /// round finds no fewer; returns the best, and why it stopped early.
+    ///
+    /// Progress counts the starts of the first round, which has the most.
+    pub(super) fn break_points(
+        &mut self,
+        first: Vec<Bead>,
+        rounds: u32,
+        control: &Control<'_>,
+    ) -> (Vec<Bead>, Option<Interrupted>) {
+        let mut best = first;
+        let mut control = *control;
+        for _ in 0..rounds {
+            let before = best.len();
+            let starts = breaks(&best);
+            let (beads, interrupted) = self.best_of(best, &starts, &control);
+            best = beads;
+            if interrupted.is_some() || best.len() == before {
+                return (best, interrupted);
+            }
+            control = control.without_progress();
+        }
+        (best, None)
+    }
+
     /// Nearest neighbour from a random start; there must be a line.
     pub(super) fn random(&mut self, seed: u64) -> Vec<Bead> {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);

@@ -12,6 +12,7 @@ pub enum Method {
     Repetitive,
     /// The method of *ORNL toolpath RL*: nearest neighbour from one random start, then from both
     /// sides of each lift that occurred, the best kept.
+    /// [`Settings::rounds`] repeats it.
     BreakPoints,
     /// The fewest beads, with a proven lower bound.
     #[default]
@@ -38,6 +39,12 @@ pub struct Settings {
     /// Whether nearest neighbour goes to the nearest end that may be linked, if there is one, and
     /// only otherwise to the nearest end, as in the paper.
     pub links_first: bool,
+    /// Maximum number of rounds of [`Method::BreakPoints`]: 1 is the method of the paper, 0 leaves
+    /// only the random start.
+    ///
+    /// Each further round starts at both sides of each lift of the best result so far.
+    /// A round that finds no fewer beads is the last, so `u32::MAX` repeats until nothing improves.
+    pub rounds: u32,
     /// Limit of [`Method::Cover`] on the states that its dynamic program generates, over all
     /// components, as a multiple of the number of lines.
     /// A limit on work rather than on time: results do not depend on the machine.
@@ -47,12 +54,14 @@ pub struct Settings {
 }
 
 impl Default for Settings {
-    /// The fewest beads, seed 0, linkable ends first, 600 states a line, 4,096 states at a time.
+    /// The fewest beads, seed 0, linkable ends first, one round of break points, 600 states a line,
+    /// 4,096 states at a time.
     fn default() -> Self {
         Self {
             method: Method::default(),
             seed: 0,
             links_first: true,
+            rounds: 1,
             states_per_line: 600,
             max_width: 4096,
         }
@@ -79,19 +88,19 @@ pub struct Work {
 #[non_exhaustive]
 pub struct Outcome {
     /// The beads.
-    /// Their order and directions mean nothing, except with nearest neighbour, where they are those
-    /// in which it found them.
+    /// With nearest neighbour they have the order and directions in which it found them; with cover
+    /// their order and directions have no meaning.
     pub beads: Vec<Bead>,
     /// Proven lower bound on the number of beads.
     pub bound: usize,
-    /// Why the search stopped: [`Stop::Optimal`] if [`is_optimal`](Self::is_optimal).
+    /// Reason why the search stopped: [`Stop::Optimal`] if [`is_optimal`](Self::is_optimal).
     pub stop: Stop,
     /// Work done.
     pub work: Work,
 }
 
 impl Outcome {
-    /// Whether it is proven that there are no fewer beads.
+    /// Whether the number of beads is proven to be the minimum.
     pub fn is_optimal(&self) -> bool {
         self.beads.len() <= self.bound
     }

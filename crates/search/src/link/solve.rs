@@ -24,8 +24,8 @@ const MAX_BREAK_POINTS: usize = 3000;
 /// An interrupted call returns the best beads so far, each line once.
 ///
 /// A run of nearest neighbour takes O(n log n) time for n lines.
-/// [`Method::Nearest`] makes one, [`Method::BreakPoints`] two more for each lift of that one, and
-/// [`Method::Repetitive`] 2 n.
+/// [`Method::Nearest`] makes one, [`Method::BreakPoints`] two more for each lift of that one in its
+/// first round, and [`Method::Repetitive`] 2 n.
 /// [`Method::Cover`] is a dynamic program over the ends of each connected component, in an order
 /// with a small *frontier*: the ends between those that are done and those that are not.
 /// Its time is proportional to the number of states that it generates, which
@@ -60,12 +60,11 @@ pub fn solve(links: &Links, settings: &Settings, control: &Control<'_>) -> Outco
             (beads, found.bound, found.interrupted.or(interrupted))
         }
         method => {
-            let starts = match method {
-                Method::Nearest | Method::Cover => Vec::new(),
-                Method::BreakPoints => breaks(&first),
-                Method::Repetitive => all_ends(links),
+            let (beads, interrupted) = match method {
+                Method::Nearest | Method::Cover => (first, None),
+                Method::BreakPoints => nearest.break_points(first, settings.rounds, control),
+                Method::Repetitive => nearest.best_of(first, &all_ends(links), control),
             };
-            let (beads, interrupted) = nearest.best_of(first, &starts, control);
             let (components, bound) = degree_bound(links);
             work.components = components;
             (beads, bound, interrupted)
