@@ -13,10 +13,10 @@
 //!   It does so at a point r where e meets another edge f, which is then as far from r as q is.
 //!   So p is nearer to f than to q, since the normals of e and f differ: a contradiction.
 //!
-//! Moved rings that neither cross nor touch therefore are the border of the offset area.
-//! Otherwise boolean operations remove the points around which they wind in the wrong way.
-//! Edges that cannot be cut off simply are moved at full length then, and joined through the corner
-//! between them.
+//! So moved rings that neither cross nor touch are the border of the offset area.
+//! Otherwise boolean operations remove the points whose winding number is wrong.
+//! For them, an edge that cannot be cut off at an intersection keeps its full length, and is joined
+//! to its neighbour through the corner between them.
 
 mod moved;
 #[cfg(test)]
@@ -45,9 +45,9 @@ pub(crate) struct Offset {
     /// Whether every point that rings passed over is at most [`EVEN_SPEED`] times as far from the
     /// result as edges have moved.
     ///
-    /// So it is if rings stay clear of each other and corners are not too acute: from each point
+    /// This holds if rings stay clear of each other and corners are not too acute: from each point
     /// passed over, the edge or the corner that passed it leads to the result.
-    /// False otherwise, and false if it is unknown.
+    /// False where this is not known.
     pub(crate) is_even: bool,
 }
 
@@ -81,7 +81,7 @@ pub(crate) fn offset(components: &[Rings], by_mm: f64, tolerance_mm: f64) -> Off
     Offset { components: done, is_even }
 }
 
-/// For each component whether its offset cannot meet those of the others, by bounding boxes.
+/// Whether the offset of each component cannot meet those of the others, by bounding boxes.
 fn alone(components: &[Rings], by_mm: f64, tolerance_mm: f64) -> Vec<bool> {
     if by_mm < 0.0 || components.len() == 1 {
         return vec![true; components.len()];
@@ -95,7 +95,7 @@ fn alone(components: &[Rings], by_mm: f64, tolerance_mm: f64) -> Vec<bool> {
 
 /// The points around which moved rings wind at least once, in components.
 fn resolved(rings: &Rings) -> Vec<Rings> {
-    // Where many lines meet in a corner, rounding leaves rings around hardly anything.
+    // Where many lines meet in a corner, rounding leaves rings of almost zero size.
     let clean = |ring: &Vec<[f64; 2]>| {
         without_spikes(ring).filter(|ring| ring_size_mm2(ring).abs() > MIN_RING_MM2)
     };
@@ -118,7 +118,7 @@ struct Component {
 }
 
 impl Component {
-    /// `None` if nothing is left of the component.
+    /// `None` if the component vanishes.
     fn new(rings: &Rings, by_mm: f64, tolerance_mm: f64) -> Option<Self> {
         let mut component =
             Self { rings: Vec::new(), is_plain: true, max_speed: 1.0, shrinks: by_mm < 0.0 };

@@ -6,14 +6,14 @@ use std::collections::BinaryHeap;
 /// Length in mm of edges that count as shrunk to nothing.
 const SHORT_MM: f64 = 1e-6;
 
-/// Sum of 1 and the cosine of a turn at which edges do not meet anywhere near.
+/// 1 plus the cosine of a turn at a corner below which the moved edges count as parallel.
 const REVERSAL: f64 = 1e-6;
 
 type Vector = [f64; 2];
 
 /// A ring whose edges have moved.
 pub(super) enum Moved {
-    /// No edge is left.
+    /// All edges have shrunk to nothing.
     Nothing,
     /// All edges are cut off at their intersections.
     Plain {
@@ -45,11 +45,11 @@ pub(super) fn moved(ring: &[Vector], by_mm: f64, tolerance_mm: f64) -> Moved {
     }
 }
 
-/// Edges on the move.
+/// The edges of a ring while they move.
 #[derive(Clone)]
 struct Front {
     edges: Vec<Edge>,
-    /// How far edges move in the end.
+    /// Distance in mm by which edges move in all.
     distance_mm: f64,
     /// 1 if edges move to the left, -1 if they move to the right.
     side: f64,
@@ -195,7 +195,7 @@ impl Front {
         Some(left)
     }
 
-    /// The ring of all edges that are left.
+    /// The ring of the edges that have not shrunk to nothing.
     fn plain(&self) -> Moved {
         let mut ring = Vec::with_capacity(self.edges.len());
         for (at, edge) in self.edges.iter().enumerate().filter(|(_, edge)| !edge.is_gone) {

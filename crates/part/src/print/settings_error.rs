@@ -171,7 +171,7 @@ pub enum SettingsError {
         /// Number of the layer.
         layer: usize,
     },
-    /// There are no layers.
+    /// The print has no layers.
     #[error("there are no layers to print")]
     NoLayers,
 }

@@ -120,7 +120,7 @@ impl Settings {
     }
 }
 
-/// Why toolpaths could not be laid out.
+/// Reason why toolpaths cannot be laid out.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum ToolpathError {

@@ -84,7 +84,7 @@ fn extend(points: &mut Vec<Point>, more: &[Point], is_reversed: bool) {
     }
 }
 
-/// Why beads are not a valid plan of lines.
+/// Faults of beads that do not contain each line once, joined by permitted links.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum BeadsError {

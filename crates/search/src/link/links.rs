@@ -19,7 +19,7 @@ pub struct Links {
     conflicts_of: Lists,
 }
 
-/// Why there are no links.
+/// Invalid lines, rings, links or conflicts.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum LinksError {
@@ -49,13 +49,13 @@ pub enum LinksError {
         /// The value.
         value: f64,
     },
-    /// There are too many lines.
+    /// More lines than [`Links::MAX_LINES`].
     #[error("{count} lines: at most {} are supported", Links::MAX_LINES)]
     TooManyLines {
         /// Number of lines.
         count: usize,
     },
-    /// Too many steps cross.
+    /// More pairs of crossing steps than the limit.
     #[error(
         "lines end too close together: more than {limit} pairs of steps cross; remove duplicates"
     )]
@@ -189,7 +189,7 @@ impl Links {
         self.at.list(end.index())
     }
 
-    /// Number of the link between two ends, if there is one.
+    /// Number of the link between two ends; `None` if they have none.
     pub fn between(&self, a: End, b: End) -> Option<u32> {
         self.at(a).iter().copied().find(|&link| self.link(link).other(a) == b)
     }

@@ -1,7 +1,8 @@
 //! Plans of whole parts: what the layers decide together.
 //!
-//! [`tools::solve`] plans a part: the beads of every layer and their order, for the minimum sum of
-//! tool changes and lifts.
+//! [`tools::solve`] plans a part as cells: the beads of every layer and their order, for the
+//! minimum sum of tool changes and lifts.
+//! [`beads::solve`] plans a part as insets, skeletons and infill.
 //!
 //! [`order()`] decides only in which order the layers use their tools.
 //! A layer of several materials may be printed tool by tool, and the tool that ends one layer may

@@ -18,7 +18,7 @@ pub struct Route {
     /// `None` if [`Settings::bound_iterations`](super::Settings::bound_iterations) is 0, or if
     /// there are more items than [`MAX_BOUNDED`](super::MAX_BOUNDED).
     pub bound_mm: Option<f64>,
-    /// Why the search stopped; [`Stop::Optimal`] if no shorter route exists.
+    /// Reason why the search stopped; [`Stop::Optimal`] if no shorter route exists.
     pub stop: Stop,
 }
 

@@ -136,13 +136,13 @@ fn onto_axis(
     (point, depth)
 }
 
-/// Fails only where a coordinate is not finite, tiny or huge, which those of a boundary are not.
+/// Fails only if a coordinate is not finite, tiny or huge; those of a boundary are in range.
 fn triangulate(boundary: &Boundary) -> Result<Triangulated, InsertionError> {
     let points = &boundary.points;
     let mut triangulation = Triangulated::new();
     let mut vertices = vec![None; points.len()];
-    // Every second point, then every second one of the rest and so on: each new point lies between
-    // known ones, and changes few triangles.
+    // In an order that halves the gaps: each new point lies between known ones, and changes few
+    // triangles.
     let mut stride = points.len().next_power_of_two();
     let mut first = 0;
     while stride > 0 {

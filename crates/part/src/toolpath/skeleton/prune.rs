@@ -113,9 +113,9 @@ impl Graph {
 
 /// Each link in both directions: link `i` as `2 i` and, reversed, as `2 i + 1`.
 struct HalfLinks {
-    /// Node to which each leads.
+    /// Node to which each half link leads.
     to: Vec<usize>,
-    /// The ones that leave each node.
+    /// Half links that leave each node.
     leaving: Vec<Vec<usize>>,
 }
 
@@ -132,7 +132,7 @@ impl HalfLinks {
         half_links
     }
 
-    /// For each node whether it is kept, and whether it is but a side branch of it is not.
+    /// Whether each node is kept, and whether it is kept and loses a side branch.
     fn prune(&self, axis: &Axis) -> (Vec<bool>, Vec<bool>) {
         let reach = self.reach(axis);
         let nodes = axis.points.len();
@@ -173,11 +173,11 @@ impl HalfLinks {
     /// For each half link the maximum distance in mm from its start to the discs behind it,
     /// infinite if there is a cycle behind it.
     ///
-    /// It is the straight distance, because the nodes of a round end all lie near its centre, and a
-    /// path over them goes back and forth.
+    /// The distance is straight: the nodes of a round end all lie near its centre, and a path over
+    /// them would go back and forth.
     fn reach(&self, axis: &Axis) -> Vec<f64> {
         let mut reach = vec![f64::INFINITY; self.to.len()];
-        // Of the half links that follow: how many have no result, and the extent of the others.
+        // Of the half links that follow: the number without a result, and the extent of the rest.
         let mut unknown: Vec<_> = self.to.iter().map(|&to| self.leaving[to].len() - 1).collect();
         let mut extent: Vec<_> = self
             .to

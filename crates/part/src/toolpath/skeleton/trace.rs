@@ -14,7 +14,7 @@ pub(super) struct Line {
     pub(super) trim_mm: [f64; 2],
 }
 
-/// Links between two nodes that have not two neighbours; `nodes` has both of them.
+/// A sequence of links between two nodes that are ends or junctions; `nodes` includes both.
 struct Branch {
     nodes: Vec<u32>,
     /// Whether it lies within a junction.
@@ -98,8 +98,9 @@ pub(super) fn trace(graph: &Graph, max_radius: f64) -> Vec<Line> {
     lines
 }
 
-/// Splits a graph at nodes that have not two neighbours; single nodes and cycles without such a
-/// node become lines.
+/// Splits a graph at its ends and junctions, the nodes without exactly two neighbours.
+///
+/// Single nodes, and cycles without a junction, become lines.
 fn branches(graph: &Graph, lines: &mut Vec<Line>) -> Vec<Branch> {
     let count = graph.nodes.len();
     let mut branches = Vec::new();
@@ -139,8 +140,7 @@ fn branches(graph: &Graph, lines: &mut Vec<Line>) -> Vec<Branch> {
     branches
 }
 
-/// Appends the nodes from `next` to the first one that has not two neighbours or is the first of
-/// `nodes`.
+/// Appends the nodes from `next` to the next end or junction, or to the first of `nodes`.
 fn walk(graph: &Graph, mut next: u32, nodes: &mut Vec<u32>, is_visited: &mut [bool]) {
     let start = nodes[0];
     let mut from = start;

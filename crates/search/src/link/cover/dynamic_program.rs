@@ -44,11 +44,11 @@ pub(super) struct Found {
     pub(super) is_merged: bool,
     /// States generated.
     pub(super) work: u64,
-    /// Why the run ended early, if it did; there is no result then.
+    /// Reason why the run ended early without a result; `None` if it did not.
     pub(super) ended: Option<Ended>,
 }
 
-/// Why a run ended early.
+/// Reason why a run ended early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ended {
     /// It generated too many states.

@@ -20,7 +20,7 @@ pub(super) struct IslandBeads {
     /// Together they contain every loop and chain once.
     pub(super) strands: Vec<join::Bead>,
     pub(super) counts: Counts,
-    /// Why the linking of a region stopped early, if it did.
+    /// Reason why the linking of a region stopped early; `None` if none did.
     pub(super) interrupted: Option<Stop>,
 }
 

@@ -62,8 +62,8 @@ pub struct BeadPlan {
     /// `None` without [`Settings::bound_iterations`](super::Settings::bound_iterations), or if
     /// loops are joined.
     pub travel_bound_mm: Option<f64>,
-    /// Why the search stopped: [`Stop::Optimal`] if the number of beads and the tool changes are
-    /// proven minimal.
+    /// Reason why the search stopped: [`Stop::Optimal`] if the number of beads and the tool changes
+    /// are proven minimal.
     pub stop: Stop,
 }
 

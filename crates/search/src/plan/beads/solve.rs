@@ -20,11 +20,11 @@ use crate::{CostMatrix, Stop};
 /// A fixed number, because the result must not depend on the number of threads.
 const LAYERS_IN_SEQUENCE: usize = 16;
 
-/// Why the beads of a part could not be planned.
+/// Reason why the beads of a part cannot be planned.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum BeadError {
-    /// There is no order of the tools.
+    /// No order of the tools is possible.
     #[error(transparent)]
     Order(#[from] OrderError),
     /// The lines of a layer cannot be linked.

@@ -19,7 +19,7 @@ pub struct Constraints {
     pub same_order: bool,
 }
 
-/// Why there is no order of the tools.
+/// Reason why no order of the tools is possible.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum OrderError {

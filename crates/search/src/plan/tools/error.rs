@@ -1,4 +1,4 @@
-//! Why a part cannot be planned.
+//! Errors of planning a part.
 
 use beadwork_base::Interrupted;
 use thiserror::Error;
@@ -7,11 +7,11 @@ use super::settings::Mode;
 use crate::exact::SolveError;
 use crate::plan::OrderError;
 
-/// Why there is no plan of a part.
+/// Reason why a part cannot be planned.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum PlanError {
-    /// There are no layers.
+    /// The part has no layers.
     #[error("no layers to plan")]
     NoLayers,
     /// The grid of a layer differs in size from the first layer's grid.
@@ -35,7 +35,7 @@ pub enum PlanError {
         /// The reason.
         source: SolveError,
     },
-    /// There is no order of the tools.
+    /// No order of the tools is possible.
     #[error(transparent)]
     Order(#[from] OrderError),
     /// Continuous paths cannot obey a constraint on the order of the tools.
