@@ -7,6 +7,7 @@ use beadwork_base::{Control, Threads};
 use beadwork_console::control;
 use beadwork_console::part::{Numbers, PartArgs};
 use beadwork_console::printer::Profile;
+use beadwork_mesh::Model;
 use beadwork_part::slice::{Cut, LayerAreas, Settings as CutSettings};
 use beadwork_part::toolpath::{Island, Settings, islands};
 use beadwork_search::CostMatrix;
@@ -32,9 +33,14 @@ pub(super) struct Case {
 impl Source {
     /// A shape of the paper, in layers of [`LAYER_MM`].
     pub(super) fn shape(shape: Shape, control: &Control<'_>) -> anyhow::Result<Self> {
+        Self::model(shape.name(), &shape.model(), control)
+    }
+
+    /// A generated model, in layers of [`LAYER_MM`].
+    pub(super) fn model(name: &str, model: &Model, control: &Control<'_>) -> anyhow::Result<Self> {
         let settings = CutSettings { layer_mm: LAYER_MM, ..CutSettings::default() };
-        let areas = Cut::new(&shape.model(), &settings, control)?.areas(&settings, control)?;
-        Ok(Self { name: shape.name().to_owned(), areas })
+        let areas = Cut::new(model, &settings, control)?.areas(&settings, control)?;
+        Ok(Self { name: name.to_owned(), areas })
     }
 
     /// A part from a file, see [`split_turn`].

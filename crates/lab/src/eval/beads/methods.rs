@@ -26,6 +26,7 @@ pub(super) struct Column {
     pub(super) name: &'static str,
     method: Method,
     links_first: bool,
+    rounds: u32,
     is_joined: bool,
 }
 
@@ -46,15 +47,17 @@ pub(super) const COLUMNS: [Column; 7] = [
 impl Column {
     pub(super) const NEAREST: Self = Self::new("NN", Method::Nearest, false);
     pub(super) const BREAK_POINTS: Self = Self::new("break points", Method::BreakPoints, false);
+    pub(super) const REPEATED: Self =
+        Self { name: "break points, repeated", rounds: u32::MAX, ..Self::BREAK_POINTS };
     pub(super) const COVER: Self = Self::new("cover", Method::Cover, true);
 
     const fn new(name: &'static str, method: Method, links_first: bool) -> Self {
-        Self { name, method, links_first, is_joined: false }
+        Self { name, method, links_first, rounds: 1, is_joined: false }
     }
 
     fn link(self, seed: u64) -> link::Settings {
-        let Self { method, links_first, .. } = self;
-        link::Settings { method, links_first, seed, ..link::Settings::default() }
+        let Self { method, links_first, rounds, .. } = self;
+        link::Settings { method, links_first, rounds, seed, ..link::Settings::default() }
     }
 }
 

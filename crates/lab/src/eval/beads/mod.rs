@@ -4,6 +4,7 @@ mod cases;
 mod count;
 mod drawing;
 mod methods;
+mod neighbours;
 mod programs;
 mod shapes;
 mod shapes_table;

@@ -56,11 +56,7 @@ impl Shape {
                 plate(outline_mm, &[])
             }
             Self::OneHole => plate(rectangle([0.0, 0.0], [60.0, 40.0]), &[([30.0, 20.0], 10.0)]),
-            Self::FiveHoles => {
-                let centres =
-                    [[30.0, 30.0], [15.0, 15.0], [45.0, 15.0], [15.0, 45.0], [45.0, 45.0]];
-                plate(rectangle([0.0, 0.0], [60.0, 60.0]), &centres.map(|centre| (centre, 6.0)))
-            }
+            Self::FiveHoles => Self::plate(5),
             Self::Pillars => {
                 let pillar = |number: u32| {
                     let [x, y] = [number % 8, number / 8].map(|index| 9.0 * f64::from(index));
@@ -70,6 +66,22 @@ impl Shape {
             }
             Self::Manifold => manifold(),
         }
+    }
+
+    /// A plate of 60 x 60 mm with up to six round holes with a diameter of 12 mm.
+    ///
+    /// Two holes lie towards opposite corners, four towards all corners; a third or fifth one is in
+    /// the centre; six lie in two rows.
+    pub(super) fn plate(holes: usize) -> Model {
+        let [low, middle, high] = [15.0, 30.0, 45.0];
+        let mut centres = vec![[low, low], [high, high], [high, low], [low, high]];
+        match holes {
+            6 => centres.extend([[low, middle], [high, middle]]),
+            odd if odd % 2 == 1 => centres.insert(odd - 1, [middle, middle]),
+            _ => {}
+        }
+        let holes: Vec<_> = centres.iter().take(holes).map(|&centre| (centre, 6.0)).collect();
+        plate(rectangle([0.0, 0.0], [60.0, 60.0]), &holes)
     }
 }
 

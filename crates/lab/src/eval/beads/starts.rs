@@ -1,6 +1,6 @@
 //! The shapes of the paper, with nearest neighbour from many random starts.
 
-use std::fmt::Write;
+use std::fmt::{Display, Formatter, Write};
 
 use beadwork_base::Control;
 use serde::Serialize;
@@ -12,13 +12,23 @@ use super::shapes::Shape;
 /// Number of random starts: seeds from 0 on.
 pub(super) const STARTS: u64 = 20;
 
-/// Infill beads of a method from all starts, for each layer of a flat shape, and for all layers of
-/// the manifold.
+/// A figure of all starts.
 #[derive(Debug, Serialize)]
-pub(super) struct Beads {
+pub(super) struct Range {
     pub(super) min: f64,
     pub(super) mean: f64,
     pub(super) max: f64,
+}
+
+/// Infill beads of all starts, for each layer of a flat shape, and for all layers of the manifold.
+#[derive(Debug, Serialize)]
+pub(super) struct Counts {
+    pub(super) nearest: Range,
+    pub(super) break_points: Range,
+    /// Break points repeated from those of the best result until nothing improves.
+    pub(super) repeated: Range,
+    /// Of one start, on which it does not depend.
+    pub(super) cover: Range,
 }
 
 /// A shape.
@@ -29,13 +39,40 @@ pub(super) struct Row {
     density: f64,
     /// Infill beads of nearest neighbour and of break points, as the paper states them.
     paper: Option<[u32; 2]>,
-    pub(super) nearest: Beads,
-    pub(super) break_points: Beads,
+    #[serde(flatten)]
+    counts: Counts,
     /// Reduction by break points in per cent, from the means.
     break_points_percent: f64,
-    pub(super) cover: Beads,
+    /// Reduction of each single start, which is what the paper states.
+    break_points_percents: Range,
+    /// Reduction by repeated break points in per cent, from the means.
+    repeated_percent: f64,
     /// Reduction by cover in per cent.
     cover_percent: f64,
+}
+
+impl Range {
+    fn new(values: &[f64]) -> Self {
+        Self {
+            min: values.iter().copied().fold(f64::INFINITY, f64::min),
+            mean: values.iter().sum::<f64>() / values.len() as f64,
+            max: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        }
+    }
+}
+
+impl Counts {
+    /// Reduction by a method compared with nearest neighbour, in per cent, from the means.
+    pub(super) fn percent(&self, after: &Range) -> f64 {
+        100.0 * (1.0 - after.mean / self.nearest.mean)
+    }
+}
+
+impl Display for Range {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> std::fmt::Result {
+        let Self { min, mean, max } = self;
+        write!(formatter, "{min} to {max} ({mean:.1})")
+    }
 }
 
 /// Infill beads of the paper before and after; of the manifold it only states the reduction.
@@ -48,6 +85,38 @@ fn paper(shape: Shape) -> Option<[u32; 2]> {
     }
 }
 
+/// Infill beads of a method, for each start.
+fn beads(
+    regions: &Regions,
+    column: Column,
+    starts: u64,
+    layers: usize,
+    control: &Control<'_>,
+) -> anyhow::Result<Vec<f64>> {
+    let beads = |seed| {
+        let linked = regions.link(column, seed, control)?;
+        Ok(linked.infill_beads as f64 / layers as f64)
+    };
+    (0..starts).map(beads).collect()
+}
+
+/// Links infill by each method; counts are divided by a number of layers.
+pub(super) fn counts(
+    regions: &Regions,
+    layers: usize,
+    control: &Control<'_>,
+) -> anyhow::Result<Counts> {
+    let range = |column: Column, starts: u64| -> anyhow::Result<Range> {
+        Ok(Range::new(&beads(regions, column, starts, layers, control)?))
+    };
+    Ok(Counts {
+        nearest: range(Column::NEAREST, STARTS)?,
+        break_points: range(Column::BREAK_POINTS, STARTS)?,
+        repeated: range(Column::REPEATED, STARTS)?,
+        cover: range(Column::COVER, 1)?,
+    })
+}
+
 /// Links the infill of a shape by nearest neighbour and by break points, as the paper does, and by
 /// cover.
 pub(super) fn row(
@@ -58,32 +127,21 @@ pub(super) fn row(
 ) -> anyhow::Result<Row> {
     // Flat shapes have an infill of each direction, which the paper's figures count one of.
     let layers = if shape == Shape::Manifold { 1 } else { case.layers.len() };
-    let beads = |column: Column, starts: u64| -> anyhow::Result<Beads> {
-        let counts = (0..starts)
-            .map(|seed| {
-                let linked = regions.link(column, seed, control)?;
-                Ok(linked.infill_beads as f64 / layers as f64)
-            })
-            .collect::<anyhow::Result<Vec<f64>>>()?;
-        Ok(Beads {
-            min: counts.iter().copied().fold(f64::INFINITY, f64::min),
-            mean: counts.iter().sum::<f64>() / counts.len() as f64,
-            max: counts.iter().copied().fold(0.0, f64::max),
-        })
-    };
-    let nearest = beads(Column::NEAREST, STARTS)?;
-    let break_points = beads(Column::BREAK_POINTS, STARTS)?;
-    let cover = beads(Column::COVER, 1)?;
-    let percent = |after: &Beads| 100.0 * (1.0 - after.mean / nearest.mean);
+    let nearest = beads(regions, Column::NEAREST, STARTS, layers, control)?;
+    let break_points = beads(regions, Column::BREAK_POINTS, STARTS, layers, control)?;
+    let single: Vec<f64> = std::iter::zip(&nearest, &break_points)
+        .map(|(before, after)| 100.0 * (1.0 - after / before))
+        .collect();
+    let counts = counts(regions, layers, control)?;
     Ok(Row {
         shape: shape.name(),
         density: 100.0 * case.toolpath.density,
         paper: paper(shape),
-        break_points_percent: percent(&break_points),
-        cover_percent: percent(&cover),
-        nearest,
-        break_points,
-        cover,
+        break_points_percent: counts.percent(&counts.break_points),
+        break_points_percents: Range::new(&single),
+        repeated_percent: counts.percent(&counts.repeated),
+        cover_percent: counts.percent(&counts.cover),
+        counts,
     })
 }
 
@@ -92,33 +150,32 @@ pub(super) fn table(text: &mut String, rows: &[Row]) -> std::fmt::Result {
     writeln!(
         text,
         "Infill beads of one layer, of the manifold in all layers: minimum to maximum (mean) of \
-         {STARTS} random starts.\n"
+         {STARTS} random starts.\n\
+         Reductions are those of single starts, as in the paper, and of the mean counts.\n"
     )?;
     writeln!(
         text,
-        "| shape | density, % | paper: NN, break points | NN | break points | reduction, % | cover \
-         | reduction, % |"
+        "| shape | density, % | paper: NN, break points | NN | break points | reduction, % \
+         | of means | repeated | of means | cover | of means |"
     )?;
-    writeln!(text, "|{}", "---|".repeat(8))?;
+    writeln!(text, "|{}", "---|".repeat(11))?;
     for row in rows {
-        let range = |beads: &Beads| {
-            let Beads { min, mean, max } = beads;
-            format!("{min} to {max} ({mean:.1})")
-        };
         let paper = match (row.paper, row.shape) {
             (Some([before, after]), _) => format!("{before}, {after}"),
             (None, "manifold") => "-21 %".to_owned(),
             _ => "-".to_owned(),
         };
+        let Counts { nearest, break_points, repeated, cover } = &row.counts;
+        let Range { min, max, .. } = row.break_points_percents;
         writeln!(
             text,
-            "| {} | {} | {paper} | {} | {} | {:.0} | {} | {:.0} |",
+            "| {} | {} | {paper} | {nearest} | {break_points} | {min:.1} to {max:.1} | {:.1} \
+             | {repeated} | {:.1} | {} | {:.1} |",
             row.shape,
             row.density,
-            range(&row.nearest),
-            range(&row.break_points),
             row.break_points_percent,
-            row.cover.mean,
+            row.repeated_percent,
+            cover.mean,
             row.cover_percent
         )?;
     }

@@ -10,13 +10,14 @@ use serde_json::json;
 use super::cases::{Case, Source};
 use super::methods::{self, COLUMNS, Proven, Regions, Row};
 use super::shapes::Shape;
-use super::{BeadsArgs, drawing, shapes_table, starts};
+use super::{BeadsArgs, drawing, neighbours, shapes_table, starts};
 
 /// All rows of all tables.
 #[derive(Default)]
 struct Tables {
     shapes: Vec<shapes_table::Row>,
     starts: Vec<starts::Row>,
+    neighbours: Vec<neighbours::Row>,
     methods: Vec<Row>,
     /// Time to find the permitted links, summed over layers, in s.
     link_seconds: f64,
@@ -43,6 +44,9 @@ pub(super) fn run(args: &BeadsArgs) -> anyhow::Result<()> {
             bar.inc(COLUMNS.len() as u64);
         }
     }
+    if !shapes.is_empty() {
+        tables.neighbours = neighbours::rows(&control)?;
+    }
     for path in &args.parts {
         let source = Source::part(path, &pool)?;
         for &density in &args.density {
@@ -59,6 +63,7 @@ pub(super) fn run(args: &BeadsArgs) -> anyhow::Result<()> {
             "link_seconds": tables.link_seconds,
             "shapes": tables.shapes,
             "random_starts": tables.starts,
+            "neighbours": tables.neighbours,
             "methods": tables.methods,
         }));
     }
@@ -81,6 +86,7 @@ impl Tables {
         if !self.shapes.is_empty() {
             shapes_table::table(&mut text, &self.shapes)?;
             starts::table(&mut text, &self.starts)?;
+            neighbours::table(&mut text, &self.neighbours)?;
         }
         let Rule { straight, boundary, .. } = Rule::default();
         writeln!(
