@@ -55,7 +55,7 @@
 //!
 //! # Features
 //! - `integer-program`: compiles tests that compare [`exact`] and [`link`] with integer programs;
-//!   it needs cmake and a C++ compiler.
+//!   it needs cmake, a C++ compiler and libclang, and is not built in CI.
 
 pub mod anneal;
 pub mod bound;

@@ -1,6 +1,7 @@
 //! Compares the exact search with an integer program, on layers too large for brute force.
 //!
-//! Run it by hand, as it needs cmake and a C++ compiler to build HiGHS, and takes minutes:
+//! Run it by hand, as it needs cmake, a C++ compiler and libclang to build HiGHS, and takes
+//! minutes:
 //! ```text
 //! cargo test --release -p beadwork-search --features integer-program --test integer_program \
 //!     -- --nocapture

@@ -49,6 +49,9 @@ impl Column {
     pub(super) const BREAK_POINTS: Self = Self::new("break points", Method::BreakPoints, false);
     pub(super) const REPEATED: Self =
         Self { name: "break points, repeated", rounds: u32::MAX, ..Self::BREAK_POINTS };
+    /// Nearest neighbour as in the paper, from all ends: the best that any choice of starts
+    /// reaches.
+    pub(super) const ALL_STARTS: Self = Self::new("all starts", Method::Repetitive, false);
     pub(super) const COVER: Self = Self::new("cover", Method::Cover, true);
 
     const fn new(name: &'static str, method: Method, links_first: bool) -> Self {

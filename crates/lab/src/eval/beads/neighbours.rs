@@ -67,18 +67,19 @@ pub(super) fn table(text: &mut String, rows: &[Row]) -> std::fmt::Result {
     )?;
     writeln!(
         text,
-        "| shape | density, % | NN | break points | of means, % | repeated | of means, % | cover |"
+        "| shape | density, % | NN | break points | of means, % | repeated | of means, % \
+         | all starts | cover |"
     )?;
-    writeln!(text, "|{}", "---|".repeat(8))?;
+    writeln!(text, "|{}", "---|".repeat(9))?;
     for Row { shape, holes, density, counts } in rows {
         let holes = holes.map_or(String::new(), |holes| format!(", {holes} holes"));
-        let Counts { nearest, break_points, repeated, cover } = counts;
+        let Counts { nearest, break_points, repeated, all_starts, cover } = counts;
         writeln!(
             text,
             "| {shape}{holes} | {density} | {nearest} | {break_points} | {:.1} | {repeated} \
-             | {:.1} | {} |",
-            counts.percent(break_points),
-            counts.percent(repeated),
+             | {:.1} | {all_starts} | {} |",
+            counts.percent(break_points.mean),
+            counts.percent(repeated.mean),
             cover.mean
         )?;
     }
@@ -96,9 +97,10 @@ mod tests {
             let mut rows = Vec::new();
             add(&mut rows, "plate", Some(holes), &Shape::plate(holes), &control).unwrap();
             for Row { counts, density, .. } in rows {
-                let Counts { nearest, break_points, repeated, cover } = counts;
-                let ranges = [cover, repeated, break_points, nearest];
+                let Counts { nearest, break_points, repeated, all_starts, cover } = counts;
+                let ranges = [&repeated, &break_points, &nearest];
                 assert!(ranges.is_sorted_by(|a, b| a.min <= b.min && a.max <= b.max), "{density}");
+                assert!(cover.mean <= all_starts && all_starts <= repeated.min, "{density}");
             }
         }
     }

@@ -27,6 +27,8 @@ pub(super) struct Counts {
     pub(super) break_points: Range,
     /// Break points repeated from those of the best result until nothing improves.
     pub(super) repeated: Range,
+    /// Nearest neighbour from all ends.
+    pub(super) all_starts: f64,
     /// Of one start, on which it does not depend.
     pub(super) cover: Range,
 }
@@ -63,8 +65,8 @@ impl Range {
 
 impl Counts {
     /// Reduction by a method compared with nearest neighbour, in per cent, from the means.
-    pub(super) fn percent(&self, after: &Range) -> f64 {
-        100.0 * (1.0 - after.mean / self.nearest.mean)
+    pub(super) fn percent(&self, after: f64) -> f64 {
+        100.0 * (1.0 - after / self.nearest.mean)
     }
 }
 
@@ -106,14 +108,19 @@ pub(super) fn counts(
     layers: usize,
     control: &Control<'_>,
 ) -> anyhow::Result<Counts> {
-    let range = |column: Column, starts: u64| -> anyhow::Result<Range> {
-        Ok(Range::new(&beads(regions, column, starts, layers, control)?))
+    let range = |column: Column| -> anyhow::Result<Range> {
+        Ok(Range::new(&beads(regions, column, STARTS, layers, control)?))
+    };
+    // The results of these do not depend on a start.
+    let once = |column: Column| -> anyhow::Result<f64> {
+        Ok(beads(regions, column, 1, layers, control)?[0])
     };
     Ok(Counts {
-        nearest: range(Column::NEAREST, STARTS)?,
-        break_points: range(Column::BREAK_POINTS, STARTS)?,
-        repeated: range(Column::REPEATED, STARTS)?,
-        cover: range(Column::COVER, 1)?,
+        nearest: range(Column::NEAREST)?,
+        break_points: range(Column::BREAK_POINTS)?,
+        repeated: range(Column::REPEATED)?,
+        all_starts: once(Column::ALL_STARTS)?,
+        cover: Range::new(&[once(Column::COVER)?]),
     })
 }
 
@@ -137,10 +144,10 @@ pub(super) fn row(
         shape: shape.name(),
         density: 100.0 * case.toolpath.density,
         paper: paper(shape),
-        break_points_percent: counts.percent(&counts.break_points),
+        break_points_percent: counts.percent(counts.break_points.mean),
         break_points_percents: Range::new(&single),
-        repeated_percent: counts.percent(&counts.repeated),
-        cover_percent: counts.percent(&counts.cover),
+        repeated_percent: counts.percent(counts.repeated.mean),
+        cover_percent: counts.percent(counts.cover.mean),
         counts,
     })
 }
@@ -156,21 +163,21 @@ pub(super) fn table(text: &mut String, rows: &[Row]) -> std::fmt::Result {
     writeln!(
         text,
         "| shape | density, % | paper: NN, break points | NN | break points | reduction, % \
-         | of means | repeated | of means | cover | of means |"
+         | of means | repeated | of means | all starts | cover | of means |"
     )?;
-    writeln!(text, "|{}", "---|".repeat(11))?;
+    writeln!(text, "|{}", "---|".repeat(12))?;
     for row in rows {
         let paper = match (row.paper, row.shape) {
             (Some([before, after]), _) => format!("{before}, {after}"),
             (None, "manifold") => "-21 %".to_owned(),
             _ => "-".to_owned(),
         };
-        let Counts { nearest, break_points, repeated, cover } = &row.counts;
+        let Counts { nearest, break_points, repeated, all_starts, cover } = &row.counts;
         let Range { min, max, .. } = row.break_points_percents;
         writeln!(
             text,
             "| {} | {} | {paper} | {nearest} | {break_points} | {min:.1} to {max:.1} | {:.1} \
-             | {repeated} | {:.1} | {} | {:.1} |",
+             | {repeated} | {:.1} | {all_starts} | {} | {:.1} |",
             row.shape,
             row.density,
             row.break_points_percent,
