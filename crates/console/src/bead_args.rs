@@ -83,7 +83,11 @@ impl BeadArgs {
 
     /// Settings of the planner, for beads of a width in mm.
     pub fn plan(&self, bead_mm: f64, seed: u64) -> beads::Settings {
-        let join = join::Settings { max_step_mm: 2.0 * bead_mm, clearance_mm: 0.45 * bead_mm };
+        let join = join::Settings {
+            max_step_mm: 2.0 * bead_mm,
+            clearance_mm: 0.45 * bead_mm,
+            slit_mm: bead_mm,
+        };
         beads::Settings {
             join: self.join.then_some(join),
             order: match self.order {

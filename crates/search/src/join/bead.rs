@@ -1,76 +1,90 @@
 //! Beads of loops and chains.
 
-/// A point of a loop.
+/// A loop or a chain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Line {
+    /// The loop of this number.
+    Loop(usize),
+    /// The chain of this number.
+    Chain(usize),
+}
+
+/// A point of a loop or chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OnLoop {
-    /// The edge that it lies on; edge `k` runs from corner `k` to the next corner.
+pub struct Position {
+    /// The edge that it lies on; edge `k` runs from point `k` to the next point.
     pub edge: usize,
     /// x and y in mm.
     pub point_mm: [f64; 2],
 }
 
-/// A loop or a chain of a bead.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
-    /// The loop of this number, printed once around.
-    Loop(usize),
-    /// A chain.
-    Chain {
-        /// Its number.
-        number: usize,
-        /// Whether it is printed from its last point to its first.
-        is_reversed: bool,
-    },
+/// What a bead prints of a loop or chain in one go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// The loop or chain.
+    pub line: Line,
+    /// Where it begins.
+    pub from: Position,
+    /// Where it ends.
+    /// A piece of a loop that ends where it begins is the whole loop.
+    pub to: Position,
+    /// Whether it is printed against the order of the points.
+    pub is_reversed: bool,
 }
 
-/// Loops and chains that are printed without a lift.
+/// What is printed without a lift.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bead {
-    /// The loops and chains in printing order; never empty.
-    pub parts: Vec<Part>,
-    /// The possible choices of where the loops begin: each has one point for each loop of `parts`,
-    /// in their order.
-    /// Never empty; a bead of chains alone has one choice without points.
+    /// The possible ways to print it, of which the caller chooses one; never empty.
     ///
-    /// A bead that consists of loops alone may have several: which one is best depends on where the
-    /// nozzle comes from.
-    pub ways: Vec<Vec<OnLoop>>,
+    /// A way has at least one piece.
+    /// Straight steps lead from each piece to the next one; they have no length where the next one
+    /// begins at the same point.
+    /// Beads of loops alone may have several ways: which one is best depends on where the nozzle
+    /// comes from.
+    pub ways: Vec<Vec<Piece>>,
+}
+
+impl Piece {
+    /// Whether it is a whole loop.
+    pub fn is_whole_loop(&self) -> bool {
+        matches!(self.line, Line::Loop(_)) && self.from == self.to
+    }
+
+    /// The same piece from its end to its beginning.
+    /// Whole loops keep their direction.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        if self.is_whole_loop() {
+            return *self;
+        }
+        Self { from: self.to, to: self.from, is_reversed: !self.is_reversed, ..*self }
+    }
 }
 
 impl Bead {
+    /// Number of pieces in its first way.
+    /// Of beads that print the same, those with more pieces have more steps.
+    pub fn piece_count(&self) -> usize {
+        self.ways[0].len()
+    }
+
     /// Whether it consists of loops alone.
     pub fn has_only_loops(&self) -> bool {
-        self.parts.iter().all(|part| matches!(part, Part::Loop(_)))
+        self.ways[0].iter().all(|piece| matches!(piece.line, Line::Loop(_)))
     }
 
     /// The same bead printed from its end to its beginning.
-    /// Loops are still printed in their own direction.
+    /// Whole loops are still printed in their own direction.
     #[must_use]
     pub fn reversed(&self) -> Self {
-        let reverse = |&part: &Part| match part {
-            Part::Loop(number) => Part::Loop(number),
-            Part::Chain { number, is_reversed } => {
-                Part::Chain { number, is_reversed: !is_reversed }
-            }
-        };
-        let parts = self.parts.iter().rev().map(reverse).collect();
-        let ways = self.ways.iter().map(|way| way.iter().rev().copied().collect()).collect();
-        Self { parts, ways }
+        let reversed = |way: &Vec<Piece>| way.iter().rev().map(Piece::reversed).collect();
+        Self { ways: self.ways.iter().map(reversed).collect() }
     }
 
-    /// Where the bead begins in one of the ways, if its chains have these ends.
-    pub fn start_mm(&self, way: usize, chains: &[[[f64; 2]; 2]]) -> [f64; 2] {
-        match self.parts[0] {
-            Part::Loop(_) => self.ways[way][0].point_mm,
-            Part::Chain { number, is_reversed } => chains[number][usize::from(is_reversed)],
-        }
-    }
-
-    /// Where the bead ends in one of the ways, if its chains have these ends.
-    pub fn end_mm(&self, way: usize, chains: &[[[f64; 2]; 2]]) -> [f64; 2] {
-        match self.parts[self.parts.len() - 1] {
-            Part::Loop(_) => self.ways[way][self.ways[way].len() - 1].point_mm,
-            Part::Chain { number, is_reversed } => chains[number][usize::from(!is_reversed)],
-        }
+    /// Where the bead begins and ends in one of the ways, x and y in mm.
+    pub fn ends_mm(&self, way: usize) -> [[f64; 2]; 2] {
+        let pieces = &self.ways[way];
+        [pieces[0].from.point_mm, pieces[pieces.len() - 1].to.point_mm]
     }
 }

@@ -1,22 +1,23 @@
-//! Joins two beads at their ends.
+//! Joins two sequences at their ends.
 
-use super::bead::{Bead, OnLoop, Part};
+use super::bead::Position;
+use super::sequence::{Part, Sequence};
 use super::surroundings::Surroundings;
 
-/// Maximum number of ways of a bead.
-const MAX_WAYS: usize = 64;
+/// Maximum number of ways of a sequence.
+pub(super) const MAX_WAYS: usize = 64;
 
 /// Joins the end of `first` to the beginning of `second` by a step, if there is one.
 ///
 /// The ways of the result are those in which the step is possible.
-/// A bead of loops alone can begin anywhere, not only in the ways listed for it, so new ways are
-/// computed for it.
+/// A sequence of loops alone can begin anywhere, not only in the ways listed for it, so new ways
+/// are computed for it.
 pub(super) fn merge(
-    first: &Bead,
-    second: &Bead,
+    first: &Sequence,
+    second: &Sequence,
     chains: &[[[f64; 2]; 2]],
     near: &Surroundings<'_>,
-) -> Option<Bead> {
+) -> Option<Sequence> {
     let ways = match (first.has_only_loops(), second.has_only_loops()) {
         (false, false) => meet(first, second, chains, near),
         (false, true) => continue_into(first, second, chains, near),
@@ -30,16 +31,16 @@ pub(super) fn merge(
         return None;
     }
     let parts = first.parts.iter().chain(&second.parts).copied().collect();
-    Some(Bead { parts, ways })
+    Some(Sequence { parts, ways })
 }
 
-/// Ways in which two beads meet that have fixed ways.
+/// Ways in which two sequences meet that have fixed ways.
 fn meet(
-    first: &Bead,
-    second: &Bead,
+    first: &Sequence,
+    second: &Sequence,
     chains: &[[[f64; 2]; 2]],
     near: &Surroundings<'_>,
-) -> Vec<Vec<OnLoop>> {
+) -> Vec<Vec<Position>> {
     let mut ways = Vec::new();
     for from in 0..first.ways.len() {
         for to in 0..second.ways.len() {
@@ -52,13 +53,13 @@ fn meet(
     ways
 }
 
-/// Ways in which a bead with fixed ways continues into a bead of loops.
+/// Ways in which a sequence with fixed ways continues into a sequence of loops.
 fn continue_into(
-    first: &Bead,
-    loops: &Bead,
+    first: &Sequence,
+    loops: &Sequence,
     chains: &[[[f64; 2]; 2]],
     near: &Surroundings<'_>,
-) -> Vec<Vec<OnLoop>> {
+) -> Vec<Vec<Position>> {
     let continued = |way: usize| {
         let mut positions = first.ways[way].clone();
         positions.extend(along(first.end_mm(way, chains), &loops.parts, near)?);
@@ -67,19 +68,23 @@ fn continue_into(
     (0..first.ways.len()).filter_map(continued).collect()
 }
 
-/// Ways of two beads of loops that are joined anywhere.
-fn begin_anywhere(first: &Bead, second: &Bead, near: &Surroundings<'_>) -> Vec<Vec<OnLoop>> {
+/// Ways of two sequences of loops that are joined anywhere.
+fn begin_anywhere(
+    first: &Sequence,
+    second: &Sequence,
+    near: &Surroundings<'_>,
+) -> Vec<Vec<Position>> {
     let Some(&Part::Loop(last)) = first.parts.last() else { return Vec::new() };
     let samples = near.samples(last);
     let before: Vec<Part> = first.parts[..first.parts.len() - 1].iter().rev().copied().collect();
-    let way = |&sample: &OnLoop| {
+    let way = |&sample: &Position| {
         let mut positions = along(sample.point_mm, &before, near)?;
         positions.reverse();
         positions.push(sample);
         positions.extend(along(sample.point_mm, &second.parts, near)?);
         Some(positions)
     };
-    let ways: Vec<Vec<OnLoop>> = samples.iter().filter_map(way).collect();
+    let ways: Vec<Vec<Position>> = samples.iter().filter_map(way).collect();
     // Few are enough, spread along the loop.
     let every = ways.len().div_ceil(MAX_WAYS).max(1);
     ways.into_iter().step_by(every).collect()
@@ -87,7 +92,7 @@ fn begin_anywhere(first: &Bead, second: &Bead, near: &Surroundings<'_>) -> Vec<V
 
 /// Where each of the loops begins if the first is entered from a point, and each other one from the
 /// loop before: always at the nearest point.
-fn along(from_mm: [f64; 2], loops: &[Part], near: &Surroundings<'_>) -> Option<Vec<OnLoop>> {
+fn along(from_mm: [f64; 2], loops: &[Part], near: &Surroundings<'_>) -> Option<Vec<Position>> {
     let mut here = from_mm;
     loops
         .iter()

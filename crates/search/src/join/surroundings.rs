@@ -1,6 +1,6 @@
 //! What lies near a point: loops within reach, and whether a step to them is clear.
 
-use super::bead::OnLoop;
+use super::bead::{Line, Position};
 use super::geometry::{crosses, distance2, nearest_on_segment};
 use crate::segment::{Segment, SegmentGrid, are_near};
 
@@ -8,8 +8,8 @@ use crate::segment::{Segment, SegmentGrid, are_near};
 const SAME_MM: f64 = 1e-4;
 
 /// Loops and outline, with a spatial index of their edges.
-pub(super) struct Surroundings<'a> {
-    loops: &'a [&'a [[f64; 2]]],
+pub(super) struct Rings {
+    /// Distances and steps in mm.
     reach_mm: f64,
     clearance_mm: f64,
     grid: SegmentGrid,
@@ -17,12 +17,39 @@ pub(super) struct Surroundings<'a> {
     /// number in it.
     edges: Vec<(Option<u32>, u32)>,
     /// For each loop, points along it.
-    samples: Vec<Vec<OnLoop>>,
+    samples: Vec<Vec<Position>>,
 }
 
-impl<'a> Surroundings<'a> {
+/// Loops, outline and chains, which steps do not cross.
+#[derive(Clone, Copy)]
+pub(super) struct Surroundings<'a> {
+    rings: &'a Rings,
+    /// The chains, if they are known.
+    chains: Option<&'a Chains>,
+}
+
+/// Chains with a spatial index of their edges.
+pub(super) struct Chains {
+    grid: SegmentGrid,
+    /// For each segment of the grid the number of its chain, and its own number in it.
+    edges: Vec<(u32, u32)>,
+}
+
+impl Chains {
+    pub(super) fn new(chains: &[&[[f64; 2]]], reach_mm: f64) -> Self {
+        let mut segments = Vec::new();
+        let mut edges = Vec::new();
+        for (chain, number) in chains.iter().zip(0..) {
+            segments.extend(chain.windows(2).map(|pair| [pair[0], pair[1]]));
+            edges.extend((0..chain.len().saturating_sub(1) as u32).map(|edge| (number, edge)));
+        }
+        Self { grid: SegmentGrid::new(segments, reach_mm), edges }
+    }
+}
+
+impl Rings {
     pub(super) fn new(
-        loops: &'a [&'a [[f64; 2]]],
+        loops: &[&[[f64; 2]]],
         outline: &[&[[f64; 2]]],
         reach_mm: f64,
         clearance_mm: f64,
@@ -36,33 +63,44 @@ impl<'a> Surroundings<'a> {
         }
         let grid = SegmentGrid::new(segments, reach_mm);
         let samples = loops.iter().map(|ring| samples(ring, reach_mm)).collect();
-        Self { loops, reach_mm, clearance_mm, grid, edges, samples }
+        Self { reach_mm, clearance_mm, grid, edges, samples }
     }
 
     pub(super) fn reach_mm(&self) -> f64 {
         self.reach_mm
     }
 
+    /// What lies around steps, with the chains if they are known.
+    pub(super) fn with<'a>(&'a self, chains: Option<&'a Chains>) -> Surroundings<'a> {
+        Surroundings { rings: self, chains }
+    }
+}
+
+impl<'a> Surroundings<'a> {
+    pub(super) fn reach_mm(&self) -> f64 {
+        self.rings.reach_mm
+    }
+
     pub(super) fn loop_count(&self) -> usize {
-        self.loops.len()
+        self.rings.samples.len()
     }
 
     /// Points along a loop, about `reach` apart.
-    pub(super) fn samples(&self, number: usize) -> &[OnLoop] {
-        &self.samples[number]
+    pub(super) fn samples(&self, number: usize) -> &'a [Position] {
+        &self.rings.samples[number]
     }
 
     /// Calls `visit` with each edge of a loop within reach of a point: the loop, the point of the
     /// edge nearest to it, and the square of its distance.
-    fn for_each_near(&self, point_mm: [f64; 2], mut visit: impl FnMut(usize, OnLoop, f64)) {
-        let reach2 = self.reach_mm * self.reach_mm;
-        self.grid.any_near([point_mm; 2], self.reach_mm, |segment| {
-            if let (Some(number), edge) = self.edges[segment as usize] {
-                let [a, b] = self.grid.segments()[segment as usize];
+    fn for_each_near(&self, point_mm: [f64; 2], mut visit: impl FnMut(usize, Position, f64)) {
+        let reach2 = self.rings.reach_mm * self.rings.reach_mm;
+        self.rings.grid.any_near([point_mm; 2], self.rings.reach_mm, |segment| {
+            if let (Some(number), edge) = self.rings.edges[segment as usize] {
+                let [a, b] = self.rings.grid.segments()[segment as usize];
                 let nearest = nearest_on_segment(point_mm, a, b);
                 let length2 = distance2(point_mm, nearest);
                 if length2 <= reach2 {
-                    let on_loop = OnLoop { edge: edge as usize, point_mm: nearest };
+                    let on_loop = Position { edge: edge as usize, point_mm: nearest };
                     visit(number as usize, on_loop, length2);
                 }
             }
@@ -72,8 +110,8 @@ impl<'a> Surroundings<'a> {
 
     /// The loops within reach of a point, in ascending order: for each the nearest point of it, if
     /// the step to it is clear.
-    pub(super) fn loops_near(&self, point_mm: [f64; 2]) -> Vec<(usize, OnLoop)> {
-        let mut near: Vec<(usize, OnLoop, f64)> = Vec::new();
+    pub(super) fn loops_near(&self, point_mm: [f64; 2]) -> Vec<(usize, Position)> {
+        let mut near: Vec<(usize, Position, f64)> = Vec::new();
         self.for_each_near(point_mm, |number, on_loop, length2| {
             match near.iter_mut().find(|near| near.0 == number) {
                 Some(best) => {
@@ -96,16 +134,73 @@ impl<'a> Surroundings<'a> {
         found
     }
 
+    /// All loops and chains within reach of a point, whatever lies between, sorted: for each the
+    /// nearest point.
+    pub(super) fn lines_near(&self, point_mm: [f64; 2]) -> Vec<(Line, Position)> {
+        let mut near: Vec<(Line, f64, Position)> = Vec::new();
+        self.for_each_near(point_mm, |ring, position, length2| {
+            near.push((Line::Loop(ring), length2, position));
+        });
+        if let Some(Chains { grid, edges }) = self.chains {
+            grid.any_near([point_mm; 2], self.reach_mm(), |segment| {
+                let [a, b] = grid.segments()[segment as usize];
+                let nearest = nearest_on_segment(point_mm, a, b);
+                let length2 = distance2(point_mm, nearest);
+                if length2 <= self.reach_mm() * self.reach_mm() {
+                    let (chain, edge) = edges[segment as usize];
+                    let position = Position { edge: edge as usize, point_mm: nearest };
+                    near.push((Line::Chain(chain as usize), length2, position));
+                }
+                false
+            });
+        }
+        near.sort_unstable_by(|a, b| {
+            let by_line = a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
+            by_line.then(a.2.edge.cmp(&b.2.edge))
+        });
+        near.dedup_by_key(|near| near.0);
+        near.into_iter().map(|(line, _, position)| (line, position)).collect()
+    }
+
+    /// All pairs of a loop and a chain with points within reach of each other, whatever lies
+    /// between.
+    pub(super) fn near_chains(&self) -> Vec<[usize; 2]> {
+        let Some(Chains { grid, edges }) = self.chains else { return Vec::new() };
+        let mut found = Vec::new();
+        for (&segment, &(chain, _)) in grid.segments().iter().zip(edges) {
+            self.rings.grid.any_near(segment, self.rings.reach_mm, |other| {
+                if let (Some(ring), _) = self.rings.edges[other as usize]
+                    && found.last() != Some(&[ring as usize, chain as usize])
+                    && are_near(
+                        segment,
+                        self.rings.grid.segments()[other as usize],
+                        self.rings.reach_mm,
+                    )
+                {
+                    found.push([ring as usize, chain as usize]);
+                }
+                false
+            });
+        }
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
     /// All pairs of loops with points within reach of each other, whatever lies between.
     pub(super) fn near_pairs(&self) -> Vec<[usize; 2]> {
         let mut found = Vec::new();
-        for (&segment, &(ring, _)) in self.grid.segments().iter().zip(&self.edges) {
+        for (&segment, &(ring, _)) in self.rings.grid.segments().iter().zip(&self.rings.edges) {
             let Some(ring) = ring else { continue };
-            self.grid.any_near(segment, self.reach_mm, |other| {
-                if let (Some(other_ring), _) = self.edges[other as usize]
+            self.rings.grid.any_near(segment, self.rings.reach_mm, |other| {
+                if let (Some(other_ring), _) = self.rings.edges[other as usize]
                     && ring < other_ring
                     && found.last() != Some(&[ring as usize, other_ring as usize])
-                    && are_near(segment, self.grid.segments()[other as usize], self.reach_mm)
+                    && are_near(
+                        segment,
+                        self.rings.grid.segments()[other as usize],
+                        self.rings.reach_mm,
+                    )
                 {
                     found.push([ring as usize, other_ring as usize]);
                 }
@@ -118,8 +213,8 @@ impl<'a> Surroundings<'a> {
     }
 
     /// The nearest point of a loop, if it is within reach of a point and the step to it is clear.
-    pub(super) fn nearest(&self, number: usize, point_mm: [f64; 2]) -> Option<OnLoop> {
-        let mut best: Option<(OnLoop, f64)> = None;
+    pub(super) fn nearest(&self, number: usize, point_mm: [f64; 2]) -> Option<Position> {
+        let mut best: Option<(Position, f64)> = None;
         self.for_each_near(point_mm, |other, on_loop, length2| {
             let is_better = other == number
                 && best
@@ -132,32 +227,38 @@ impl<'a> Surroundings<'a> {
         self.is_clear(point_mm, on_loop.point_mm).then_some(on_loop)
     }
 
-    /// Whether a step is short enough and properly crosses neither the outline nor a loop.
+    /// Whether a step is short enough and clear.
     pub(super) fn is_step(&self, from: [f64; 2], to: [f64; 2]) -> bool {
-        distance2(from, to) <= self.reach_mm * self.reach_mm && self.is_clear(from, to)
+        distance2(from, to) <= self.rings.reach_mm * self.rings.reach_mm && self.is_clear(from, to)
     }
 
-    /// Whether the straight line between two points properly crosses neither outline nor loops, and
-    /// keeps the clearance from the outline, or the distance of its ends if they are nearer.
+    /// Whether the straight line between two points properly crosses neither the outline nor loops
+    /// nor chains, and keeps the clearance from the outline, or the distance of its ends if they
+    /// are nearer.
     fn is_clear(&self, from: [f64; 2], to: [f64; 2]) -> bool {
-        let crosses =
-            |segment: u32| crosses([from, to], self.grid.segments()[segment as usize], SAME_MM);
-        if self.grid.any_near([from, to], SAME_MM, crosses) {
+        let crosses_any = |grid: &SegmentGrid| {
+            let crosses =
+                |segment: u32| crosses([from, to], grid.segments()[segment as usize], SAME_MM);
+            grid.any_near([from, to], SAME_MM, crosses)
+        };
+        if crosses_any(&self.rings.grid)
+            || self.chains.is_some_and(|chains| crosses_any(&chains.grid))
+        {
             return false;
         }
-        let ends_mm = self.to_outline_mm([from; 2]).min(self.to_outline_mm([to; 2]));
-        self.to_outline_mm([from, to]) >= ends_mm - SAME_MM
+        let ends_mm = self.outline_distance_mm([from; 2]).min(self.outline_distance_mm([to; 2]));
+        self.outline_distance_mm([from, to]) >= ends_mm - SAME_MM
     }
 
     /// Distance of a segment that does not cross the outline from the outline, at most the
     /// clearance, in mm.
-    fn to_outline_mm(&self, [from, to]: Segment) -> f64 {
-        let mut best2 = self.clearance_mm * self.clearance_mm;
+    fn outline_distance_mm(&self, [from, to]: Segment) -> f64 {
+        let mut best2 = self.rings.clearance_mm * self.rings.clearance_mm;
         if best2 > 0.0 {
-            self.grid.any_near([from, to], self.clearance_mm, |segment| {
-                if self.edges[segment as usize].0.is_none() {
+            self.rings.grid.any_near([from, to], self.rings.clearance_mm, |segment| {
+                if self.rings.edges[segment as usize].0.is_none() {
                     // Two segments that do not cross are nearest at an end of one of them.
-                    let [a, b] = self.grid.segments()[segment as usize];
+                    let [a, b] = self.rings.grid.segments()[segment as usize];
                     let near = |point, c, d| distance2(point, nearest_on_segment(point, c, d));
                     let nearest = near(from, a, b).min(near(to, a, b));
                     best2 = best2.min(nearest).min(near(a, from, to)).min(near(b, from, to));
@@ -176,8 +277,8 @@ fn is_nearer(a: (f64, usize), b: (f64, usize)) -> bool {
 
 /// Points along a ring: of its corners and of points between them, which are at most `reach` apart,
 /// those that are not much nearer to each other.
-fn samples(ring: &[[f64; 2]], reach_mm: f64) -> Vec<OnLoop> {
-    let mut found: Vec<OnLoop> = Vec::new();
+fn samples(ring: &[[f64; 2]], reach_mm: f64) -> Vec<Position> {
+    let mut found: Vec<Position> = Vec::new();
     for edge in 0..ring.len() {
         let [a, b] = ends(ring, edge);
         let count = (distance2(a, b).sqrt() / reach_mm).ceil().clamp(1.0, 1e4) as usize;
@@ -185,9 +286,9 @@ fn samples(ring: &[[f64; 2]], reach_mm: f64) -> Vec<OnLoop> {
             let part = step as f64 / count as f64;
             let point_mm = [0, 1].map(|axis| a[axis] + part * (b[axis] - a[axis]));
             let is_far =
-                |last: &OnLoop| distance2(last.point_mm, point_mm) > 0.25 * reach_mm * reach_mm;
+                |last: &Position| distance2(last.point_mm, point_mm) > 0.25 * reach_mm * reach_mm;
             if found.last().is_none_or(is_far) {
-                found.push(OnLoop { edge, point_mm });
+                found.push(Position { edge, point_mm });
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Joining compared with a slow twin that finds the fewest beads of small islands.
+//! Joining end to end compared with a slow twin that finds the fewest beads of small islands.
 //!
 //! The twin samples every loop densely.
 //! For each set of loops and chains and each element that a bead of this set may end with, it finds
@@ -37,8 +37,9 @@ impl Island {
     fn solve(&self, max_step_mm: f64) -> Outcome {
         let [loops, outline] = [&self.loops, &self.outline]
             .map(|rings| rings.iter().map(|ring| &ring[..]).collect::<Vec<_>>());
-        let input = Input { loops: &loops, chains: &self.chains, outline: &outline };
-        solve(&input, &Settings { max_step_mm, ..Settings::default() })
+        let chains: Vec<&[Point]> = self.chains.iter().map(|chain| &chain[..]).collect();
+        let input = Input { loops: &loops, chains: &chains, outline: &outline, seams: &[] };
+        solve(&input, &Settings { max_step_mm, slit_mm: 0.0, ..Settings::default() })
     }
 
     fn elements(&self) -> Vec<Element> {
@@ -64,7 +65,8 @@ impl Island {
             return false;
         }
         let margin = if is_lax { SAMPLE_MM } else { 1e-4 };
-        !self.loops.iter().chain(&self.outline).flat_map(edges).any(|[a, b]| {
+        let rings = self.loops.iter().chain(&self.outline).flat_map(edges);
+        !rings.chain(self.chains.iter().copied()).any(|[a, b]| {
             if !is_lax {
                 return crosses(step, [a, b], margin);
             }
@@ -190,7 +192,10 @@ fn random_island(rng: &mut Xoshiro256PlusPlus) -> Island {
             }
         };
         for _ in 0..rng.random_range(0..4) {
-            chains.push([side(rng), side(rng)]);
+            let chain = [side(rng), side(rng)];
+            if !chains.iter().any(|&other| crosses(chain, other, 0.0)) {
+                chains.push(chain);
+            }
         }
     }
     Island { outline, loops, chains }

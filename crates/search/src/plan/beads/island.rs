@@ -10,7 +10,7 @@ use super::outcome::Counts;
 use super::settings::Settings;
 use super::strand::{Chain, Loop};
 use crate::Stop;
-use crate::join::{self, OnLoop, Part};
+use crate::join::{self, Line, Piece, Position};
 use crate::link::LinksError;
 
 /// The loops and chains of an island, and the beads that they form.
@@ -29,7 +29,7 @@ pub(super) struct IslandBeads {
 /// `seams` has an entry for each inset.
 pub(super) fn island_beads(
     island: &Island,
-    seams: &[Option<OnLoop>],
+    seams: &[Option<Position>],
     toolpath: &ToolpathSettings,
     settings: &Settings,
     control: &Control<'_>,
@@ -37,7 +37,8 @@ pub(super) fn island_beads(
     let Walls { loops, seams, chains, mut counts } = Walls::new(island, seams, toolpath.bead_mm);
     let rings: Vec<&[[f64; 2]]> = loops.iter().map(|each| &each.ring[..]).collect();
     let outline: Vec<&[[f64; 2]]> = island.outline.rings().map(Vec::as_slice).collect();
-    let joiner = settings.join.as_ref().map(|join| join::Loops::new(&rings, &outline, join));
+    let joiner =
+        settings.join.as_ref().map(|join| join::Loops::new(&rings, &outline, &seams, join));
     let mut regions = Vec::new();
     for infill in &island.infill {
         let mut region = Region::new(infill, &settings.rule)?;
@@ -67,10 +68,14 @@ pub(super) fn island_beads(
             counts.optimal_regions = made.counts.optimal_regions;
         }
         made.strands = match &joiner {
-            Some(joiner) => join_all(joiner, &seams, &made.ends_mm()),
+            Some(joiner) => {
+                let points: Vec<&[[f64; 2]]> =
+                    made.chains.iter().map(|chain| &chain.points[..]).collect();
+                joiner.join(&points).beads
+            }
             None => separate(&loops, &seams, &made.chains),
         };
-        if best.as_ref().is_none_or(|best| made.strands.len() < best.strands.len()) {
+        if best.as_ref().is_none_or(|best| made.rank() < best.rank()) {
             best = Some(made);
         }
     }
@@ -87,9 +92,9 @@ pub(super) fn island_beads(
 }
 
 impl IslandBeads {
-    /// Both ends of each chain.
-    pub(super) fn ends_mm(&self) -> Vec<[[f64; 2]; 2]> {
-        self.chains.iter().map(Chain::ends_mm).collect()
+    /// Number of beads and of their pieces, both of which should be few.
+    fn rank(&self) -> (usize, usize) {
+        (self.strands.len(), self.strands.iter().map(join::Bead::piece_count).sum())
     }
 
     /// Adds the chains of an infill region.
@@ -104,7 +109,7 @@ impl IslandBeads {
         if matches!(stop, Stop::Cancelled | Stop::TimeUp) {
             self.interrupted = Some(stop);
         }
-        let chains = chains.iter().filter_map(|points| Chain::new(points, bead_mm, feature));
+        let chains = chains.into_iter().filter_map(|points| Chain::new(points, bead_mm, feature));
         self.chains.extend(chains);
     }
 }
@@ -118,14 +123,14 @@ fn infill_feature(infill: &Infill) -> Feature {
 struct Walls {
     loops: Vec<Loop>,
     /// For each loop, where it must begin if that is fixed.
-    seams: Vec<Option<OnLoop>>,
+    seams: Vec<Option<Position>>,
     /// Open skeletons.
     chains: Vec<Chain>,
     counts: Counts,
 }
 
 impl Walls {
-    fn new(island: &Island, seams: &[Option<OnLoop>], bead_mm: f64) -> Self {
+    fn new(island: &Island, seams: &[Option<Position>], bead_mm: f64) -> Self {
         let mut walls = Self::default();
         for (Inset { depth, ring, .. }, &seam) in island.insets.iter().zip(seams) {
             let feature = if *depth == 0 { Feature::OuterWall } else { Feature::InnerWall };
@@ -149,7 +154,7 @@ impl Walls {
         ring: &[[f64; 2]],
         widths_mm: Vec<f64>,
         feature: Feature,
-        seam: Option<OnLoop>,
+        seam: Option<Position>,
     ) {
         if ring.len() > 1 {
             self.loops.push(Loop { ring: ring.to_vec(), widths_mm, feature });
@@ -167,54 +172,32 @@ impl Walls {
             let widths_mm = moves.iter().map(|step| step.width_mm).collect();
             self.add_loop(&ring, widths_mm, last.feature, None);
         } else {
-            self.chains.push(Chain { start_mm: *start_mm, moves: moves.clone() });
+            let ends = moves.iter().map(|step| step.to_mm);
+            let points = std::iter::once(*start_mm).chain(ends).collect();
+            let widths_mm = moves.iter().map(|step| step.width_mm).collect();
+            self.chains.push(Chain { points, widths_mm, feature: last.feature });
         }
     }
 }
 
 /// A bead for each loop and chain.
-fn separate(loops: &[Loop], seams: &[Option<OnLoop>], chains: &[Chain]) -> Vec<join::Bead> {
-    let of_loop = |(number, (ring, seam)): (usize, (&Loop, &Option<OnLoop>))| {
+fn separate(loops: &[Loop], seams: &[Option<Position>], chains: &[Chain]) -> Vec<join::Bead> {
+    let of_loop = |(number, (ring, seam)): (usize, (&Loop, &Option<Position>))| {
+        let whole = |begin: Position| {
+            let line = Line::Loop(number);
+            vec![Piece { line, from: begin, to: begin, is_reversed: false }]
+        };
         let corners = ring.ring.iter().enumerate();
-        let corners = corners.map(|(edge, &point_mm)| vec![OnLoop { edge, point_mm }]);
-        let ways = seam.map_or_else(|| corners.collect(), |seam| vec![vec![seam]]);
-        join::Bead { parts: vec![Part::Loop(number)], ways }
+        let corners = corners.map(|(edge, &point_mm)| whole(Position { edge, point_mm }));
+        join::Bead { ways: seam.map_or_else(|| corners.collect(), |seam| vec![whole(seam)]) }
+    };
+    let of_chain = |(number, chain): (usize, &Chain)| {
+        let [from, to] = chain.ends_mm();
+        let from = Position { edge: 0, point_mm: from };
+        let to = Position { edge: chain.points.len() - 2, point_mm: to };
+        let line = Line::Chain(number);
+        join::Bead { ways: vec![vec![Piece { line, from, to, is_reversed: false }]] }
     };
     let loops = loops.iter().zip(seams).enumerate().map(of_loop);
-    let chains = (0..chains.len()).map(|number| join::Bead {
-        parts: vec![Part::Chain { number, is_reversed: false }],
-        ways: vec![Vec::new()],
-    });
-    loops.chain(chains).collect()
-}
-
-fn join_all(
-    joiner: &join::Loops<'_>,
-    seams: &[Option<OnLoop>],
-    ends: &[[[f64; 2]; 2]],
-) -> Vec<join::Bead> {
-    let mut strands = joiner.join(ends).beads;
-    for strand in &mut strands {
-        keep_seam(strand, seams);
-    }
-    strands
-}
-
-/// Keeps the way of a bead whose beginning on an outline is nearest to the seam of that outline.
-fn keep_seam(strand: &mut join::Bead, seams: &[Option<OnLoop>]) {
-    let loops = strand.parts.iter().filter_map(|part| match part {
-        Part::Loop(number) => Some(*number),
-        Part::Chain { .. } => None,
-    });
-    let seam = loops.enumerate().find_map(|(at, number)| Some((at, seams[number]?)));
-    let Some((at, seam)) = seam else { return };
-    if strand.parts.len() == 1 {
-        strand.ways = vec![vec![seam]];
-        return;
-    }
-    let distance2 = |way: &Vec<OnLoop>| {
-        (0..2).map(|axis| (way[at].point_mm[axis] - seam.point_mm[axis]).powi(2)).sum::<f64>()
-    };
-    let nearest = strand.ways.drain(..).min_by(|a, b| distance2(a).total_cmp(&distance2(b)));
-    strand.ways.extend(nearest);
+    loops.chain(chains.iter().enumerate().map(of_chain)).collect()
 }

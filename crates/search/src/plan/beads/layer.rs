@@ -10,7 +10,7 @@ use super::settings::Settings;
 use super::solve::BeadError;
 use super::strand::bead;
 use crate::Stop;
-use crate::join::{self, OnLoop, Part};
+use crate::join::{self, Line, Position};
 use crate::travel::{self, Item, Shape, Way};
 
 /// Orders the beads of layers one after the other.
@@ -35,8 +35,6 @@ pub(super) struct PlannedLayer {
 struct Candidate<'a> {
     island: &'a IslandBeads,
     strand: &'a join::Bead,
-    /// Both ends of each chain of the island.
-    ends: &'a [[[f64; 2]; 2]],
     group: u32,
     /// For a bead of loops, where it may begin.
     entries: Vec<[f64; 2]>,
@@ -49,7 +47,7 @@ impl LayerPlanner<'_> {
         &mut self,
         number: usize,
         islands: &[Island],
-        seams: &[Vec<Option<OnLoop>>],
+        seams: &[Vec<Option<Position>>],
         tools: &[u8],
     ) -> Result<PlannedLayer, BeadError> {
         let layer = BeadLayer { number, beads: Vec::new() };
@@ -87,11 +85,10 @@ impl LayerPlanner<'_> {
         islands: &[IslandBeads],
         planned: &mut PlannedLayer,
     ) -> Result<(), BeadError> {
-        let ends: Vec<Vec<[[f64; 2]; 2]>> = islands.iter().map(IslandBeads::ends_mm).collect();
         let candidates: Vec<Candidate<'_>> = (0..)
-            .zip(islands.iter().zip(&ends))
-            .flat_map(|(group, (island, ends))| {
-                island.strands.iter().map(move |strand| Candidate::new(island, strand, ends, group))
+            .zip(islands)
+            .flat_map(|(group, island)| {
+                island.strands.iter().map(move |strand| Candidate::new(island, strand, group))
             })
             .collect();
         let items: Vec<Item<'_>> = candidates.iter().map(Candidate::item).collect();
@@ -128,25 +125,20 @@ impl LayerPlanner<'_> {
 }
 
 impl<'a> Candidate<'a> {
-    fn new(
-        island: &'a IslandBeads,
-        strand: &'a join::Bead,
-        ends: &'a [[[f64; 2]; 2]],
-        group: u32,
-    ) -> Self {
+    fn new(island: &'a IslandBeads, strand: &'a join::Bead, group: u32) -> Self {
         let entries = if strand.has_only_loops() {
-            strand.ways.iter().map(|way| way[0].point_mm).collect()
+            strand.ways.iter().map(|way| way[0].from.point_mm).collect()
         } else {
             Vec::new()
         };
-        Self { island, strand, ends, group, entries }
+        Self { island, strand, group, entries }
     }
 
     fn item(&self) -> Item<'_> {
-        let has_loops = self.strand.parts.iter().any(|part| matches!(part, Part::Loop(_)));
+        let is_loop = |piece: &join::Piece| matches!(piece.line, Line::Loop(_));
+        let has_loops = self.strand.ways[0].iter().any(is_loop);
         let item = if self.entries.is_empty() {
-            let [start, end] =
-                [self.strand.start_mm(0, self.ends), self.strand.end_mm(0, self.ends)];
+            let [start, end] = self.strand.ends_mm(0);
             Item { shape: Shape::Bead { start, end, reversible: true }, group: 0, stage: 0 }
         } else {
             Item::closed(&self.entries)
@@ -157,9 +149,9 @@ impl<'a> Candidate<'a> {
     fn bead(&self, way: Way, tool: u8) -> Bead {
         let IslandBeads { loops, chains, .. } = self.island;
         match way {
-            Way::Entry(entry) => bead(self.strand, entry, loops, chains, tool),
-            Way::Forward => bead(self.strand, 0, loops, chains, tool),
-            Way::Backward => bead(&self.strand.reversed(), 0, loops, chains, tool),
+            Way::Entry(entry) => bead(&self.strand.ways[entry], loops, chains, tool),
+            Way::Forward => bead(&self.strand.ways[0], loops, chains, tool),
+            Way::Backward => bead(&self.strand.reversed().ways[0], loops, chains, tool),
         }
     }
 }

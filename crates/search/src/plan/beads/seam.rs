@@ -6,7 +6,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rstar::RTree;
 
 use super::settings::Seam;
-use crate::join::OnLoop;
+use crate::join::Position;
 
 /// Distance in mm within which a seam follows that of the layer below.
 const FOLLOW_MM: f64 = 3.0;
@@ -20,7 +20,7 @@ pub(super) fn seams(
     layers: &[Vec<Island>],
     rule: Seam,
     seed: u64,
-) -> Vec<Vec<Vec<Option<OnLoop>>>> {
+) -> Vec<Vec<Vec<Option<Position>>>> {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut below = RTree::new();
     let mut result = Vec::with_capacity(layers.len());
@@ -35,9 +35,9 @@ pub(super) fn seams(
                 Seam::Aligned => aligned(ring, &below)?,
             };
             points.push(ring[corner]);
-            Some(OnLoop { edge: corner, point_mm: ring[corner] })
+            Some(Position { edge: corner, point_mm: ring[corner] })
         };
-        let of_island = |island: &Island| -> Vec<Option<OnLoop>> {
+        let of_island = |island: &Island| -> Vec<Option<Position>> {
             let insets = island.insets.iter();
             insets.map(|inset| if inset.depth == 0 { seam(&inset.ring) } else { None }).collect()
         };

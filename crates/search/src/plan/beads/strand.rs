@@ -3,7 +3,7 @@
 use beadwork_gcode::Feature;
 use beadwork_part::{Bead, ExtrusionMove};
 
-use crate::join::{self, OnLoop, Part};
+use crate::join::{self, Piece, Position};
 
 /// A closed line.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,87 +18,97 @@ pub(super) struct Loop {
 /// An open line.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Chain {
-    pub(super) start_mm: [f64; 2],
-    /// At least one.
-    pub(super) moves: Vec<ExtrusionMove>,
-}
-
-impl Loop {
-    /// Adds the moves once around, from a point of the loop back to it.
-    fn append(&self, begin: OnLoop, moves: &mut Vec<ExtrusionMove>) {
-        let Self { ring, widths_mm, feature } = self;
-        let (count, edge) = (ring.len(), begin.edge);
-        let mut add = |to_mm: [f64; 2], edge: usize| {
-            moves.push(ExtrusionMove { to_mm, width_mm: widths_mm[edge], feature: *feature });
-        };
-        for step in 0..count {
-            let edge = (edge + step) % count;
-            add(ring[(edge + 1) % count], edge);
-        }
-        if !is_same(begin.point_mm, ring[edge]) {
-            add(begin.point_mm, edge);
-        }
-    }
+    /// At least two points in mm.
+    pub(super) points: Vec<[f64; 2]>,
+    /// Width in mm of each edge; edge `k` begins at point `k`.
+    pub(super) widths_mm: Vec<f64>,
+    pub(super) feature: Feature,
 }
 
 impl Chain {
-    /// A chain through points with a common width.
-    pub(super) fn new(points: &[[f64; 2]], width_mm: f64, feature: Feature) -> Option<Self> {
-        let (&start_mm, rest) = points.split_first()?;
-        let moves: Vec<ExtrusionMove> =
-            rest.iter().map(|&to_mm| ExtrusionMove { to_mm, width_mm, feature }).collect();
-        (!moves.is_empty()).then_some(Self { start_mm, moves })
+    /// A chain through points with a common width, if there are at least two.
+    pub(super) fn new(points: Vec<[f64; 2]>, width_mm: f64, feature: Feature) -> Option<Self> {
+        let widths_mm = vec![width_mm; points.len().saturating_sub(1)];
+        (!widths_mm.is_empty()).then_some(Self { points, widths_mm, feature })
     }
 
     /// Its first and its last point in mm.
     pub(super) fn ends_mm(&self) -> [[f64; 2]; 2] {
-        [self.start_mm, self.moves.last().map_or(self.start_mm, |last| last.to_mm)]
-    }
-
-    /// The same chain from its last point to its first.
-    fn reversed(&self) -> Self {
-        let [_, start_mm] = self.ends_mm();
-        let before = self.moves.iter().rev().skip(1).map(|step| step.to_mm);
-        let ends = before.chain([self.start_mm]);
-        let moves = self.moves.iter().rev().zip(ends);
-        let moves = moves.map(|(&step, to_mm)| ExtrusionMove { to_mm, ..step }).collect();
-        Self { start_mm, moves }
+        [self.points[0], self.points[self.points.len() - 1]]
     }
 }
 
-/// The loops and chains of a bead as the nozzle prints them, with loops beginning as in a way.
-pub(super) fn bead(
-    strand: &join::Bead,
-    way: usize,
-    loops: &[Loop],
-    chains: &[Chain],
-    tool: u8,
-) -> Bead {
-    let mut bead = Bead { tool, start_mm: [0.0; 2], moves: Vec::new() };
-    let mut begins = strand.ways[way].iter();
-    for (at, part) in strand.parts.iter().enumerate() {
-        let (start_mm, moves) = match *part {
-            Part::Loop(number) => {
-                let begin = *begins.next().expect("a way has a point for each loop");
-                let mut moves = Vec::new();
-                loops[number].append(begin, &mut moves);
-                (begin.point_mm, moves)
+/// The loops and chains of a bead as the nozzle prints them, in one of its ways.
+pub(super) fn bead(pieces: &[Piece], loops: &[Loop], chains: &[Chain], tool: u8) -> Bead {
+    let mut bead = Bead { tool, start_mm: pieces[0].from.point_mm, moves: Vec::new() };
+    for piece in pieces {
+        let moves = moves(piece, loops, chains);
+        let start_mm = piece.from.point_mm;
+        if !is_same(bead.end_mm(), start_mm) {
+            let before = bead.moves.last().or(moves.first()).copied();
+            let after = moves.first().copied().or(before);
+            if let (Some(before), Some(after)) = (before, after) {
+                bead.moves.push(step(before, after, start_mm));
             }
-            Part::Chain { number, is_reversed } => {
-                let chain = &chains[number];
-                let chain = if is_reversed { chain.reversed() } else { chain.clone() };
-                (chain.start_mm, chain.moves)
-            }
-        };
-        if at == 0 {
-            bead.start_mm = start_mm;
-        } else if !is_same(bead.end_mm(), start_mm) {
-            let before = bead.moves.last().copied();
-            bead.moves.push(step(before.unwrap_or(moves[0]), moves[0], start_mm));
         }
         bead.moves.extend(moves);
     }
     bead
+}
+
+/// The moves of a piece.
+fn moves(piece: &Piece, loops: &[Loop], chains: &[Chain]) -> Vec<ExtrusionMove> {
+    let (points, widths_mm, feature) = match piece.line {
+        join::Line::Loop(number) => {
+            (&loops[number].ring, &loops[number].widths_mm, loops[number].feature)
+        }
+        join::Line::Chain(number) => {
+            (&chains[number].points, &chains[number].widths_mm, chains[number].feature)
+        }
+    };
+    let [first, last] =
+        if piece.is_reversed { [piece.to, piece.from] } else { [piece.from, piece.to] };
+    // The corners on the way, each after the edge that leads to it.
+    let mut lines: Vec<(usize, [f64; 2])> = corners(first, last, points)
+        .map(|edge| (edge, points[(edge + 1) % points.len()]))
+        .collect();
+    if !is_same(lines.last().map_or(first.point_mm, |line| line.1), last.point_mm) {
+        lines.push((last.edge, last.point_mm));
+    }
+    if piece.is_reversed {
+        let before = lines.iter().rev().skip(1).map(|line| line.1).chain([first.point_mm]);
+        lines = lines.iter().rev().map(|line| line.0).zip(before).collect();
+    }
+    let mut moves: Vec<ExtrusionMove> = lines
+        .into_iter()
+        .map(|(edge, to_mm)| ExtrusionMove { to_mm, width_mm: widths_mm[edge], feature })
+        .collect();
+    // Points may repeat.
+    let mut here = piece.from.point_mm;
+    moves.retain(|step| !is_same(std::mem::replace(&mut here, step.to_mm), step.to_mm));
+    moves
+}
+
+/// The edges that are passed to their ends from one position to another, in order.
+fn corners(
+    from: Position,
+    to: Position,
+    points: &[[f64; 2]],
+) -> impl Iterator<Item = usize> + use<> {
+    let count = points.len();
+    let along = |position: Position| {
+        let [x, y] = [0, 1].map(|k| position.point_mm[k] - points[position.edge][k]);
+        x * x + y * y
+    };
+    let is_ahead = from.edge == to.edge && along(from) < along(to);
+    let passed = if is_ahead {
+        0
+    } else if from.edge == to.edge {
+        count
+    } else {
+        (to.edge + count - from.edge) % count
+    };
+    (0..passed).map(move |step| (from.edge + step) % count)
 }
 
 /// The step from one move to another.
