@@ -232,6 +232,16 @@ impl Profile {
         })
     }
 
+    /// Middle of the prime tower, x and y in mm; of an automatic one, if it fits where it is tried
+    /// first.
+    pub fn tower_mm(&self, frame: &Frame, settings: &print::Settings) -> Option<[f64; 2]> {
+        let given = settings.purge.as_ref().and_then(|purge| purge.tower);
+        let is_auto = matches!(self.tower, TowerChoice::Auto) && settings.tools.len() > 1;
+        let first = || tower_candidates(frame, settings.printer.bed_mm).into_iter().next();
+        let tower = given.or_else(|| if is_auto { first() } else { None })?;
+        Some([tower.left_mm + tower.width_mm / 2.0, tower.front_mm + tower.depth_mm / 2.0])
+    }
+
     /// Writes a print, with each position of an automatic prime tower until one has room for it.
     fn print_with(
         &self,

@@ -35,8 +35,11 @@ pub(super) fn run(
     let bead_mm = cut.settings.cell_mm;
     let part = cut.into_beads(&args.beads.toolpath(bead_mm), threads)?;
     let sliced = begin.elapsed().as_secs_f64();
-    let planner =
-        beads::Settings { constraints: args.constraints(), ..args.beads.plan(bead_mm, args.seed) };
+    let planner = beads::Settings {
+        constraints: args.constraints(),
+        tool_change_mm: profile.tower_mm(&part.frame, &settings),
+        ..args.beads.plan(bead_mm, args.seed)
+    };
     let plan = control::with_bar("plan", threads, |control| {
         beads::solve(&part.islands, &part.toolpath, &costs, &planner, control)
     })??;

@@ -13,7 +13,7 @@ use super::local_search::LocalSearch;
 use super::nearest::Nearest;
 use super::neighbours::Neighbours;
 use super::problem::Problem;
-use super::route::{Route, Visit, travel_mm};
+use super::route::{self, Route, Visit, travel_mm};
 use super::settings::{Order, Settings};
 use super::tour::Tour;
 use crate::Stop;
@@ -47,12 +47,38 @@ pub fn solve(
     let travel_mm = travel_mm(items, &visits, settings.from);
     let bound_mm = match settings.bound_iterations {
         0 => None,
-        // The dynamic programme compares sums of rounded distances.
-        _ if is_exact => Some(travel_mm * (1.0 - 1e-12)),
+        _ if is_exact => Some(shortened(travel_mm)),
         iterations => bound(&problem, travel_mm, iterations, control),
     };
     let stop = if travel_mm <= 0.0 && !stop.is_interrupted() { Stop::Optimal } else { stop };
     Ok(Route { visits, travel_mm, bound_mm, stop })
+}
+
+/// Proven lower bound in mm on the travel of every allowed route from anywhere, with rounding taken
+/// into account; `None` if there are more items than [`MAX_BOUNDED`](super::MAX_BOUNDED).
+///
+/// `travel_mm` is the travel of a known route, as short as possible; `iterations` as
+/// [`Settings::bound_iterations`], at least 1.
+/// It takes O(n²) steps for n items and each iteration.
+pub fn lower_bound_mm(
+    items: &[Item<'_>],
+    order: Order,
+    travel_mm: f64,
+    iterations: u32,
+    control: &Control<'_>,
+) -> Result<Option<f64>, TravelError> {
+    item::check(items, None)?;
+    let problem = Problem::new(items, order, None);
+    Ok(match exact::shortest(&problem) {
+        Some(visits) => Some(shortened(route::travel_mm(items, &visits, None))),
+        None => bound(&problem, travel_mm, iterations, control),
+    })
+}
+
+/// A bound from the length of a shortest route: the dynamic programme compares sums of rounded
+/// distances.
+fn shortened(travel_mm: f64) -> f64 {
+    travel_mm * (1.0 - 1e-12)
 }
 
 /// Finds a route by local search.

@@ -49,6 +49,18 @@ proptest! {
     }
 
     #[test]
+    fn no_route_from_anywhere_is_below_the_lower_bound(case in any_case(1..=6, 3)) {
+        let items = case.items();
+        let shortest = shortest(&items, case.order, None);
+        for known in [shortest, 2.0 * shortest] {
+            let control = Control::default();
+            let bound = lower_bound_mm(&items, case.order, known, 30, &control).unwrap().unwrap();
+            prop_assert!((0.0..=shortest).contains(&bound), "{} {}", bound, shortest);
+            prop_assert!(bound >= shortest * 0.999_999, "few items are solved exactly");
+        }
+    }
+
+    #[test]
     fn many_items_are_ordered_as_allowed(case in any_case(7..=40, 40)) {
         let items = case.items();
         let settings = Settings { kicks_per_item: 2, ..settings(&case) };

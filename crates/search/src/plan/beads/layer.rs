@@ -6,12 +6,13 @@ use beadwork_part::{Bead, BeadLayer};
 
 use super::island::{IslandBeads, island_beads};
 use super::outcome::Counts;
+use super::rectangle::Rectangle;
 use super::settings::Settings;
 use super::solve::BeadError;
 use super::strand::bead;
 use crate::Stop;
 use crate::join::{self, Line, Position};
-use crate::travel::{self, Item, Shape, Way};
+use crate::travel::{self, Item, Shape, Visit, Way};
 
 /// Orders the beads of layers one after the other.
 pub(super) struct LayerPlanner<'a> {
@@ -60,7 +61,7 @@ impl LayerPlanner<'_> {
             travel_bound_mm: bound,
             interrupted: None,
         };
-        for &tool in tools {
+        for (at, &tool) in tools.iter().enumerate() {
             let mut made = Vec::new();
             for (island, seams) in islands.iter().zip(seams) {
                 if island.material == tool {
@@ -73,15 +74,18 @@ impl LayerPlanner<'_> {
                 planned.counts.add(&island.counts);
                 planned.interrupted = planned.interrupted.or(island.interrupted);
             }
-            self.order(tool, &made, &mut planned)?;
+            let next = tools.get(at + 1).and_then(|&next| Rectangle::around(islands, next));
+            self.order(tool, next, &made, &mut planned)?;
         }
         Ok(planned)
     }
 
-    /// Adds the beads of one tool in the order of short travel.
+    /// Adds the beads of one tool in the order of short travel; `next` is around the islands of the
+    /// tool after it in this layer.
     fn order(
         &mut self,
         tool: u8,
+        next: Option<Rectangle>,
         islands: &[IslandBeads],
         planned: &mut PlannedLayer,
     ) -> Result<(), BeadError> {
@@ -92,13 +96,16 @@ impl LayerPlanner<'_> {
             })
             .collect();
         let items: Vec<Item<'_>> = candidates.iter().map(Candidate::item).collect();
-        let from = self.before.filter(|&(before, _)| before == tool).map(|(_, end)| end);
+        let is_change = self.before.is_some_and(|(before, _)| before != tool);
+        let from = match self.settings.tool_change_mm {
+            Some(position) if is_change => Some(position),
+            _ => self.before.map(|(_, end)| end),
+        };
         let settings = travel::Settings {
             order: self.settings.order,
             from,
             seed: self.settings.seed ^ planned.layer.number as u64,
             kicks_per_item: self.settings.kicks_per_bead,
-            bound_iterations: planned.travel_bound_mm.map_or(0, |_| self.settings.bound_iterations),
             ..travel::Settings::default()
         };
         let number = planned.layer.number;
@@ -107,8 +114,20 @@ impl LayerPlanner<'_> {
         if matches!(route.stop, Stop::Cancelled | Stop::TimeUp) {
             planned.interrupted = planned.interrupted.or(Some(route.stop));
         }
-        let mut here = from;
-        for visit in &route.visits {
+        // From anywhere: where the nozzle comes from depends on how the beads before are ordered.
+        if let Some(sum) = planned.travel_bound_mm {
+            let (order, iterations) = (settings.order, self.settings.bound_iterations);
+            let control = self.control;
+            let bound = travel::lower_bound_mm(&items, order, route.travel_mm, iterations, control)
+                .map_err(|source| BeadError::Travel { layer: number, source })?;
+            planned.travel_bound_mm = bound.map(|bound| sum + bound);
+        }
+        let mut here = from.filter(|_| !is_change);
+        let mut visits = route.visits;
+        if let (Some(next), None) = (next, self.settings.tool_change_mm) {
+            turn_last(&mut visits, &items, from, next);
+        }
+        for visit in &visits {
             let bead = candidates[visit.item].bead(visit.way, tool);
             if let Some(here) = here {
                 planned.travel_mm += distance_mm(here, bead.start_mm);
@@ -118,8 +137,6 @@ impl LayerPlanner<'_> {
             self.before = Some((tool, end));
             planned.layer.beads.push(bead);
         }
-        planned.travel_bound_mm =
-            planned.travel_bound_mm.zip(route.bound_mm).map(|(sum, bound)| sum + bound);
         Ok(())
     }
 }
@@ -153,6 +170,26 @@ impl<'a> Candidate<'a> {
             Way::Forward => bead(&self.strand.ways[0], loops, chains, tool),
             Way::Backward => bead(&self.strand.reversed().ways[0], loops, chains, tool),
         }
+    }
+}
+
+/// Turns the last bead of a route if that makes the travel to it and from it to the next islands
+/// shorter.
+fn turn_last(visits: &mut [Visit], items: &[Item<'_>], from: Option<[f64; 2]>, next: Rectangle) {
+    let Some((last, before)) = visits.split_last_mut() else { return };
+    let turned = match (items[last.item].shape, last.way) {
+        (Shape::Bead { reversible: true, .. }, Way::Forward) => Way::Backward,
+        (Shape::Bead { reversible: true, .. }, Way::Backward) => Way::Forward,
+        _ => return,
+    };
+    let here = before.last().map(|visit| visit.ends(items)[1]).or(from);
+    let turned = Visit { way: turned, ..*last };
+    let travel_mm = |visit: Visit| {
+        let [start, end] = visit.ends(items);
+        here.map_or(0.0, |here| distance_mm(here, start)) + next.distance_mm(end)
+    };
+    if travel_mm(turned) < travel_mm(*last) {
+        *last = turned;
     }
 }
 

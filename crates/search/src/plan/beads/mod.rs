@@ -15,6 +15,7 @@ mod infill;
 mod island;
 mod layer;
 mod outcome;
+mod rectangle;
 mod seam;
 mod settings;
 mod solve;

@@ -46,6 +46,9 @@ pub struct Settings {
     pub order: travel::Order,
     /// Where outlines begin.
     pub seam: Seam,
+    /// Where the nozzle is after each change of the tool, x and y in mm: the prime tower.
+    /// If `None`, it changes the tool where it is.
+    pub tool_change_mm: Option<[f64; 2]>,
     /// Kicks of the search for short travel, for each bead.
     pub kicks_per_bead: u32,
     /// Spanning trees of the bound on travel, for each layer and tool; 0 for no bound.
@@ -58,7 +61,8 @@ pub struct Settings {
 
 impl Default for Settings {
     /// Infill linked by [`Method::Cover`](link::Method::Cover), nothing joined, island by island
-    /// with loops before infill, aligned seams, no bound on travel, no constraints, seed 0.
+    /// with loops before infill, aligned seams, tools changed in place, no bound on travel, no
+    /// constraints, seed 0.
     fn default() -> Self {
         Self {
             rule: link::Rule::default(),
@@ -66,6 +70,7 @@ impl Default for Settings {
             join: None,
             order: travel::Order::Stages,
             seam: Seam::default(),
+            tool_change_mm: None,
             kicks_per_bead: 10,
             bound_iterations: 0,
             constraints: Constraints::default(),

@@ -242,6 +242,48 @@ fn seams_are_where_the_rule_says() {
 }
 
 #[test]
+fn tools_follow_each_other_along_short_ways() {
+    // Eight squares around a ring, of tools in a mixed order.
+    let tools = [3, 6, 0, 4, 7, 1, 5, 2];
+    let square = |(at, &material): (usize, &u8)| {
+        let angle = std::f64::consts::TAU * at as f64 / 8.0;
+        let [x, y] = [30.0 * angle.cos(), 30.0 * angle.sin()];
+        let rings = [rectangle(x, y, x + 10.0, y + 10.0)];
+        MaterialArea { material, area: Area::from_rings(&rings, FillRule::EvenOdd) }
+    };
+    let mut areas: Vec<MaterialArea> = tools.iter().enumerate().map(square).collect();
+    areas.sort_unstable_by_key(|area| area.material);
+    let areas = vec![LayerAreas { areas }; 6];
+    let toolpath = toolpath::Settings::default();
+    let layers = islands(&areas, &toolpath, &Control::default()).unwrap();
+    let plan = |tool_change_mm| {
+        let settings = Settings { tool_change_mm, bound_iterations: 20, ..Settings::default() };
+        let costs = CostMatrix::uniform(8);
+        let plan = solve(&layers, &toolpath, &costs, &settings, &Control::default()).unwrap();
+        check(&layers, &plan);
+        assert!(plan.travel_bound_mm.unwrap() <= plan.travel_mm);
+        assert_eq!((plan.stop, plan.order.changes), (Stop::Optimal, 6 * 7));
+        plan
+    };
+    let seat = |tool: u8| tools.iter().position(|&one| one == tool).unwrap();
+    let short = plan(None);
+    for order in &short.order.orders {
+        for pair in order.windows(2) {
+            let apart = seat(pair[0]).abs_diff(seat(pair[1]));
+            assert!(apart == 1 || apart == 7, "{order:?}");
+        }
+    }
+    let all_travel = |plan: &BeadPlan| -> f64 {
+        let beads: Vec<&beadwork_part::Bead> =
+            plan.layers.iter().flat_map(|layer| &layer.beads).collect();
+        beads.windows(2).map(|pair| distance(pair[0].end_mm(), pair[1].start_mm)).sum()
+    };
+    // At a prime tower, the order of the tools does not matter to travel.
+    let tower = plan(Some([100.0, 0.0]));
+    assert!(all_travel(&short) < 0.7 * all_travel(&tower));
+}
+
+#[test]
 fn layers_may_be_empty() {
     let toolpath = toolpath::Settings::default();
     let plan = |layers: &[Vec<Island>]| {

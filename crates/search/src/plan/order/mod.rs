@@ -19,6 +19,7 @@ mod constraints;
 mod large;
 mod layered;
 mod local_search;
+mod minimum_travel;
 mod outcome;
 mod problem;
 mod shared;

@@ -2,6 +2,7 @@
 
 mod brute_force;
 mod large;
+mod minimum_travel;
 
 use proptest::prelude::*;
 

@@ -107,7 +107,7 @@ impl Within {
 }
 
 /// For each tool of a set, the tools that must come before it, one bit each.
-fn earlier_tools(set: &[u8], before: &[(u8, u8)]) -> Vec<usize> {
+pub(super) fn earlier_tools(set: &[u8], before: &[(u8, u8)]) -> Vec<usize> {
     let index = |tool: u8| set.iter().position(|&one| one == tool);
     let mut earlier = vec![0_usize; set.len()];
     for &(a, b) in before {
