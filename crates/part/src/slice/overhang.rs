@@ -4,8 +4,11 @@ use beadwork_base::{Control, Interrupted};
 
 use super::areas::LayerAreas;
 
-/// For each layer, the size in mm² of what lies further than a distance in mm from the layer below;
-/// 0 for the first layer, which rests on the bed.
+/// Maximum deviation in mm of the outlines that are compared.
+const TOLERANCE_MM: f64 = 0.01;
+
+/// For each layer, the size in mm² of what lies further than a distance in mm from the layer below,
+/// to within some hundredths of a mm; 0 for the first layer, which rests on the bed.
 ///
 /// Such parts need supports, unless they are short bridges.
 /// Works on `control.threads`.
@@ -18,8 +21,10 @@ pub fn overhangs_mm2(
     let size = |number: usize| {
         control.check()?;
         let Some(below) = number.checked_sub(1) else { return Ok(0.0) };
-        let supported = layers[below].union().offset(reach_mm);
-        Ok(layers[number].union().difference(&supported).size_mm2())
+        let [layer, below] =
+            [number, below].map(|number| layers[number].union().simplified(TOLERANCE_MM));
+        let supported = below.offset_within(reach_mm, TOLERANCE_MM);
+        Ok(layer.difference(&supported).size_mm2())
     };
     control.threads.map_numbers(layers.len(), size).into_iter().collect()
 }
