@@ -143,13 +143,14 @@ pub fn print_beads(
     plan: &BeadPlan,
     profile: &Profile,
     settings: print::Settings,
+    threads: Threads<'_>,
 ) -> anyhow::Result<PrintedBeads> {
     let frame = &part.frame;
     let (Print { program, totals, .. }, settings) =
         profile.print_beads(&part.name, &plan.layers, frame, settings)?;
     let text = program.emit();
     drop(program);
-    let program = control::quiet(Threads::One, |control| Program::parse(&text, control))??;
+    let program = control::quiet(threads, |control| Program::parse(&text, control))??;
     let outlines: Vec<Vec<(u8, Area)>> = part
         .areas
         .iter()

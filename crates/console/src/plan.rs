@@ -53,6 +53,7 @@ pub fn print(
     plan: &ToolPlan,
     profile: &Profile,
     settings: print::Settings,
+    threads: Threads<'_>,
 ) -> anyhow::Result<Printed> {
     let layers = printed_layers(&part.layers, plan.layers.iter().map(|planned| &planned.path));
     let frame = &part.layers.frame;
@@ -60,7 +61,7 @@ pub fn print(
         profile.print(&part.name, &layers, frame, settings)?;
     let text = program.emit();
     drop(program);
-    let program = control::quiet(Threads::One, |control| Program::parse(&text, control))??;
+    let program = control::quiet(threads, |control| Program::parse(&text, control))??;
     let checked = control::quiet(Threads::One, |control| {
         print::check(&program, &layers, frame, &settings, control)
     })?;

@@ -11,6 +11,7 @@
 //! A malformed number in a typed command is an error.
 
 use std::str::FromStr;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use beadwork_base::{Control, Interrupted};
 use thiserror::Error;
@@ -47,34 +48,84 @@ pub enum ParseError {
 /// Characters of a malformed word that an error shows.
 const SHOWN_CHARS: usize = 32;
 
-/// Lines that are parsed between two checks for interruption.
-const LINES_PER_CHECK: usize = 1 << 12;
+/// Bytes of text that are parsed between two checks for interruption.
+const BLOCK_BYTES: usize = 1 << 17;
+
+/// Why a block of lines cannot be read.
+enum Failure {
+    /// A word of the line with this index in the block is malformed.
+    Word {
+        index: usize,
+        text: String,
+        fault: ParseFault,
+    },
+    Interrupted(Interrupted),
+}
+
+impl Failure {
+    /// The error, if the block comes after a number of lines.
+    fn after(self, lines: usize) -> ParseError {
+        match self {
+            Self::Word { index, text, fault } => {
+                ParseError::Word { line: lines + index + 1, text, fault }
+            }
+            Self::Interrupted(interrupted) => interrupted.into(),
+        }
+    }
+}
+
+/// The text in blocks of whole lines.
+fn blocks(text: &str) -> Vec<&str> {
+    let mut blocks = Vec::with_capacity(text.len() / BLOCK_BYTES + 1);
+    let mut rest = text;
+    while rest.len() > BLOCK_BYTES {
+        let is_end = |&byte: &u8| byte == b'\n';
+        let Some(end) = rest.as_bytes()[BLOCK_BYTES..].iter().position(is_end) else { break };
+        let (block, after) = rest.split_at(BLOCK_BYTES + end + 1);
+        blocks.push(block);
+        rest = after;
+    }
+    blocks.push(rest);
+    blocks
+}
+
+fn parse_lines(text: &str) -> Result<Vec<Line>, Failure> {
+    let mut lines = Vec::with_capacity(text.bytes().filter(|&byte| byte == b'\n').count() + 1);
+    for (index, line) in text.split_inclusive('\n').enumerate() {
+        let parsed = parse_line(line.strip_suffix('\n').unwrap_or(line));
+        lines.push(parsed.map_err(|(text, fault)| {
+            let text = text.chars().take(SHOWN_CHARS).collect();
+            Failure::Word { index, text, fault }
+        })?);
+    }
+    Ok(lines)
+}
 
 impl Program {
     /// Parses the text of a G-code file.
     ///
     /// Linear in its length; takes at most about a hundred bytes of memory per line and twice the
     /// text.
+    /// Works on `control.threads`, which do not change the result.
     /// Progress counts bytes of the text.
     /// For small texts, [`str::parse`] does the same without a [`Control`].
     pub fn parse(text: &str, control: &Control<'_>) -> Result<Self, ParseError> {
+        let blocks = blocks(text);
+        let done = AtomicUsize::new(0);
+        let parse = |block: &&str| -> Result<Vec<Line>, Failure> {
+            control.check().map_err(Failure::Interrupted)?;
+            let lines = parse_lines(block)?;
+            let done = done.fetch_add(block.len(), Ordering::Relaxed) + block.len();
+            control.report(done, text.len());
+            Ok(lines)
+        };
+        let parsed = control.threads.map(&blocks, parse);
         // Counting the lines first saves the spare capacity of a growing vector: up to half of it.
-        let mut lines = Vec::with_capacity(text.bytes().filter(|&byte| byte == b'\n').count() + 1);
-        let mut position = 0;
-        for (number, line) in (1..).zip(text.split_inclusive('\n')) {
-            if lines.len() % LINES_PER_CHECK == 0 {
-                control.check()?;
-                control.report(position, text.len());
-            }
-            position += line.len();
-            lines.push(parse_line(line.strip_suffix('\n').unwrap_or(line)).map_err(
-                |(text, fault)| {
-                    let text = text.chars().take(SHOWN_CHARS).collect();
-                    ParseError::Word { line: number, text, fault }
-                },
-            )?);
+        let count = parsed.iter().flatten().map(Vec::len).sum();
+        let mut lines = Vec::with_capacity(count);
+        for block in parsed {
+            lines.append(&mut block.map_err(|failure| failure.after(lines.len()))?);
         }
-        control.report(text.len(), text.len());
         Ok(Self { lines })
     }
 

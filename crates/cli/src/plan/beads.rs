@@ -44,7 +44,7 @@ pub(super) fn run(
         beads::solve(&part.islands, &part.toolpath, &costs, &planner, control)
     })??;
     let planned = begin.elapsed().as_secs_f64();
-    let printed = print_beads(&part, &plan, profile, settings)?;
+    let printed = print_beads(&part, &plan, profile, settings, threads)?;
     let done = begin.elapsed().as_secs_f64();
     super::check_cancelled()?;
     if let Some(path) = &args.svg {

@@ -46,7 +46,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     report_lowering(&layers);
     let part = cut.with_layers(layers, &grid, Threads::Pool(&pool))?;
     let planned = begin.elapsed().as_secs_f64();
-    let printed = print(&part, &plan, &profile, settings)?;
+    let printed = print(&part, &plan, &profile, settings, Threads::Pool(&pool))?;
     let done = begin.elapsed().as_secs_f64();
     let seconds = Seconds { slice: sliced, plan: planned - sliced, print: done - planned };
     let report = Report {

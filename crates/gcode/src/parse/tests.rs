@@ -1,5 +1,6 @@
 //! Parsing an emitted program returns it, and any other text is parsed or refused without a panic.
 
+use beadwork_base::Threads;
 use proptest::prelude::*;
 
 use super::*;
@@ -196,10 +197,40 @@ fn a_cancelled_call_returns_an_error() {
     };
     let control =
         Control { cancel: Some(&cancel), progress: Some(&progress), ..Control::default() };
-    let text = "G1 X1\n".repeat(10_000);
+    let text = "G1 X1\n".repeat(100_000);
     let error = Program::parse(&text, &control);
     assert_eq!(error, Err(ParseError::Interrupted(Interrupted::Cancelled)));
-    assert_eq!(*seen.lock().unwrap(), [beadwork_base::Progress { done: 0, total: 60_000 }]);
+    let seen = seen.into_inner().unwrap();
+    assert!(seen.len() == 1 && seen[0].done < seen[0].total, "{seen:?}");
+    assert_eq!(seen[0].total, text.len());
+}
+
+#[test]
+fn long_texts_are_read_in_blocks_on_all_threads() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    let controls = [Threads::One, Threads::Pool(&pool)].map(Control::on);
+    for line in ["G1 X1.5 Y-2 ; a comment", "M117 ä", "", "G1 X1\r"] {
+        // The last block may end in the middle of a line, or with an empty one.
+        for text in [format!("{line}\n").repeat(60_000), "G28\n".repeat(90_001) + line] {
+            let [one, pool] = controls.map(|control| Program::parse(&text, &control).unwrap());
+            assert_eq!(one, pool);
+            let lines: Vec<Line> = text.lines().map(one_line).collect();
+            assert_eq!(one.lines, lines);
+        }
+    }
+    for bad in [0, 7, 50_000, 119_999] {
+        let mut lines = vec!["G1 X1 Y2"; 120_000];
+        lines[bad] = "G1 X1..2";
+        lines[119_999] = "G1 Y-";
+        for control in controls {
+            let error = Program::parse(&lines.join("\n"), &control).unwrap_err();
+            assert!(matches!(error, ParseError::Word { line, .. } if line == bad + 1), "{error}");
+        }
+    }
+}
+
+fn one_line(text: &str) -> Line {
+    text.parse::<Program>().unwrap().lines.pop().unwrap_or_default()
 }
 
 #[test]

@@ -83,7 +83,7 @@ fn row(
     let plan_seconds = begin.elapsed().as_secs_f64();
     control.check()?;
     let begin = Instant::now();
-    let printed = print(part, &plan, profile, print_settings)?;
+    let printed = print(part, &plan, profile, print_settings, Threads::Pool(pool))?;
     let write_seconds = begin.elapsed().as_secs_f64();
     let tools = &printed.totals.tools;
     let purged = |tool: &ToolUse| tool.grams * tool.purge_mm / tool.filament_mm.max(1e-9);
