@@ -260,7 +260,7 @@ fn tools_follow_each_other_along_short_ways() {
         let settings = Settings { tool_change_mm, bound_iterations: 20, ..Settings::default() };
         let costs = CostMatrix::uniform(8);
         let plan = solve(&layers, &toolpath, &costs, &settings, &Control::default()).unwrap();
-        check(&layers, &plan);
+        check(&layers, &plan, false);
         assert!(plan.travel_bound_mm.unwrap() <= plan.travel_mm);
         assert_eq!((plan.stop, plan.order.changes), (Stop::Optimal, 6 * 7));
         plan
