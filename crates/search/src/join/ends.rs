@@ -1,5 +1,6 @@
 //! Which loops and chains are joined end to end, and in which order.
 
+use super::bead::Position;
 use super::candidates::{
     Attachment, Candidate, attachment_candidates, chain_candidates, keep_nearest, loop_candidates,
 };
@@ -16,18 +17,17 @@ pub(super) struct JoinedLoops {
     sequences: Vec<Sequence>,
 }
 
-/// What is joined before ends of chains are matched with sequences of loops.
+/// What is joined first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum First {
     /// Loops that no chain reaches to others: joining them is not always better, because it may use
     /// up the ends that chains need.
     Loops,
-    /// Nothing.
-    Nothing,
-}
-
-impl First {
-    pub(super) const ALL: [Self; 2] = [Self::Loops, Self::Nothing];
+    /// Ends of chains to sequences of loops, as many as possible.
+    Ends,
+    /// Chains to chains, directly or by a single loop in between.
+    /// Other loops are left over, so this is better only if they are spliced.
+    Chains,
 }
 
 impl JoinedLoops {
@@ -78,19 +78,51 @@ impl JoinedLoops {
             matches!((a, b), (Some(a), Some(b)) if !(*a && *b))
         };
         let singles = (0..chains.len()).map(single_chain);
-        let all = self.sequences.iter().cloned().chain(singles);
-        let mut joiner = Joiner::new(near, chains, all);
-        if first == First::Loops {
-            for candidate in candidates.iter().filter(is_spare) {
-                joiner.join(candidate.elements);
+        let mut joiner = if first == First::Chains {
+            let free = (0..loops).map(|number| free_loop(number, near));
+            Joiner::new(near, chains, free.chain(singles))
+        } else {
+            let sequences = self.sequences.iter().flat_map(|sequence| clear(sequence, near));
+            Joiner::new(near, chains, sequences.chain(singles))
+        };
+        match first {
+            First::Loops => {
+                candidates.iter().filter(is_spare).for_each(|spare| joiner.join(spare.elements));
+                joiner.attach_chains(candidates);
+            }
+            First::Ends => joiner.attach_chains(candidates),
+            First::Chains => {
+                let with_chains = |count: usize| {
+                    let is_chain = move |element: &&usize| **element >= loops;
+                    candidates.iter().filter(move |candidate| {
+                        candidate.elements.iter().filter(is_chain).count() == count
+                    })
+                };
+                with_chains(2).for_each(|candidate| joiner.join(candidate.elements));
+                with_chains(1).for_each(|candidate| joiner.join(candidate.elements));
             }
         }
-        joiner.attach_chains(candidates);
         for candidate in candidates {
             joiner.join(candidate.elements);
         }
         joiner.into_sequences()
     }
+}
+
+/// A sequence of loops with the ways that are clear of chains too, or its loops if there are none.
+fn clear(sequence: &Sequence, near: &Surroundings<'_>) -> Vec<Sequence> {
+    let is_clear = |way: &&Vec<Position>| {
+        way.windows(2).all(|pair| near.is_step(pair[0].point_mm, pair[1].point_mm))
+    };
+    let ways: Vec<_> = sequence.ways.iter().filter(is_clear).cloned().collect();
+    if ways.is_empty() {
+        let loops = sequence.parts.iter().filter_map(|part| match *part {
+            Part::Loop(number) => Some(free_loop(number, near)),
+            Part::Chain { .. } => None,
+        });
+        return loops.collect();
+    }
+    vec![Sequence { parts: sequence.parts.clone(), ways }]
 }
 
 /// A chain as a sequence.

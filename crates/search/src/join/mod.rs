@@ -39,6 +39,8 @@
 //!    paths, because one sequence may be within reach of several chains.
 //! 3. What can still be joined end to end is joined greedily, nearest first: the other ends of the
 //!    sequences, and loops that come within reach of each other only in some part.
+//!    If that leaves more beads than the bound, chains are also joined to each other first, with a
+//!    single loop in between, and the better result counts.
 //! 4. Sequences that consist of loops alone, and that something else passes, are taken apart.
 //!    Their loops are spliced in the order of the quality of the splices, as in Kruskal's method
 //!    for spanning trees: short and even steps, straight lines on both sides, near the seams.

@@ -139,9 +139,12 @@ impl<'a> Loops<'a> {
         };
         let rank =
             |beads: &Vec<Bead>| (beads.len(), beads.iter().map(Bead::piece_count).sum::<usize>());
-        let beads = First::ALL
-            .map(|first| splice(prepared.joined.join(&ends, &candidates, first, &near), &scene));
-        let beads = beads.into_iter().min_by_key(rank).unwrap_or_default();
+        let joined = |first| splice(prepared.joined.join(&ends, &candidates, first, &near), &scene);
+        let mut results = vec![joined(First::Loops), joined(First::Ends)];
+        if self.slit_mm > 0.0 && results.iter().all(|beads| beads.len() > bound) {
+            results.push(joined(First::Chains));
+        }
+        let beads = results.into_iter().min_by_key(rank).unwrap_or_default();
         Outcome { beads, bound }
     }
 

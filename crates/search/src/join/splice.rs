@@ -7,9 +7,14 @@ use super::merge::MAX_WAYS;
 use super::sequence::{Part, Sequence};
 use super::slits::{Scene, Splice};
 use crate::disjoint_sets::DisjointSets;
+use crate::segment::Segment;
 
 /// Distance in mm below which points are the same.
 const SAME_MM: f64 = 1e-4;
+
+/// Rounds after which no sequence is taken apart any more.
+/// Two or three are usual; more would be slow for islands of very many loops.
+const MAX_ROUNDS: u32 = 8;
 
 /// The beads of some sequences, with sequences of loops spliced into others where that is possible.
 ///
@@ -21,6 +26,7 @@ pub(super) fn splice(mut sequences: Vec<Sequence>, scene: &Scene<'_>) -> Vec<Bea
     let rings: Vec<usize> = rings.collect();
     let splices = if scene.slit_mm > 0.0 { scene.splices(&rings) } else { Vec::new() };
     let mut is_kept = kept_sequences(&sequences, &splices, scene);
+    let mut round = 0;
     loop {
         let mut curves = Curves::new(scene.paths, scene.loop_count);
         for (sequence, _) in sequences.iter().zip(&is_kept).filter(|(_, is_kept)| **is_kept) {
@@ -34,6 +40,12 @@ pub(super) fn splice(mut sequences: Vec<Sequence>, scene: &Scene<'_>) -> Vec<Bea
             return beads(&sequences, &is_kept, curves, scene);
         }
         failed.into_iter().for_each(|number| is_kept[number] = true);
+        round += 1;
+        if round == MAX_ROUNDS {
+            is_kept.iter_mut().zip(&sequences).for_each(|(is_kept, sequence)| {
+                *is_kept |= sequence.parts.len() > 1;
+            });
+        }
     }
 }
 
@@ -134,6 +146,7 @@ fn beads(
     let mut beads = Vec::new();
     let mut is_done = vec![false; scene.paths.len()];
     // Sequences of loops that nothing was spliced into can still begin anywhere.
+    let mut more_steps = Vec::new();
     for (sequence, _) in sequences.iter().zip(is_kept).filter(|(_, is_kept)| **is_kept) {
         let is_alone = loops(sequence).all(|ring| curves.cut_count(ring) == 1);
         let curve = curves.curve(element(sequence.parts[0], scene));
@@ -141,7 +154,7 @@ fn beads(
             && is_alone
             && loops(sequence).all(|ring| curves.curve(ring) == curve)
         {
-            let ways = ways(sequence, &curves);
+            let ways = ways(sequence, &curves, &mut more_steps);
             beads.push(Bead { ways });
             is_done[curve] = true;
         }
@@ -175,21 +188,30 @@ fn whole(ring: usize, begin: Position) -> Piece {
 }
 
 /// The ways of a sequence of loops alone whose steps cross no step of another bead.
-fn ways(sequence: &Sequence, curves: &Curves<'_>) -> Vec<Vec<Piece>> {
+///
+/// `more_steps` are those of other ways of the sequences before; the ones of this are added.
+fn ways(
+    sequence: &Sequence,
+    curves: &Curves<'_>,
+    more_steps: &mut Vec<Segment>,
+) -> Vec<Vec<Piece>> {
     let own: Vec<_> = steps(&sequence.ways[0]).collect();
-    let others: Vec<_> = curves.steps().iter().filter(|step| !own.contains(step)).collect();
+    let others = curves.steps().iter().filter(|step| !own.contains(step));
+    let others: Vec<Segment> = others.chain(&*more_steps).copied().collect();
     let is_clear = |way: &&Vec<Position>| {
-        steps(way).all(|step| others.iter().all(|&&other| !crosses(step, other, SAME_MM)))
+        steps(way).all(|step| others.iter().all(|&other| !crosses(step, other, SAME_MM)))
     };
-    let pieces = |way: &Vec<Position>| {
-        loops(sequence).zip(way).map(|(ring, &begin)| whole(ring, begin)).collect()
+    let pieces = |way: &&Vec<Position>| {
+        loops(sequence).zip(way.iter()).map(|(ring, &begin)| whole(ring, begin)).collect()
     };
     // The first way was compared with all other steps before.
-    let others = sequence.ways[1..].iter().filter(is_clear);
-    sequence.ways[..1].iter().chain(others).map(pieces).collect()
+    let more = sequence.ways[1..].iter().filter(is_clear);
+    let ways: Vec<_> = sequence.ways[..1].iter().chain(more).collect();
+    more_steps.extend(ways[1..].iter().flat_map(|way| steps(way)));
+    ways.iter().map(pieces).collect()
 }
 
-fn steps(way: &[Position]) -> impl Iterator<Item = [[f64; 2]; 2]> + '_ {
+fn steps(way: &[Position]) -> impl Iterator<Item = Segment> + '_ {
     way.windows(2).map(|pair| [pair[0].point_mm, pair[1].point_mm])
 }
 

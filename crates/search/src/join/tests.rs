@@ -70,12 +70,14 @@ impl Island {
         (0..count).map(|edge| [points[edge], points[(edge + 1) % points.len()]]).collect()
     }
 
-    /// Checks each combination of the first ways, and each other way together with the first ones
-    /// of all other beads.
+    /// Checks the first ways, the last ways, and each other way together with the first ones of all
+    /// other beads.
     fn check(&self, outcome: &Outcome, settings: &Settings) {
         assert!(outcome.bound <= outcome.beads.len(), "{outcome:?}");
         let firsts: Vec<&[Piece]> = outcome.beads.iter().map(|bead| &bead.ways[0][..]).collect();
         self.check_ways(&firsts, settings);
+        let lasts = outcome.beads.iter().map(|bead| &bead.ways[bead.ways.len() - 1][..]);
+        self.check_ways(&lasts.collect::<Vec<_>>(), settings);
         for (number, bead) in outcome.beads.iter().enumerate() {
             for way in &bead.ways[1..] {
                 let mut ways = firsts.clone();
@@ -239,6 +241,22 @@ fn steps_do_not_cross_chains() {
     let settings = Settings { max_step_mm: 0.9, slit_mm: 0.0, ..Settings::default() };
     let joined = island.solve(&settings);
     assert_eq!(joined.beads.len(), 2, "only the chain in between is joined to the loop");
+}
+
+#[test]
+fn steps_do_not_cross_what_lies_between_loops() {
+    // A skeleton between two insets nearly all around.
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(6);
+    for _ in 0..300 {
+        let outline = rectangle(0.0, 0.0, 10.0, 10.0);
+        let [outer, inner] = [0.25, rng.random_range(0.8..1.6)].map(|by| inset(&outline, by));
+        let mut skeleton = inset(&outline, rng.random_range(0.4..0.7));
+        let low = skeleton[0];
+        skeleton.push([low[0], low[1] + rng.random_range(0.0..2.0)]);
+        let island = Island::new(&[outline], vec![outer, inner], &[&skeleton]);
+        let counts = island.counts(rng.random_range(0.3..1.6));
+        assert!(counts[0][0] <= 3);
+    }
 }
 
 #[test]
