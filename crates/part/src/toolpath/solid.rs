@@ -18,6 +18,9 @@ const MIN_SIZE: f64 = 16.0;
 /// Half the width, in beads, below which solid pieces are dropped.
 const MIN_HALF_WIDTH: f64 = 0.45;
 
+/// Mean width, in beads, below which sparse pieces stay empty beside solid ones.
+const MIN_SPARSE: f64 = 0.5;
+
 /// Distance, in beads, by which solid pieces grow into the sparse region.
 const ANCHOR: f64 = 1.0;
 
@@ -81,8 +84,9 @@ fn offset(area: &Area, beads: f64, settings: &Settings) -> Area {
     area.simplified(tolerance_mm).offset_within(beads * settings.bead_mm, tolerance_mm)
 }
 
-/// Divides an infill region into solid and sparse, which share a border.
+/// Divides an infill region into solid and sparse, one bead apart except for the overlap of infill.
 ///
+/// With a common border, beads that are linked along it on both sides would lie over one another.
 /// `inside` is the area between the innermost insets, around the region.
 /// Solid pieces grow, so that they are anchored in their surroundings.
 /// Small solid pieces within larger ones become sparse; sparse pieces that are small or narrow
@@ -105,17 +109,24 @@ pub(super) fn divide(
     let near = near.discs(inside, settings).intersection(&region).without_slivers(SLIVER_MM2);
     let solid = offset(&near, MIN_HALF_WIDTH + ANCHOR, settings).intersection(&region);
     let (mut solid, _) = solid.split(is_large);
-    if solid.is_empty() {
-        return (small, region);
-    }
-    // Sparse pieces that are too narrow become solid.
-    let is_wide = |rings: &[Ring]| mean_width_mm(rings) >= settings.bead_mm && is_large(rings);
-    let (sparse, narrow) = region.difference(&solid).split(is_wide);
-    if sparse.is_empty() {
-        solid = region;
-    } else if !narrow.is_empty() {
-        solid = region.difference(&sparse);
+    let mut sparse = region;
+    if !solid.is_empty() {
+        // Sparse pieces that are too narrow become solid.
+        let is_wide = |rings: &[Ring]| mean_width_mm(rings) >= settings.bead_mm && is_large(rings);
+        let region = sparse;
+        let narrow;
+        (sparse, narrow) = region.difference(&solid).split(is_wide);
+        if sparse.is_empty() {
+            solid = region;
+        } else if !narrow.is_empty() {
+            solid = region.difference(&sparse);
+        }
     }
     solid.append(small);
+    if !solid.is_empty() && !sparse.is_empty() {
+        let apart = offset(&solid, 1.0 - settings.infill_overlap, settings);
+        let is_wide = |rings: &[Ring]| mean_width_mm(rings) >= MIN_SPARSE * settings.bead_mm;
+        (sparse, _) = sparse.difference(&apart).split(is_wide);
+    }
     (solid, sparse)
 }
