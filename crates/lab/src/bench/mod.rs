@@ -1,5 +1,6 @@
 //! `bench`: run times, rates and memory on the machine at hand.
 
+mod beads;
 mod dataset;
 mod grid;
 #[cfg(feature = "learn")]
@@ -23,6 +24,7 @@ enum Command {
     Grid(grid::GridArgs),
     Zones(zones::ZonesArgs),
     Part(part::PartArgs),
+    Beads(beads::BeadsArgs),
     Thermal(thermal::ThermalArgs),
     Dataset(dataset::DatasetArgs),
     #[cfg(feature = "learn")]
@@ -35,6 +37,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         Command::Grid(args) => grid::run(args),
         Command::Zones(args) => zones::run(args),
         Command::Part(args) => part::run(args),
+        Command::Beads(args) => beads::run(args),
         Command::Thermal(args) => thermal::run(args),
         Command::Dataset(args) => dataset::run(args),
         #[cfg(feature = "learn")]
