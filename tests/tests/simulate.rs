@@ -90,8 +90,9 @@ fn patterns_materials_methods_and_process_matter() {
     let plate = plate(folder.path());
     let reward = |more: &[&str]| number(&json(&[&[plate.as_str()], more].concat())["reward"]);
     let usual = reward(&[]);
-    let others: [&[&str]; 9] = [
+    let others: [&[&str]; 10] = [
         &["--pattern", "spiral-in-0"],
+        &["--pattern", "lines-x-scattered-7-0"],
         &["--material", "pla"],
         &["--method", "naive"],
         &["--nozzle-c", "210"],
@@ -362,6 +363,7 @@ fn bad_input_is_reported_and_leaves_nothing_behind() {
     let misuse = |more: &[&str]| misused(&[&["simulate", "example:u-shape"], more].concat());
     assert!(misused(&["simulate"]).contains("PART"));
     assert!(misuse(&["--pattern", "knots"]).contains("unknown pattern 'knots'"));
+    assert!(misuse(&["--pattern", "lines-x-scattered-0"]).contains("a stride K from 1 to 4096"));
     assert!(misuse(&["--pattern", "zigzag-x-0", "--gcode", "x"]).contains("cannot be used with"));
     assert!(misuse(&["--print-mm-s", "20", "--gcode", "x"]).contains("cannot be used with"));
     assert!(misuse(&["--left-out", "0.1"]).contains("--gcode"));

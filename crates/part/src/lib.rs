@@ -4,6 +4,9 @@
 //!   an array.
 //! - [`mod@toolpath`]: lays out insets and infill in the areas of each layer.
 //! - [`Pattern`]: the 38 named deposition orders, for any region; [`pattern_sheet`] draws them all.
+//! - [`LineOrder`]: named orders of the whole lines of a layer, and [`Lines`], which callers may
+//!   permute; [`Sequence`]: the orders behind them, for beads or anything else that is numbered.
+//! - [`Order`]: a pattern or an order of lines.
 //! - [`mod@print`]: writes planned layers, of cells or of beads, as G-code for Marlin or Klipper,
 //!   and checks such a program from its text.
 //! - [`Picture`]: reads a PNG picture as a layer, and writes one.
@@ -91,6 +94,7 @@ mod crossings;
 mod frame;
 mod measure;
 mod offset;
+mod order;
 mod pattern;
 mod picture;
 pub mod print;
@@ -103,6 +107,10 @@ pub use area::{Area, Ring};
 pub use bead::{Bead, BeadLayer, ExtrusionMove};
 pub use bead_svg::{BeadPanel, bead_svg};
 pub use frame::Frame;
+pub use order::{
+    Axis, Corner, Ends, InvalidStride, LineOrder, LineOrderError, Lines, Order, PermutationError,
+    Sequence, SequenceError, Stride, UnknownOrder,
+};
 pub use pattern::{Pattern, UnknownPattern, pattern_sheet};
 pub use picture::{Picture, PictureError};
 pub use svg::{Panel, svg};

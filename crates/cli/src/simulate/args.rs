@@ -8,7 +8,7 @@ use beadwork_console::accuracy::AccuracyName;
 use beadwork_console::output;
 use beadwork_console::part::PartArgs;
 use beadwork_console::printer::PrinterArgs;
-use beadwork_part::Pattern;
+use beadwork_part::Order;
 use beadwork_thermal::simulation::{Accuracy, Method};
 use beadwork_thermal::{ProcessParameters, ThermalMaterial};
 use clap::ValueEnum;
@@ -39,6 +39,7 @@ pub(super) struct Temperatures {
 Examples:
   beadwork simulate example:u-shape
   beadwork simulate example:pyramid --pattern spiral-in-0 --csv pyramid.csv --svg pyramid.svg
+  beadwork simulate example:pyramid --pattern lines-x-scattered-7-0
   beadwork simulate part.stl --material petg --nozzle-c 240 --plate-c 85 --json
   beadwork simulate example:u-shape --end-seconds 60 --section x=22 --section-out cut.png
   beadwork simulate example:u-shape --probe 5,5,0 --probe 40,5,1 --probe-out probes.csv
@@ -53,14 +54,16 @@ pub(crate) struct Args {
     #[command(flatten)]
     pub(super) printer: PrinterArgs,
     /// Deposition order of each layer: one of the 38 patterns, such as zigzag-y-1, raster-x-0,
-    /// spiral-in-2, spiral-out-3, contour-raster-y-3 and diagonal-1.
+    /// spiral-in-2, spiral-out-3, contour-raster-y-3 and diagonal-1, or whole lines in another
+    /// order: lines, axis, sequence (sequential, interleaved-K, scattered-K, golden, bit-reversed)
+    /// and corner, such as lines-x-scattered-7-0 and lines-y-golden-3.
     #[arg(
         long,
         value_name = "NAME",
         default_value = "contour-zigzag-x-0",
         conflicts_with = "gcode"
     )]
-    pub(super) pattern: Pattern,
+    pub(super) pattern: Order,
     /// G-code program that prints the part, in place of a pattern.
     /// Without PART, the part consists of the voxels that its beads fill.
     #[arg(long, value_name = "FILE")]

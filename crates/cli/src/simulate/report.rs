@@ -39,8 +39,8 @@ impl Report<'_> {
 
     pub(super) fn title(&self) -> String {
         let order = match &self.source.order {
-            Order::Pattern(pattern) => pattern.name(),
-            Order::Program(_) => "as in the G-code",
+            Order::Pattern(pattern) => pattern.to_string(),
+            Order::Program(_) => "as in the G-code".to_owned(),
         };
         format!("{}, {order}, {}", self.source.name, self.material.name)
     }
@@ -50,7 +50,7 @@ impl Report<'_> {
         let Self { source, material, process, .. } = self;
         let frame = &source.part.frame;
         let (pattern, missed) = match &source.order {
-            Order::Pattern(pattern) => (Some(pattern.name()), 0),
+            Order::Pattern(pattern) => (Some(pattern.to_string()), 0),
             Order::Program(program) => (None, program.missed.len()),
         };
         let mut json = json!({
@@ -71,8 +71,8 @@ impl Report<'_> {
                 "plate_c": process.plate_c,
                 "ambient_c": process.ambient_c,
                 "convection_w_m2k": process.convection_w_m2k,
-                "print_mm_s": pattern.map(|_| process.print_mm_s),
-                "travel_mm_s": pattern.and(process.travel_mm_s),
+                "print_mm_s": pattern.as_ref().map(|_| process.print_mm_s),
+                "travel_mm_s": pattern.as_ref().and(process.travel_mm_s),
                 "surface_resistance": process.surface_resistance,
             },
             "layers": self.layers,

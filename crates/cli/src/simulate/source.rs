@@ -13,7 +13,7 @@ use beadwork_console::text::count;
 use beadwork_gcode::{MotionLimits, Program, UnknownCommand};
 use beadwork_part::print;
 use beadwork_part::slice::{Layers, Voxels};
-use beadwork_part::{Frame, Pattern};
+use beadwork_part::{Frame, Order as LayerOrder};
 use beadwork_thermal::Simulation;
 use beadwork_thermal::program::{
     self, LayerFit, ProgramEvents, ProgramFit, program_events, program_fit, program_voxels,
@@ -38,7 +38,7 @@ pub(super) struct Source {
 
 /// The deposition order of all voxels.
 pub(super) enum Order {
-    Pattern(Pattern),
+    Pattern(LayerOrder),
     Program(ProgramEvents),
 }
 

@@ -6,7 +6,7 @@ mod sweep;
 mod table;
 #[cfg(test)]
 mod tests;
-mod view;
+pub(crate) mod view;
 
 pub use sheet::pattern_sheet;
 pub use table::{Pattern, UnknownPattern};

@@ -7,11 +7,11 @@ use beadwork_grid::{Cell, Region};
 ///
 /// Patterns are generated only in these coordinates, so a pattern from another corner or along the
 /// other axis is an exact mirror image or transposition, and needs no code of its own.
-pub(super) struct View {
+pub(crate) struct View {
     /// Number of cells along u.
-    pub(super) width: u32,
+    pub(crate) width: u32,
     /// Number of cells along v.
-    pub(super) height: u32,
+    pub(crate) height: u32,
     /// Whether u runs along y.
     is_transposed: bool,
     /// Whether the corner is on the right.
@@ -24,7 +24,7 @@ pub(super) struct View {
 
 impl View {
     /// A view from a corner: bit 0 of its number stands for the right, bit 1 for the bottom.
-    pub(super) fn new(region: &Region, is_transposed: bool, corner: u8) -> Self {
+    pub(crate) fn new(region: &Region, is_transposed: bool, corner: u8) -> Self {
         let (grid_width, grid_height) = (region.width(), region.height());
         let (width, height) =
             if is_transposed { (grid_height, grid_width) } else { (grid_width, grid_height) };
@@ -41,7 +41,7 @@ impl View {
     }
 
     /// The cell at (u, v).
-    pub(super) fn cell(&self, u: u32, v: u32) -> Cell {
+    pub(crate) fn cell(&self, u: u32, v: u32) -> Cell {
         let (x, y) = if self.is_transposed { (v, u) } else { (u, v) };
         let x = if self.is_from_right { self.grid_width - 1 - x } else { x };
         let y = if self.is_from_bottom { self.grid_height - 1 - y } else { y };
