@@ -1,11 +1,10 @@
 //! Curves under construction: loops and chains cut open and connected by steps.
 
 use super::bead::{Line, Piece, Position};
-use super::geometry::crosses;
 use super::path::Path;
 use super::sequence::{Part, Sequence};
+use super::steps::Steps;
 use crate::disjoint_sets::DisjointSets;
-use crate::segment::{Segment, are_near};
 
 /// Distance in mm below which points are the same.
 const SAME_MM: f64 = 1e-4;
@@ -27,7 +26,7 @@ pub(super) struct Curves<'a> {
     sets: DisjointSets,
     /// For the representative of each curve, whether it has free ends.
     is_open: Vec<bool>,
-    steps: Vec<Segment>,
+    steps: Steps,
 }
 
 /// An end of an arc.
@@ -50,7 +49,8 @@ pub(super) struct Slit {
 }
 
 impl<'a> Curves<'a> {
-    pub(super) fn new(paths: &'a [Path], loop_count: usize) -> Self {
+    /// No cuts; steps will be at most `reach_mm` long.
+    pub(super) fn new(paths: &'a [Path], loop_count: usize, reach_mm: f64) -> Self {
         let mut curves = Self {
             paths,
             loop_count,
@@ -58,7 +58,7 @@ impl<'a> Curves<'a> {
             on_path: vec![Vec::new(); paths.len()],
             sets: DisjointSets::new(paths.len()),
             is_open: (0..paths.len()).map(|path| path >= loop_count).collect(),
-            steps: Vec::new(),
+            steps: Steps::new(reach_mm),
         };
         for (number, path) in paths.iter().enumerate().skip(loop_count) {
             let [first, last] = path.chain_ends();
@@ -68,7 +68,7 @@ impl<'a> Curves<'a> {
         curves
     }
 
-    pub(super) fn steps(&self) -> &[Segment] {
+    pub(super) fn steps(&self) -> &Steps {
         &self.steps
     }
 
@@ -108,14 +108,6 @@ impl<'a> Curves<'a> {
         on_path[if is_begin { at + 1 } else { at + count - 1 } % count]
     }
 
-    /// Whether a step comes nearer than a distance to another one, or crosses it.
-    pub(super) fn is_near_step(&self, step: Segment, distance_mm: f64) -> bool {
-        self.steps.iter().any(|&other| {
-            crosses(step, other, SAME_MM)
-                || (distance_mm > 0.0 && are_near(step, other, distance_mm))
-        })
-    }
-
     fn connect(&mut self, ends: [usize; 2]) {
         let [a, b] = ends;
         (self.ends[a].partner, self.ends[b].partner) = (Some(b), Some(a));
@@ -146,7 +138,7 @@ impl<'a> Curves<'a> {
             };
             if let Some(before) = before {
                 let step = [before, entrance].map(|end| self.ends[end].position.point_mm);
-                if !self.is_near_step(step, 0.0) {
+                if !self.steps.any_near(step, 0.0) {
                     self.connect([before, entrance]);
                 }
             }

@@ -92,6 +92,7 @@ mod sequence;
 mod slits;
 mod solve;
 mod splice;
+mod steps;
 mod surroundings;
 #[cfg(test)]
 mod tests;

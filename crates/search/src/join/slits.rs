@@ -154,7 +154,7 @@ impl Scene<'_> {
         let Some((steps, is_crossed)) = self.steps(slits) else { return false };
         let is_clear = steps.iter().all(|&[from, to]| {
             self.near.is_step(from, to)
-                && !curves.is_near_step([from, to], STEP_DISTANCE * self.slit_mm)
+                && !curves.steps().any_near([from, to], STEP_DISTANCE * self.slit_mm)
         });
         if is_clear {
             curves.splice(slits, is_crossed);

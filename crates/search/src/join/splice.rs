@@ -2,15 +2,13 @@
 
 use super::bead::{Bead, Line, Piece, Position};
 use super::curves::Curves;
-use super::geometry::{crosses, distance2};
+use super::geometry::distance2;
 use super::merge::MAX_WAYS;
 use super::sequence::{Part, Sequence};
 use super::slits::{Scene, Splice};
+use super::steps::Steps;
 use crate::disjoint_sets::DisjointSets;
 use crate::segment::Segment;
-
-/// Distance in mm below which points are the same.
-const SAME_MM: f64 = 1e-4;
 
 /// Rounds after which no sequence is taken apart any more.
 /// Two or three are usual; more would be slow for islands of very many loops.
@@ -28,13 +26,15 @@ pub(super) fn splice(mut sequences: Vec<Sequence>, scene: &Scene<'_>) -> Vec<Bea
     let mut is_kept = kept_sequences(&sequences, &splices, scene);
     let mut round = 0;
     loop {
-        let mut curves = Curves::new(scene.paths, scene.loop_count);
+        let mut curves = Curves::new(scene.paths, scene.loop_count, scene.near.reach_mm());
         for (sequence, _) in sequences.iter().zip(&is_kept).filter(|(_, is_kept)| **is_kept) {
             curves.follow(sequence, 0);
         }
         for splice in &splices {
             scene.try_splice(&mut curves, splice);
         }
+        // What is impossible once stays impossible, so one pass is enough.
+        debug_assert!(!splices.iter().any(|splice| scene.try_splice(&mut curves, splice)));
         let failed = failed_sequences(&sequences, &is_kept, &mut curves);
         if failed.is_empty() {
             return beads(&sequences, &is_kept, curves, scene);
@@ -146,7 +146,7 @@ fn beads(
     let mut beads = Vec::new();
     let mut is_done = vec![false; scene.paths.len()];
     // Sequences of loops that nothing was spliced into can still begin anywhere.
-    let mut more_steps = Vec::new();
+    let mut more_steps = Steps::new(scene.near.reach_mm());
     for (sequence, _) in sequences.iter().zip(is_kept).filter(|(_, is_kept)| **is_kept) {
         let is_alone = loops(sequence).all(|ring| curves.cut_count(ring) == 1);
         let curve = curves.curve(element(sequence.parts[0], scene));
@@ -190,16 +190,12 @@ fn whole(ring: usize, begin: Position) -> Piece {
 /// The ways of a sequence of loops alone whose steps cross no step of another bead.
 ///
 /// `more_steps` are those of other ways of the sequences before; the ones of this are added.
-fn ways(
-    sequence: &Sequence,
-    curves: &Curves<'_>,
-    more_steps: &mut Vec<Segment>,
-) -> Vec<Vec<Piece>> {
-    let own: Vec<_> = steps(&sequence.ways[0]).collect();
-    let others = curves.steps().iter().filter(|step| !own.contains(step));
-    let others: Vec<Segment> = others.chain(&*more_steps).copied().collect();
+fn ways(sequence: &Sequence, curves: &Curves<'_>, more_steps: &mut Steps) -> Vec<Vec<Piece>> {
+    let own: Vec<Segment> = steps(&sequence.ways[0]).collect();
     let is_clear = |way: &&Vec<Position>| {
-        steps(way).all(|step| others.iter().all(|&other| !crosses(step, other, SAME_MM)))
+        steps(way).all(|step| {
+            !curves.steps().crosses_other_than(step, &own) && !more_steps.any_near(step, 0.0)
+        })
     };
     let pieces = |way: &&Vec<Position>| {
         loops(sequence).zip(way.iter()).map(|(ring, &begin)| whole(ring, begin)).collect()
@@ -207,8 +203,9 @@ fn ways(
     // The first way was compared with all other steps before.
     let more = sequence.ways[1..].iter().filter(is_clear);
     let ways: Vec<_> = sequence.ways[..1].iter().chain(more).collect();
-    more_steps.extend(ways[1..].iter().flat_map(|way| steps(way)));
-    ways.iter().map(pieces).collect()
+    let pieces = ways.iter().map(pieces).collect();
+    ways[1..].iter().flat_map(|way| steps(way)).for_each(|step| more_steps.push(step));
+    pieces
 }
 
 fn steps(way: &[Position]) -> impl Iterator<Item = Segment> + '_ {

@@ -503,3 +503,26 @@ fn degenerate_loops_are_not_cut() {
     let island = Island::new(&[], vec![speck], &[chain]);
     assert_eq!(island.counts(1.0), [[2, 1], [2, 2]]);
 }
+
+#[test]
+fn many_holes_are_spliced_into_the_chains_between_them() {
+    let count = 6;
+    let side = 5.0 * f64::from(count);
+    let outer = rectangle(0.0, 0.0, side, side);
+    let mut loops = vec![inset(&outer, 0.25), inset(&outer, 0.75)];
+    let mut chains: Vec<Ring> = Vec::new();
+    for row in (0..count).map(|row| 5.0 * f64::from(row)) {
+        let mut chain: Ring = vec![[1.3, row + 0.9]];
+        for column in (0..count).map(|column| 5.0 * f64::from(column)) {
+            let hole = rectangle(column + 2.2, row + 2.2, 1.0, 1.0);
+            loops.extend([-0.25, -0.75].map(|by| inset(&hole, by)));
+            chain.push([column + 4.3, row + 0.9]);
+        }
+        chains.push(chain);
+    }
+    let chains: Vec<&[[f64; 2]]> = chains.iter().map(Vec::as_slice).collect();
+    let island = Island::new(&[], loops, &chains);
+    let [spliced, ends] = island.counts(1.0);
+    assert_eq!(spliced[0], chains.len());
+    assert!(ends[0] > 30, "each hole was a bead of its own");
+}
