@@ -9,6 +9,7 @@ mod programs;
 mod shapes;
 mod shapes_table;
 mod starts;
+mod surface;
 mod tables;
 
 use std::path::PathBuf;

@@ -10,7 +10,7 @@ use serde_json::json;
 use super::cases::{Case, Source};
 use super::methods::{self, COLUMNS, Proven, Regions, Row};
 use super::shapes::Shape;
-use super::{BeadsArgs, drawing, neighbours, shapes_table, starts};
+use super::{BeadsArgs, drawing, neighbours, shapes_table, starts, surface};
 
 /// All rows of all tables.
 #[derive(Default)]
@@ -19,6 +19,7 @@ struct Tables {
     starts: Vec<starts::Row>,
     neighbours: Vec<neighbours::Row>,
     methods: Vec<Row>,
+    surfaces: Vec<surface::Row>,
     /// Time to find the permitted links, summed over layers, in s.
     link_seconds: f64,
 }
@@ -49,8 +50,12 @@ pub(super) fn run(args: &BeadsArgs) -> anyhow::Result<()> {
     }
     for path in &args.parts {
         let source = Source::part(path, &pool)?;
-        for &density in &args.density {
-            tables.add(&Case::new(&source, density, &control)?, args.seed, &control)?;
+        for (number, &density) in args.density.iter().enumerate() {
+            let case = Case::new(&source, density, &control)?;
+            if number == 0 {
+                tables.surfaces.push(surface::row(&case, &control)?);
+            }
+            tables.add(&case, args.seed, &control)?;
             bar.inc(COLUMNS.len() as u64);
         }
     }
@@ -65,6 +70,7 @@ pub(super) fn run(args: &BeadsArgs) -> anyhow::Result<()> {
             "random_starts": tables.starts,
             "neighbours": tables.neighbours,
             "methods": tables.methods,
+            "surfaces": tables.surfaces,
         }));
     }
     output::text(&tables.text(args.seed)?)
@@ -87,6 +93,9 @@ impl Tables {
             shapes_table::table(&mut text, &self.shapes)?;
             starts::table(&mut text, &self.starts)?;
             neighbours::table(&mut text, &self.neighbours)?;
+        }
+        if !self.surfaces.is_empty() {
+            surface::table(&mut text, &self.surfaces)?;
         }
         let Rule { straight, boundary, .. } = Rule::default();
         writeln!(
