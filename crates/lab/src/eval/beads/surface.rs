@@ -25,8 +25,8 @@ pub(super) struct Row {
     exact_share: f64,
     /// Maximum distance by which the outer edge lies beyond the outline, in mm.
     max_beyond_mm: f64,
-    /// Maximum distance by which it lies inside: where an inset turns back before a wall that is too
-    /// thin for it, which a skeleton fills.
+    /// Maximum distance by which it lies inside: where an inset turns back before a wall that is
+    /// too thin for it, which a skeleton fills.
     max_inside_mm: f64,
 }
 

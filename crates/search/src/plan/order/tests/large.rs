@@ -66,7 +66,7 @@ fn large_sets_are_solved_as_well_as_small_ones() {
             missed += u32::from(large.cost > exact.cost);
         }
     }
-    assert!(solved > 2000 && missed <= 3, "{missed} of {solved} are not optimal");
+    assert!(solved > 2000 && missed == 0, "{missed} of {solved} are not optimal");
 }
 
 /// Random costs of a kind.
