@@ -17,6 +17,8 @@
 //! - [`hot_spots`]: connected groups of hot voxels.
 //! - [`interlayer`]: substrate temperatures, on which the welds between layers depend.
 //! - [`report`]: these measures at the end of a layer, and the paper's reward of a part.
+//! - [`objective`]: what plans are judged by: the paper's reward and measures that are harder to
+//!   game.
 //! - [`section`]: temperatures on a plane through the part.
 //! - [`sampling`]: measures over time, such as probes and the time above a temperature.
 //! - [`warpage`]: how much the part is likely to warp, to rank plans by.
@@ -81,6 +83,7 @@ mod kernel;
 mod line_code;
 pub mod material;
 mod method;
+pub mod objective;
 mod occupancy;
 #[cfg(any(test, feature = "oracle"))]
 pub mod oracle;

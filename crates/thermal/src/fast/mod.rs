@@ -55,4 +55,4 @@ mod window;
 mod tests;
 
 pub use self::level::Accuracy;
-pub(crate) use self::stepper::FastStepper;
+pub(crate) use self::stepper::{FastStepper, INTERVALS_PER_RUN};

@@ -34,6 +34,7 @@ use crate::kernel::{Quadratic, SweepBuffers, TwoStageSweep};
 use crate::occupancy::VoxelChange;
 use crate::patch::Patch;
 use crate::run_control::RunControl;
+use crate::shape::Shape;
 use crate::state::{OccupancyMut, StateMut};
 
 use super::far::FarField;
@@ -42,7 +43,7 @@ use super::nested::{HaloSource, NestedPatch};
 use super::window::Window;
 
 /// Maximum number of intervals that share one list of changes, which bounds its length.
-const INTERVALS_PER_RUN: usize = 4096;
+pub(crate) const INTERVALS_PER_RUN: usize = 4096;
 
 /// Cost of copying a window and writing it back, in sweeps over its voxels.
 const COPY_STAGES: f64 = 3.0;
@@ -111,6 +112,18 @@ impl FastStepper {
         }
     }
 
+    /// The level of the longest steps of a whole part, of which rows from `top` on are empty.
+    fn top_level(&self, shape: Shape, top: usize) -> usize {
+        let blocks = shape.row_len * shape.planes * top >= self.min_block_voxels;
+        // The last level is the one on blocks.
+        self.levels.len() - if blocks { 1 } else { 2 }
+    }
+
+    /// Length of the longest steps of a whole part, of which rows from `top` on are empty, s.
+    pub(crate) fn longest_step_s(&self, shape: Shape, top: usize) -> f64 {
+        self.levels[self.top_level(shape, top)].seconds
+    }
+
     /// Steps a state through some intervals.
     ///
     /// Sweeps may use `threads` threads of the current pool.
@@ -129,11 +142,7 @@ impl FastStepper {
         let mut result = Ok(());
         for intervals in intervals.chunks(INTERVALS_PER_RUN) {
             let mut whole = NestedPatch::whole(patch, run);
-            let shape = whole.patch.shape;
-            let voxels = shape.row_len * shape.planes * occupancy.top();
-            let blocks = voxels >= self.min_block_voxels;
-            // The last level is the one on blocks.
-            let level = self.levels.len() - if blocks { 1 } else { 2 };
+            let level = self.top_level(whole.patch.shape, occupancy.top());
             result = self.advance(&mut whole, &mut occupancy, coefficients, level, intervals);
             whole.apply(&self.buffers.changes, coefficients);
             self.buffers.changes.clear();

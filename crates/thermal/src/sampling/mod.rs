@@ -1,5 +1,7 @@
 //! Samples of a print at regular times.
 
+mod steps;
+
 use beadwork_base::Control;
 use ndarray::{Array3, ArrayView3};
 

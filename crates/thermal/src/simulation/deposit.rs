@@ -83,15 +83,10 @@ impl Simulation {
         control: &Control<'_>,
     ) -> Result<f64, DepositError> {
         control.check()?;
-        let width = self.part.frame.width;
         let events = self.layer_events(layer, order);
         let before = self.seconds;
         let intervals = self.validate(&events)?;
-        let mut ordered = vec![false; (width * self.part.frame.height) as usize];
-        order.iter().for_each(|&cell| ordered[cell as usize] = true);
-        if let Some(cell) = self.cells(layer).find(|&cell| !ordered[cell as usize]) {
-            return Err(DepositError::Missing { voxel: [cell % width, cell / width, layer] });
-        }
+        self.check_complete(layer, order)?;
         let mut run = RunControl::new(control, events.len());
         self.advance(&events, &intervals, control.threads, &mut run)?;
         run.finish();
@@ -187,6 +182,29 @@ impl Simulation {
         let last = events.iter().filter_map(|event| event.voxel).take_while(deposited).last();
         self.last = last.or(self.last);
         Err(interrupted)
+    }
+
+    /// Returns an error if an order leaves out a cell of its layer.
+    /// [`Simulation::validate`] must have accepted the order's events.
+    pub(crate) fn check_complete(&self, layer: u32, order: &[Cell]) -> Result<(), DepositError> {
+        let width = self.part.frame.width;
+        let mut ordered = vec![false; (width * self.part.frame.height) as usize];
+        order.iter().for_each(|&cell| ordered[cell as usize] = true);
+        let missing = self.cells(layer).find(|&cell| !ordered[cell as usize]);
+        missing.map_or(Ok(()), |cell| {
+            Err(DepositError::Missing { voxel: [cell % width, cell / width, layer] })
+        })
+    }
+
+    /// Length of the longest step of the method on the part as printed so far, s; `None` if it has
+    /// a step for each event.
+    pub(crate) fn longest_step_s(&self) -> Option<f64> {
+        match &self.stepper {
+            Stepper::Explicit(_) => None,
+            Stepper::Fast(stepper) => {
+                Some(stepper.longest_step_s(self.state.patch.shape, self.state.top))
+            }
+        }
     }
 
     /// Checks events and turns those that take time into intervals.

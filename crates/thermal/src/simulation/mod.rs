@@ -8,5 +8,6 @@ mod trials;
 pub use self::deposit::DepositError;
 pub use self::field::FieldError;
 pub use self::setup::{SetupError, Simulation};
+pub use self::trials::{BestTrial, Trials};
 pub use crate::fast::Accuracy;
 pub use crate::method::Method;
