@@ -71,7 +71,7 @@ impl Default for Settings {
             order: travel::Order::Stages,
             seam: Seam::default(),
             tool_change_mm: None,
-            kicks_per_bead: 3,
+            kicks_per_bead: 6,
             bound_iterations: 0,
             constraints: Constraints::default(),
             seed: 0,
