@@ -110,7 +110,8 @@ fn concurrent_runs_equal_a_whole_run() {
 #[test]
 fn a_cancelled_run_can_be_continued() {
     let (_whole, expected) = whole();
-    for stop_after in [0, 1, 7, 12, 22] {
+    // After 22, the last one may already be under way on the other thread.
+    for stop_after in [0, 1, 7, 12, 21] {
         let folder = tempfile::tempdir().unwrap();
         let cancel = CancelToken::new();
         let report = |progress: Progress| {
