@@ -7,10 +7,11 @@ use anyhow::{Context, bail};
 use beadwork_base::Control;
 use beadwork_mesh::{Material, Model};
 use beadwork_part::print::{
-    self, Flavour, Layer, PrimeTower, Print, PrintError, Purge, SettingsError, Title, Tool,
+    self, Flavour, Layer, PrimeTower, Print, PrintError, Process, Purge, SettingsError, Title, Tool,
 };
 use beadwork_part::{BeadLayer, Frame};
 use beadwork_search::CostMatrix;
+use beadwork_search::travel::Retraction;
 use clap::ValueEnum;
 use ndarray::Array2;
 
@@ -230,6 +231,16 @@ impl Profile {
         self.print_with(frame, settings, |settings, control| {
             Print::of_beads(title(name), layers, frame, settings, control)
         })
+    }
+
+    /// What a retraction costs, with its undoing and the z-hop; `None` without retraction.
+    pub fn retraction(&self) -> Option<Retraction> {
+        let process = &self.settings.process;
+        let Process { retract_mm, retract_mm_s, retract_beyond_mm, z_hop_mm, travel_mm_s, .. } =
+            *process;
+        let cost_mm = 2.0 * (retract_mm / retract_mm_s * travel_mm_s + z_hop_mm);
+        let is_usual = retract_mm > 0.0 && cost_mm.is_finite() && retract_beyond_mm.is_finite();
+        is_usual.then_some(Retraction { beyond_mm: retract_beyond_mm.max(0.0), cost_mm })
     }
 
     /// Middle of the prime tower, x and y in mm; of an automatic one, if it fits where it is tried

@@ -38,6 +38,7 @@ pub(super) fn run(
     let planner = beads::Settings {
         constraints: args.constraints(),
         tool_change_mm: profile.tower_mm(&part.frame, &settings),
+        retraction: profile.retraction(),
         ..args.beads.plan(bead_mm, args.seed)
     };
     let plan = control::with_bar("plan", threads, |control| {

@@ -1,6 +1,6 @@
 //! Entries of loops for a fixed order of the items, by dynamic programming.
 
-use super::problem::{item_of, step};
+use super::problem::item_of;
 use super::tour::Tour;
 
 /// Maximum number of entries of a loop that are all tried; of longer loops as many, chosen evenly,
@@ -62,7 +62,7 @@ fn improve_once(tour: &mut Tour<'_>) -> f64 {
             let (mut length, mut best) = (f64::INFINITY, 0);
             for before in previous.clone() {
                 let choice = &choices[before];
-                let here = choice.length + step(choice.point, begin);
+                let here = choice.length + tour.problem.step(choice.point, begin);
                 if here < length {
                     (length, best) = (here, before as u32);
                 }
@@ -106,7 +106,7 @@ fn find_tried(tour: &Tour<'_>, position: usize, tried: &mut Vec<u32>) {
     let after = tour.point(tour.link(tour.leaves(position)));
     let mut nearest = [(f64::INFINITY, u32::MAX); TRIED];
     for (entry, &point) in entries.iter().enumerate() {
-        let detour = step(before, point) + step(point, after);
+        let detour = tour.problem.step(before, point) + tour.problem.step(point, after);
         if detour < nearest[TRIED - 1].0 {
             let to = nearest.partition_point(|&(other, _)| other <= detour);
             nearest[to..].rotate_right(1);

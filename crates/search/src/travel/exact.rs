@@ -1,9 +1,9 @@
-//! The shortest route over few items, by the dynamic programme of Held and Karp, "A dynamic
+//! The cheapest route over few items, by the dynamic programme of Held and Karp, "A dynamic
 //! programming approach to sequencing problems" (J. SIAM 10, 1962).
 
 use super::item::{Shape, Way};
 use super::problem::Problem;
-use super::route::{Visit, distance};
+use super::route::Visit;
 
 /// Maximum number of items; each additional item doubles the time.
 const MAX_ITEMS: usize = 8;
@@ -21,9 +21,9 @@ struct Choice {
     earlier: usize,
 }
 
-/// The shortest route; `None` if the items are too many.
+/// The cheapest route; `None` if the items are too many.
 /// O(2^n w²) steps for n items that can be printed in w ways in all.
-pub(super) fn shortest(problem: &Problem<'_>) -> Option<Vec<Visit>> {
+pub(super) fn cheapest(problem: &Problem<'_>) -> Option<Vec<Visit>> {
     let count = problem.items.len();
     if count > MAX_ITEMS {
         return None;
@@ -31,10 +31,10 @@ pub(super) fn shortest(problem: &Problem<'_>) -> Option<Vec<Visit>> {
     let choices = choices(problem)?;
     let all = (1 << count) - 1;
     let width = choices.len();
-    // For each set of items and each last way: the travel, and the way before the last.
+    // For each set of items and each last way: the cost of travel, and the way before the last.
     let mut best = vec![(f64::INFINITY, usize::MAX); (all + 1) * width];
     for (index, choice) in choices.iter().enumerate().filter(|(_, choice)| choice.earlier == 0) {
-        let travel = problem.from.map_or(0.0, |from| distance(from, choice.ends[0]));
+        let travel = problem.from.map_or(0.0, |from| problem.step(from, choice.ends[0]));
         best[(1 << choice.visit.item) * width + index] = (travel, usize::MAX);
     }
     for set in 1..all {
@@ -50,7 +50,7 @@ pub(super) fn shortest(problem: &Problem<'_>) -> Option<Vec<Visit>> {
                     && next.earlier & !set == 0
                     && (is_complete || choice.group == next.group);
                 if follows {
-                    let travel = travel + distance(choice.ends[1], next.ends[0]);
+                    let travel = travel + problem.step(choice.ends[1], next.ends[0]);
                     let known = &mut best[(set | bit) * width + index];
                     if travel < known.0 {
                         *known = (travel, last);

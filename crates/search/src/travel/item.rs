@@ -83,6 +83,9 @@ pub enum TravelError {
     /// [`MAX_COORDINATE_MM`].
     #[error("nozzle position: coordinate is not a finite number within {MAX_COORDINATE_MM:e} mm")]
     From,
+    /// A number of the cost of retractions is infinite, negative or not a number.
+    #[error("cost of retractions is not a finite number of at least 0")]
+    Retraction,
     /// A loop has no entry.
     #[error("item {item}: loop has no entry")]
     NoEntry {

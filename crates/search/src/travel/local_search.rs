@@ -13,7 +13,7 @@ use std::collections::VecDeque;
 
 use super::exchange::{Exchange, Reversals};
 use super::neighbours::Neighbours;
-use super::problem::{ARRIVAL, DEPARTURE, across, item_of, step};
+use super::problem::{ARRIVAL, DEPARTURE, across, item_of};
 use super::tour::Tour;
 
 /// Maximum number of ends of an adjacent leaf that are tried at its border.
@@ -113,10 +113,12 @@ impl<'p> LocalSearch<'p> {
     /// Moves the entry of a loop to where the detour is shortest; returns the gain.
     fn improve_entry(&mut self, end: u32) -> f64 {
         let item = item_of(end);
-        let Some(entries @ [_, _, ..]) = self.tour.problem.entries(item) else { return 0.0 };
+        let problem = self.tour.problem;
+        let Some(entries @ [_, _, ..]) = problem.entries(item) else { return 0.0 };
         let links = [end, across(end)].map(|end| self.tour.link(end));
         let [before, after] = links.map(|link| self.tour.point(link));
-        let detours = entries.iter().map(|&entry| step(before, entry) + step(entry, after));
+        let detours =
+            entries.iter().map(|&entry| problem.step(before, entry) + problem.step(entry, after));
         let present = self.tour.step(links[0], end) + self.tour.step(end, links[1]);
         let (entry, detour) = detours
             .enumerate()

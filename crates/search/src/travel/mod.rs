@@ -79,5 +79,5 @@ mod tour;
 pub use bound::MAX_BOUNDED;
 pub use item::{Item, MAX_COORDINATE_MM, MAX_ITEMS, Shape, TravelError, Way};
 pub use route::{Route, Visit, is_allowed, travel_mm};
-pub use settings::{Order, Settings};
+pub use settings::{Order, Retraction, Settings};
 pub use solve::{lower_bound_mm, nearest_neighbour, solve};

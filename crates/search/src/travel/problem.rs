@@ -12,7 +12,7 @@
 //! In free order each item is a group of its own.
 
 use super::item::{Item, Shape};
-use super::settings::Order;
+use super::settings::{Order, Retraction};
 
 /// End of the anchor from which the route departs.
 pub(super) const DEPARTURE: u32 = 1;
@@ -24,9 +24,12 @@ pub(super) const ARRIVAL: u32 = 0;
 /// A difference to them is not a number either, and the larger of such a number and 0 is 0.
 const FREE: [f64; 2] = [f64::NAN; 2];
 
+/// Retractions that never happen.
+const NO_RETRACTION: Retraction = Retraction { beyond_mm: f64::INFINITY, cost_mm: 0.0 };
+
 /// Length of the travel between two ends, 0 if one of them is free.
 #[inline]
-pub(super) fn step([x, y]: [f64; 2], [other_x, other_y]: [f64; 2]) -> f64 {
+fn length([x, y]: [f64; 2], [other_x, other_y]: [f64; 2]) -> f64 {
     let (dx, dy) = (x - other_x, y - other_y);
     (dx * dx + dy * dy).sqrt().max(0.0)
 }
@@ -66,6 +69,8 @@ pub(super) struct Problem<'a> {
     pub(super) is_directed: Vec<bool>,
     /// Number of items that must keep their direction.
     pub(super) directed: usize,
+    /// Length of travel above which it costs more, in mm, and by how much.
+    retraction: Retraction,
     /// Length of the diagonal of the box around all points, in mm.
     pub(super) extent: f64,
     /// Gains up to this length are rounding errors, in mm.
@@ -73,7 +78,12 @@ pub(super) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    pub(super) fn new(items: &'a [Item<'a>], order: Order, from: Option<[f64; 2]>) -> Self {
+    pub(super) fn new(
+        items: &'a [Item<'a>],
+        order: Order,
+        from: Option<[f64; 2]>,
+        retraction: Option<Retraction>,
+    ) -> Self {
         let key = |index: usize| match (order, &items[index]) {
             (Order::Free, _) => (index as u32, 0),
             (Order::Groups, item) => (item.group, 0),
@@ -129,9 +139,18 @@ impl<'a> Problem<'a> {
             is_irreversible,
             is_directed,
             directed,
+            retraction: retraction.unwrap_or(NO_RETRACTION),
             extent,
             tolerance: 1e-11 * extent,
         }
+    }
+
+    /// Cost of the travel between two ends in mm: its length, and that of a retraction if it is
+    /// long.
+    #[inline]
+    pub(super) fn step(&self, end: [f64; 2], other: [f64; 2]) -> f64 {
+        let length = length(end, other);
+        if length > self.retraction.beyond_mm { length + self.retraction.cost_mm } else { length }
     }
 
     /// Number of items with the anchor.

@@ -9,6 +9,8 @@ pub struct Settings {
     pub order: Order,
     /// Position of the nozzle before the first item, in mm; `None` if travel to it costs nothing.
     pub from: Option<[f64; 2]>,
+    /// What a retraction costs; `None` if only the length of travel counts.
+    pub retraction: Option<Retraction>,
     /// Seed of the random choices.
     pub seed: u64,
     /// Number of kicks for each item: small random changes, each followed by local search, and
@@ -22,10 +24,26 @@ pub struct Settings {
 }
 
 impl Default for Settings {
-    /// Free order from anywhere, seed 0, 10 kicks for each item, no bound.
+    /// Free order from anywhere, no cost of retractions, seed 0, 10 kicks for each item, no bound.
     fn default() -> Self {
-        Self { order: Order::Free, from: None, seed: 0, kicks_per_item: 10, bound_iterations: 0 }
+        Self {
+            order: Order::Free,
+            from: None,
+            retraction: None,
+            seed: 0,
+            kicks_per_item: 10,
+            bound_iterations: 0,
+        }
     }
+}
+
+/// A retraction before each long move, which takes time in addition to the move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Retraction {
+    /// Length of a move in mm above which filament is retracted; finite, at least 0.
+    pub beyond_mm: f64,
+    /// Travel in mm that takes as long as a retraction and its undoing; finite, at least 0.
+    pub cost_mm: f64,
 }
 
 /// Which orders of the items are allowed.

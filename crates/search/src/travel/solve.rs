@@ -14,7 +14,7 @@ use super::nearest::Nearest;
 use super::neighbours::Neighbours;
 use super::problem::Problem;
 use super::route::{self, Route, Visit, travel_mm};
-use super::settings::{Order, Settings};
+use super::settings::{Order, Retraction, Settings};
 use super::tour::Tour;
 use crate::Stop;
 
@@ -23,8 +23,8 @@ use crate::Stop;
 /// Each item is printed once, in an order that [`Settings::order`] allows; the result may end
 /// anywhere.
 ///
-/// Up to 8 items with few entries get the shortest route, with [`Stop::Optimal`]: equally short
-/// routes aside, only rounding errors could hide a shorter one.
+/// Up to 8 items with few entries get the cheapest route, with [`Stop::Optimal`]: only
+/// rounding errors could hide a cheaper one.
 ///
 /// An interrupted call returns the best route so far, with the reason in [`Route::stop`].
 /// Progress counts kicks.
@@ -37,8 +37,14 @@ pub fn solve(
     control: &Control<'_>,
 ) -> Result<Route, TravelError> {
     item::check(items, settings.from)?;
-    let problem = Problem::new(items, settings.order, settings.from);
-    let exact = exact::shortest(&problem);
+    let &Settings { order, from, retraction, .. } = settings;
+    if let Some(Retraction { beyond_mm, cost_mm }) = retraction
+        && ![beyond_mm, cost_mm].iter().all(|value| value.is_finite() && *value >= 0.0)
+    {
+        return Err(TravelError::Retraction);
+    }
+    let problem = Problem::new(items, order, from, retraction);
+    let exact = exact::cheapest(&problem);
     let is_exact = exact.is_some();
     let (visits, stop) = match exact {
         Some(visits) => (visits, Stop::Optimal),
@@ -47,8 +53,8 @@ pub fn solve(
     let travel_mm = travel_mm(items, &visits, settings.from);
     let bound_mm = match settings.bound_iterations {
         0 => None,
-        _ if is_exact => Some(shortened(travel_mm)),
-        iterations => bound(&problem, travel_mm, iterations, control),
+        _ if is_exact && retraction.is_none() => Some(shortened(travel_mm)),
+        iterations => shortest_mm(items, order, from, travel_mm, iterations, control),
     };
     let stop = if travel_mm <= 0.0 && !stop.is_interrupted() { Stop::Optimal } else { stop };
     Ok(Route { visits, travel_mm, bound_mm, stop })
@@ -68,11 +74,23 @@ pub fn lower_bound_mm(
     control: &Control<'_>,
 ) -> Result<Option<f64>, TravelError> {
     item::check(items, None)?;
-    let problem = Problem::new(items, order, None);
-    Ok(match exact::shortest(&problem) {
-        Some(visits) => Some(shortened(route::travel_mm(items, &visits, None))),
+    Ok(shortest_mm(items, order, None, travel_mm, iterations, control))
+}
+
+/// Lower bound on the travel of every allowed route of valid items, whatever retractions cost.
+fn shortest_mm(
+    items: &[Item<'_>],
+    order: Order,
+    from: Option<[f64; 2]>,
+    travel_mm: f64,
+    iterations: u32,
+    control: &Control<'_>,
+) -> Option<f64> {
+    let problem = Problem::new(items, order, from, None);
+    match exact::cheapest(&problem) {
+        Some(visits) => Some(shortened(route::travel_mm(items, &visits, from))),
         None => bound(&problem, travel_mm, iterations, control),
-    })
+    }
 }
 
 /// A bound from the length of a shortest route: the dynamic programme compares sums of rounded
@@ -114,7 +132,7 @@ pub fn nearest_neighbour(
     from: Option<[f64; 2]>,
 ) -> Result<Route, TravelError> {
     item::check(items, from)?;
-    let problem = Problem::new(items, order, from);
+    let problem = Problem::new(items, order, from, None);
     let Nearest { sequence, entry, .. } = Nearest::new(&problem);
     let visits = Tour::new(&problem, sequence, entry).visits();
     let travel_mm = travel_mm(items, &visits, from);

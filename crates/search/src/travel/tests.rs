@@ -9,7 +9,7 @@ use proptest::test_runner::TestRunner;
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use self::cases::{Case, any_case, shortest};
+use self::cases::{Case, any_case, cheapest, cost_mm_of, shortest};
 use super::problem::Problem;
 use super::solve::improve;
 use super::*;
@@ -49,6 +49,35 @@ proptest! {
     }
 
     #[test]
+    fn few_items_have_the_cheapest_route(
+        case in any_case(0..=6, 3),
+        beyond_mm in 0.0..12.0_f64,
+        cost_mm in 0.0..20.0_f64,
+    ) {
+        let items = case.items();
+        let retraction = Some(Retraction { beyond_mm, cost_mm });
+        let settings = Settings { retraction, ..settings(&case) };
+        let route = solve(&items, &settings, &Control::default()).unwrap();
+        check(&items, &settings, &route);
+        let cost = cost_mm_of(&items, &route.visits, case.from, retraction);
+        let cheapest = cheapest(&items, case.order, case.from, retraction);
+        prop_assert!((cost - cheapest).abs() <= 1e-9 || items.is_empty());
+    }
+
+    #[test]
+    fn local_search_avoids_retractions(case in any_case(7..=40, 40), cost_mm in 0.0..20.0_f64) {
+        let items = case.items();
+        let retraction = Some(Retraction { beyond_mm: 2.0, cost_mm });
+        let settings = Settings { kicks_per_item: 2, retraction, ..settings(&case) };
+        let route = solve(&items, &settings, &Control::default()).unwrap();
+        check(&items, &settings, &route);
+        let nearest = nearest_neighbour(&items, case.order, case.from).unwrap();
+        let [cost, other] = [&route.visits, &nearest.visits]
+            .map(|visits| cost_mm_of(&items, visits, case.from, retraction));
+        prop_assert!(cost <= other + 1e-9, "{} {}", cost, other);
+    }
+
+    #[test]
     fn no_route_from_anywhere_is_below_the_lower_bound(case in any_case(1..=6, 3)) {
         let items = case.items();
         let shortest = shortest(&items, case.order, None);
@@ -83,7 +112,7 @@ fn local_search_and_bound_enclose_the_shortest_route() {
         let case = strategy.new_tree(&mut runner).unwrap().current();
         let items = case.items();
         let settings = Settings { kicks_per_item: 30, ..settings(&case) };
-        let problem = Problem::new(&items, case.order, case.from);
+        let problem = Problem::new(&items, case.order, case.from, None);
         let (visits, _) = improve(&problem, &settings, &Control::default());
         assert!(is_allowed(&items, &visits, case.order));
         let travel = travel_mm(&items, &visits, case.from);

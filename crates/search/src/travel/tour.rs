@@ -1,7 +1,7 @@
 //! A tour over all items, its reversals, and how to undo them.
 
 use super::item::{Shape, Way};
-use super::problem::{ARRIVAL, DEPARTURE, Problem, across, item_of, step};
+use super::problem::{ARRIVAL, DEPARTURE, Problem, across, item_of};
 use super::route::Visit;
 
 /// A closed sequence of all items with the anchor, and the entry of each loop.
@@ -128,10 +128,10 @@ impl<'p> Tour<'p> {
         self.points[end as usize]
     }
 
-    /// Travel between two ends, in mm.
+    /// Cost of the travel between two ends, in mm.
     #[inline]
     pub(super) fn step(&self, end: u32, other: u32) -> f64 {
-        step(self.points[end as usize], self.points[other as usize])
+        self.problem.step(self.points[end as usize], self.points[other as usize])
     }
 
     /// Entry of a loop.
@@ -146,7 +146,7 @@ impl<'p> Tour<'p> {
         self.starts[leaf] as usize
     }
 
-    /// Sum of all travel, in mm.
+    /// Cost of all travel, in mm.
     pub(super) fn length(&self) -> f64 {
         let step =
             |position| self.step(self.leaves(position), self.enters(self.after(position, 1)));

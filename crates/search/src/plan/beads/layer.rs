@@ -104,6 +104,7 @@ impl LayerPlanner<'_> {
         let settings = travel::Settings {
             order: self.settings.order,
             from,
+            retraction: self.settings.retraction,
             seed: self.settings.seed ^ planned.layer.number as u64,
             kicks_per_item: self.settings.kicks_per_bead,
             ..travel::Settings::default()

@@ -49,6 +49,8 @@ pub struct Settings {
     /// Where the nozzle is after each change of the tool, x and y in mm: the prime tower.
     /// If `None`, it changes the tool where it is.
     pub tool_change_mm: Option<[f64; 2]>,
+    /// What a retraction costs beside the length of travel; `None` if nothing.
+    pub retraction: Option<travel::Retraction>,
     /// Kicks of the search for short travel, for each bead.
     pub kicks_per_bead: u32,
     /// Spanning trees of the bound on travel, for each layer and tool; 0 for no bound.
@@ -61,8 +63,8 @@ pub struct Settings {
 
 impl Default for Settings {
     /// Infill linked by [`Method::Cover`](link::Method::Cover), nothing joined, island by island
-    /// with loops before infill, aligned seams, tools changed in place, no bound on travel, no
-    /// constraints, seed 0.
+    /// with loops before infill, aligned seams, tools changed in place, no cost of
+    /// retractions, no bound on travel, no constraints, seed 0.
     fn default() -> Self {
         Self {
             rule: link::Rule::default(),
@@ -71,6 +73,7 @@ impl Default for Settings {
             order: travel::Order::Stages,
             seam: Seam::default(),
             tool_change_mm: None,
+            retraction: None,
             kicks_per_bead: 6,
             bound_iterations: 0,
             constraints: Constraints::default(),

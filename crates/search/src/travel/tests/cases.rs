@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use crate::travel::{Item, Order, Shape, Visit, Way, is_allowed};
+use crate::travel::{Item, Order, Retraction, Shape, Visit, Way, is_allowed};
 
 /// Items that own the entries of their loops, and constraints.
 #[derive(Clone, Debug)]
@@ -73,14 +73,52 @@ pub(super) fn any_case(
 pub(super) fn shortest(items: &[Item<'_>], order: Order, from: Option<[f64; 2]>) -> f64 {
     let mut best = f64::INFINITY;
     let mut visits = Vec::new();
-    extend(items, order, from, 0.0, &mut visits, &mut best);
+    extend(items, order, from, None, 0.0, &mut visits, &mut best);
     best
+}
+
+/// Cost of the cheapest route with retractions, by trying all.
+pub(super) fn cheapest(
+    items: &[Item<'_>],
+    order: Order,
+    from: Option<[f64; 2]>,
+    retraction: Option<Retraction>,
+) -> f64 {
+    let mut best = f64::INFINITY;
+    extend(items, order, from, retraction, 0.0, &mut Vec::new(), &mut best);
+    best
+}
+
+/// Cost of a route with retractions.
+pub(super) fn cost_mm_of(
+    items: &[Item<'_>],
+    visits: &[Visit],
+    from: Option<[f64; 2]>,
+    retraction: Option<Retraction>,
+) -> f64 {
+    let mut position = from;
+    let mut cost = 0.0;
+    for visit in visits {
+        let [start, end] = visit.ends(items);
+        cost += step_cost(position, start, retraction);
+        position = Some(end);
+    }
+    cost
+}
+
+fn step_cost(from: Option<[f64; 2]>, to: [f64; 2], retraction: Option<Retraction>) -> f64 {
+    let length = from.map_or(0.0, |[x, y]| (x - to[0]).hypot(y - to[1]));
+    match retraction {
+        Some(Retraction { beyond_mm, cost_mm }) if length > beyond_mm => length + cost_mm,
+        _ => length,
+    }
 }
 
 fn extend(
     items: &[Item<'_>],
     order: Order,
     position: Option<[f64; 2]>,
+    retraction: Option<Retraction>,
     travel: f64,
     visits: &mut Vec<Visit>,
     best: &mut f64,
@@ -106,9 +144,9 @@ fn extend(
         for way in ways {
             let visit = Visit { item, way };
             let [start, end] = visit.ends(items);
-            let step = position.map_or(0.0, |[x, y]| (x - start[0]).hypot(y - start[1]));
+            let step = step_cost(position, start, retraction);
             visits.push(visit);
-            extend(items, order, Some(end), travel + step, visits, best);
+            extend(items, order, Some(end), retraction, travel + step, visits, best);
             visits.pop();
         }
     }
