@@ -132,7 +132,7 @@ impl Sequence {
 /// For each offset in turn, the numbers below `n` that are congruent to it modulo the number of
 /// offsets.
 fn every(n: usize, offsets: impl ExactSizeIterator<Item = usize>) -> Vec<usize> {
-    // With n = 0 there are no offsets, but a step must not be 0.
+    // Without offsets, if n is 0, the stride does not matter, but `step_by` refuses 0.
     let stride = offsets.len().max(1);
     offsets.flat_map(|offset| (offset..n).step_by(stride)).collect()
 }

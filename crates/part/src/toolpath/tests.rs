@@ -383,7 +383,7 @@ fn small_pieces_join_their_surroundings() {
     // Surfaces of 0.6 mm and of 3 mm.
     assert_eq!(kinds(&plate, &cut(0.6), 0.2), [false]);
     assert_eq!(kinds(&plate, &cut(3.0), 0.2), [true, false]);
-    // Sparse regions of 1.55 mm, which are solid unless there is no sparse infill.
+    // Sparse regions 1.55 mm wide become solid, unless sparse infill has density 0.
     let pillar = rectangle(0.0, 0.0, 4.0, 4.0);
     assert_eq!(kinds(&pillar, &pillar, 0.2), [true]);
     assert_eq!(kinds(&pillar, &pillar, 0.0), [false]);

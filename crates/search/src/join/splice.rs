@@ -116,7 +116,7 @@ fn element(part: Part, scene: &Scene<'_>) -> usize {
 
 /// The sequences that are not kept, and whose loops were not all spliced into one other bead.
 ///
-/// If there are none, each of them is part of one bead, so there are no more beads than sequences.
+/// If none failed, every sequence is part of a single bead, so beads do not outnumber sequences.
 fn failed_sequences(
     sequences: &[Sequence],
     is_kept: &[bool],

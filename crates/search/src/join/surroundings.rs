@@ -166,43 +166,34 @@ impl<'a> Surroundings<'a> {
     /// between.
     pub(super) fn near_chains(&self) -> Vec<[usize; 2]> {
         let Some(Chains { grid, edges }) = self.chains else { return Vec::new() };
-        let mut found = Vec::new();
-        for (&segment, &(chain, _)) in grid.segments().iter().zip(edges) {
-            self.rings.grid.any_near(segment, self.rings.reach_mm, |other| {
-                if let (Some(ring), _) = self.rings.edges[other as usize]
-                    && found.last() != Some(&[ring as usize, chain as usize])
-                    && are_near(
-                        segment,
-                        self.rings.grid.segments()[other as usize],
-                        self.rings.reach_mm,
-                    )
-                {
-                    found.push([ring as usize, chain as usize]);
-                }
-                false
-            });
-        }
-        found.sort_unstable();
-        found.dedup();
-        found
+        let chains = edges.iter().map(|&(chain, _)| chain);
+        self.pairs(grid.segments().iter().copied().zip(chains), |_, _| true)
     }
 
     /// All pairs of loops with points within reach of each other, whatever lies between.
     pub(super) fn near_pairs(&self) -> Vec<[usize; 2]> {
+        let edges = self.rings.grid.segments().iter().zip(&self.rings.edges);
+        let edges = edges.filter_map(|(&segment, &(ring, _))| Some((segment, ring?)));
+        self.pairs(edges, |ring, other| ring < other)
+    }
+
+    /// All pairs of a loop and the number of a segment within reach of each other, sorted; only
+    /// those that are wanted are measured.
+    fn pairs(
+        &self,
+        segments: impl Iterator<Item = (Segment, u32)>,
+        is_wanted: impl Fn(u32, u32) -> bool,
+    ) -> Vec<[usize; 2]> {
+        let Rings { grid, edges, reach_mm, .. } = self.rings;
         let mut found = Vec::new();
-        for (&segment, &(ring, _)) in self.rings.grid.segments().iter().zip(&self.rings.edges) {
-            let Some(ring) = ring else { continue };
-            self.rings.grid.any_near(segment, self.rings.reach_mm, |other| {
-                if let (Some(other_ring), _) = self.rings.edges[other as usize]
-                    && ring < other_ring
-                    && found.last() != Some(&[ring as usize, other_ring as usize])
-                    && are_near(
-                        segment,
-                        self.rings.grid.segments()[other as usize],
-                        self.rings.reach_mm,
-                    )
+        for (segment, number) in segments {
+            grid.any_near(segment, *reach_mm, |other| {
+                if let (Some(ring), _) = edges[other as usize]
+                    && is_wanted(ring, number)
+                    && found.last() != Some(&[ring as usize, number as usize])
+                    && are_near(segment, grid.segments()[other as usize], *reach_mm)
                 {
-                    found.push([ring as usize, other_ring as usize]);
+                    found.push([ring as usize, number as usize]);
                 }
                 false
             });

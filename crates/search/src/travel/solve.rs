@@ -18,13 +18,13 @@ use super::settings::{Order, Retraction, Settings};
 use super::tour::Tour;
 use crate::Stop;
 
-/// Orders beads and loops for little travel.
+/// Orders beads and loops for little travel and, if they cost anything, few retractions.
 ///
 /// Each item is printed once, in an order that [`Settings::order`] allows; the result may end
 /// anywhere.
 ///
-/// Up to 8 items with few entries get the cheapest route, with [`Stop::Optimal`]: only
-/// rounding errors could hide a cheaper one.
+/// Up to 8 items with few entries get the cheapest route, with [`Stop::Optimal`]: only rounding
+/// errors could hide a cheaper one.
 ///
 /// An interrupted call returns the best route so far, with the reason in [`Route::stop`].
 /// Progress counts kicks.

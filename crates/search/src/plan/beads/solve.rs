@@ -77,7 +77,7 @@ pub fn solve(
         .collect();
     let quiet = control.without_progress();
     let mut order = order(&tools, costs, &settings.constraints, &quiet)?;
-    if settings.tool_change_mm.is_none() {
+    if settings.tool_change_mm.is_none() && order.changes > 0 {
         let bounds_of: Vec<BTreeMap<u8, Rectangle>> = layers
             .iter()
             .zip(&tools)

@@ -8,16 +8,14 @@
 //! extended without regard to how it was reached.
 
 use super::constraints::Constraints;
-use super::cost_and_changes;
+
 use super::outcome::ToolOrder;
 use super::within::{NEVER, earlier_tools};
+use super::{MAX_EXACT, cost_and_changes};
 use crate::CostMatrix;
 
 /// Maximum number of steps, of some nanoseconds each.
 const MAX_STEPS: usize = 200_000_000;
-
-/// Maximum number of tools in a layer, because the number of states doubles with each.
-const MAX_TOOLS: usize = 12;
 
 /// What leads to a state, at best.
 #[derive(Clone, Copy)]
@@ -68,8 +66,8 @@ impl ToolOrder {
         travel: impl Fn([usize; 2], [u8; 2]) -> f64,
     ) -> Self {
         let sets: Vec<Vec<u8>> = self.orders.iter().map(|order| sorted(order)).collect();
-        let steps = sets.iter().map(|set| (set.len() * set.len()) << set.len().min(MAX_TOOLS));
-        let is_small = sets.iter().all(|set| set.len() <= MAX_TOOLS)
+        let steps = sets.iter().map(|set| (set.len() * set.len()) << set.len().min(MAX_EXACT));
+        let is_small = sets.iter().all(|set| set.len() <= MAX_EXACT)
             && steps.fold(0, usize::saturating_add) <= MAX_STEPS;
         if !self.is_optimal() || self.permutation.is_some() || !is_small {
             return self;
