@@ -1,5 +1,5 @@
 //! Datasets of recorded searches: checked files that can be continued after an interruption, and
-//! the factory that makes them.
+//! the factory that makes them; and random parts.
 //!
 //! # Terms
 //! A **trajectory** is the record of one search: its instance, its start path, and every move that
@@ -16,6 +16,8 @@
 //! - [`Dataset`] reads a folder: in order, or shuffled for training.
 //! - [`Trajectory`] can be replayed and checked ([`Trajectory::replay`]), and converted to
 //!   `ndarray` arrays ([`Trajectory::arrays`]).
+//! - [`random_part()`] generates parts to train thermal models and policies on
+//!   ([`random_part`](mod@random_part)).
 //! - [`ShardWriter`] and [`ShardReader`] store records of any type; [`write_atomic`] writes files
 //!   that are complete or absent.
 //!
@@ -49,6 +51,7 @@ mod factory;
 mod file;
 pub mod generate;
 mod manifest;
+pub mod random_part;
 mod shard;
 mod size;
 mod source;
@@ -63,6 +66,7 @@ pub use factory::Factory;
 pub use file::{FileError, write_atomic, write_atomic_at};
 pub use generate::{GenerateError, ShardRange, ShardRangeError, generate, search_times};
 pub use manifest::{Manifest, ManifestError, ShardEntry};
+pub use random_part::random_part;
 pub use shard::{
     Block, PackError, Record, ShardError, ShardHeader, ShardReader, ShardSummary, ShardWriter,
 };
