@@ -57,6 +57,24 @@ impl<'a> Threads<'a> {
         self.either(serial, || items.par_iter().map_init(&init, &map).collect())
     }
 
+    /// Maps items, which `map` may change, and their indices to results in the same order.
+    pub fn map_mut<T: Send, R: Send>(
+        self,
+        items: &mut [T],
+        map: impl Fn(usize, &mut T) -> R + Sync,
+    ) -> Vec<R> {
+        let parallel = |items: &mut [T]| {
+            items.par_iter_mut().enumerate().map(|(index, item)| map(index, item)).collect()
+        };
+        match self {
+            Self::One => {
+                items.iter_mut().enumerate().map(|(index, item)| map(index, item)).collect()
+            }
+            Self::Current => parallel(items),
+            Self::Pool(pool) => pool.install(|| parallel(items)),
+        }
+    }
+
     /// Maps the numbers `0..count` to results, in order.
     pub fn map_numbers<R: Send>(self, count: usize, map: impl Fn(usize) -> R + Sync) -> Vec<R> {
         let serial = || (0..count).map(&map).collect();
@@ -97,6 +115,12 @@ mod tests {
                 buffer.iter().sum::<u64>()
             });
             assert_eq!(with_buffer, expected);
+            let mut changed = items.clone();
+            let old = threads.map_mut(&mut changed, |index, item| {
+                *item *= 3;
+                index as u64
+            });
+            assert_eq!((changed, old), (expected.clone(), items.clone()));
         }
     }
 
