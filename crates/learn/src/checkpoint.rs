@@ -9,6 +9,19 @@ use thiserror::Error;
 use crate::adamw::AdamW;
 use crate::weights::{self, WeightsError};
 
+/// The state of a run beside its parameters and its optimiser's means, in a checkpoint.
+pub trait RunState: Sized {
+    /// Names of its tensors.
+    const NAMES: &'static [&'static str];
+
+    /// Its tensors, in the order of their names; they include the optimiser's steps.
+    fn to_tensors(&self, optimiser_steps: i64) -> Vec<Tensor>;
+
+    /// The state and the optimiser's steps; the error is the name of a tensor with the wrong type
+    /// or shape.
+    fn from_tensors(tensors: &[Tensor]) -> Result<(Self, i64), &'static str>;
+}
+
 /// Position of a run in its training schedule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrainingState {
@@ -71,8 +84,8 @@ pub enum CheckpointError {
 
 /// The checkpoint file of one run.
 ///
-/// It holds the network's parameters, the optimiser's state, the [`TrainingState`] and the run's
-/// resolved configuration, by which a checkpoint of another run is recognised.
+/// It holds the network's parameters, the optimiser's state, the run's position in its schedule and
+/// its resolved configuration, by which a checkpoint of another run is recognised.
 /// Writing replaces the file as a whole: a run that is killed meanwhile leaves the old one.
 #[derive(Debug)]
 pub struct Checkpoint {
@@ -86,6 +99,35 @@ const PROGRESS: &str = "run.progress";
 const BEST: &str = "run.best_loss";
 const MEAN: &str = "adamw.mean";
 const SQUARE: &str = "adamw.square";
+
+impl RunState for TrainingState {
+    const NAMES: &'static [&'static str] = &[PROGRESS, BEST];
+
+    fn to_tensors(&self, optimiser_steps: i64) -> Vec<Tensor> {
+        let &Self { steps, epoch, batches, best_loss, evaluations_since_best } = self;
+        let counts = [steps, epoch, batches, evaluations_since_best, optimiser_steps as u64];
+        let counts = counts.map(|count| count as i64);
+        vec![Tensor::from_slice(&counts), Tensor::from_slice(&[best_loss])]
+    }
+
+    fn from_tensors(tensors: &[Tensor]) -> Result<(Self, i64), &'static str> {
+        let [counts, best] = tensors else { return Err(PROGRESS) };
+        let counts =
+            Vec::<i64>::try_from(counts).ok().and_then(|counts| <[i64; 5]>::try_from(counts).ok());
+        let [steps, epoch, batches, evaluations_since_best, optimiser_steps] =
+            counts.ok_or(PROGRESS)?;
+        let best = Vec::<f64>::try_from(best).ok().and_then(|best| <[f64; 1]>::try_from(best).ok());
+        let [best_loss] = best.ok_or(BEST)?;
+        let state = Self {
+            steps: steps as u64,
+            epoch: epoch as u64,
+            batches: batches as u64,
+            best_loss,
+            evaluations_since_best: evaluations_since_best as u64,
+        };
+        Ok((state, optimiser_steps))
+    }
+}
 
 impl Checkpoint {
     /// The checkpoint of a run with this resolved configuration.
@@ -101,31 +143,27 @@ impl Checkpoint {
         &self,
         variables: &VarStore,
         optimiser: &AdamW,
-        state: TrainingState,
+        state: &impl RunState,
     ) -> Result<(), CheckpointError> {
         let (mean, square, optimiser_steps) = optimiser.state();
-        let TrainingState { steps, epoch, batches, best_loss, evaluations_since_best } = state;
-        let counts = [steps, epoch, batches, evaluations_since_best, optimiser_steps as u64];
-        let counts = counts.map(|count| count as i64);
         let mut named = weights::named(variables);
         named.extend([
             (CONFIGURATION.to_owned(), Tensor::from_slice(self.resolved.as_bytes())),
-            (PROGRESS.to_owned(), Tensor::from_slice(&counts)),
-            (BEST.to_owned(), Tensor::from_slice(&[best_loss])),
             (MEAN.to_owned(), mean.shallow_clone()),
             (SQUARE.to_owned(), square.shallow_clone()),
         ]);
+        named.extend(names_of(state).zip(state.to_tensors(optimiser_steps)));
         Ok(weights::save_tensors(&named, &self.path)?)
     }
 
     /// Restores the state of the run.
     /// Returns `None` and changes nothing if there is no checkpoint yet; on an error nothing
     /// changes either.
-    pub fn load(
+    pub fn load<S: RunState>(
         &self,
         variables: &VarStore,
         optimiser: &mut AdamW,
-    ) -> Result<Option<TrainingState>, CheckpointError> {
+    ) -> Result<Option<S>, CheckpointError> {
         if !self.path.exists() {
             return Ok(None);
         }
@@ -135,19 +173,16 @@ impl Checkpoint {
                 .remove(name)
                 .ok_or_else(|| CheckpointError::Missing { path: self.path.clone(), name })
         };
-        let (configuration, counts, best) = (take(CONFIGURATION)?, take(PROGRESS)?, take(BEST)?);
+        let configuration = take(CONFIGURATION)?;
         let (mean, square) = (take(MEAN)?, take(SQUARE)?);
 
+        // The configuration is compared first: another kind of run has other tensors, too.
         let damaged = |name| CheckpointError::Damaged { path: self.path.clone(), name };
         let configuration = Vec::<u8>::try_from(configuration).ok();
         let configuration = configuration.and_then(|bytes| String::from_utf8(bytes).ok());
         self.check_configuration(&configuration.ok_or_else(|| damaged(CONFIGURATION))?)?;
-        let counts =
-            Vec::<i64>::try_from(counts).ok().and_then(|counts| <[i64; 5]>::try_from(counts).ok());
-        let counts = counts.ok_or_else(|| damaged(PROGRESS))?;
-        let [steps, epoch, batches, evaluations_since_best, optimiser_steps] = counts;
-        let best = Vec::<f64>::try_from(best).ok().and_then(|best| <[f64; 1]>::try_from(best).ok());
-        let [best_loss] = best.ok_or_else(|| damaged(BEST))?;
+        let state = S::NAMES.iter().map(|name| take(name)).collect::<Result<Vec<_>, _>>()?;
+        let (state, optimiser_steps) = S::from_tensors(&state).map_err(damaged)?;
         let (expected, ..) = optimiser.state();
         for (name, moments) in [(MEAN, &mean), (SQUARE, &square)] {
             if moments.size() != expected.size() {
@@ -157,13 +192,7 @@ impl Checkpoint {
 
         weights::fill(variables, &mut tensors, &self.path)?;
         optimiser.restore(&mean, &square, optimiser_steps);
-        Ok(Some(TrainingState {
-            steps: steps as u64,
-            epoch: epoch as u64,
-            batches: batches as u64,
-            best_loss,
-            evaluations_since_best: evaluations_since_best as u64,
-        }))
+        Ok(Some(state))
     }
 
     /// Checks that a checkpoint's resolved configuration is this run's.
@@ -185,4 +214,9 @@ impl Checkpoint {
             }
         }
     }
+}
+
+/// The names of a state's tensors.
+fn names_of<S: RunState>(_: &S) -> impl Iterator<Item = String> {
+    S::NAMES.iter().map(|&name| name.to_owned())
 }

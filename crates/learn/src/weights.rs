@@ -65,6 +65,11 @@ pub fn save(variables: &VarStore, path: &Path) -> Result<(), WeightsError> {
     save_tensors(&named, path)
 }
 
+/// Writes all parameters of a network as they are, and replaces the file as a whole.
+pub fn save_exact(variables: &VarStore, path: &Path) -> Result<(), WeightsError> {
+    save_tensors(&named(variables), path)
+}
+
 /// All parameters of a network, sorted by name.
 pub(crate) fn named(variables: &VarStore) -> Vec<(String, Tensor)> {
     let mut named: Vec<_> = variables.variables().into_iter().collect();

@@ -179,10 +179,10 @@ pub fn train(
         &format!("{resolved}{origin}"),
         TrainingConfig::upgrade_resolved,
     );
-    let resumed = checkpoint.load(&variables, &mut optimiser)?;
+    let resumed: Option<TrainingState> = checkpoint.load(&variables, &mut optimiser)?;
     let mut state = resumed.unwrap_or_default();
     if resumed.is_none() {
-        checkpoint.save(&variables, &optimiser, state)?;
+        checkpoint.save(&variables, &optimiser, &state)?;
     }
     write_atomic(&Model::config_file(out), |file| file.write_all(resolved.as_bytes()))?;
     write_atomic(&Model::origin_file(out), |file| file.write_all(origin.as_bytes()))?;
@@ -206,7 +206,7 @@ pub fn train(
 
         while state.steps < config.steps {
             if let Some(interrupted) = control.interrupted() {
-                checkpoint.save(&variables, &optimiser, state)?;
+                checkpoint.save(&variables, &optimiser, &state)?;
                 return Ok(interrupted.into());
             }
 
@@ -244,7 +244,7 @@ pub fn train(
             }
             // Logged before the checkpoint is written, so that a resumed run never misses an event.
             observer(&Event::Evaluated { step, evaluation, best });
-            checkpoint.save(&variables, &optimiser, state)?;
+            checkpoint.save(&variables, &optimiser, &state)?;
             if state.evaluations_since_best >= config.patience {
                 return Ok(End::Early);
             }
