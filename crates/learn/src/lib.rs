@@ -1,4 +1,4 @@
-//! Neural networks that learn from recorded searches.
+//! Neural networks that learn from recorded searches, and from acting.
 //!
 //! [`fusion`] is FusionNet, the network of Aali et al. ("Sequence-Based Evolutionary and Neural
 //! Strategies for Reducing Zone Crossings in Toolpaths"), which proposes the next move of a search
@@ -6,6 +6,9 @@
 //! It covers the way from a dataset to better paths: batches of examples ([`fusion::samples`]),
 //! training ([`fusion::train`]), trained models ([`fusion::model`]), proposals
 //! ([`fusion::propose`]) and walks that follow them ([`fusion::walk`]).
+//!
+//! [`ppo`] is proximal policy optimisation, which trains a policy by acting in environments.
+//!
 //! [`weights`] reads and writes parameters under their PyTorch names, [`checkpoint`] whole runs,
 //! and [`adamw`] is the optimiser.
 //!
@@ -15,6 +18,9 @@
 //! **Negatives** are the positions above which the recorded position should score.
 //! A **proposal** is a move with a score.
 //! A **walk** applies proposals until its path has few enough crossings.
+//!
+//! A **policy** gives each action of an **environment** a probability; an **episode** is a sequence
+//! of its actions, and the **return** the sum of an episode's rewards.
 //!
 //! # Improve a path
 //! ```no_run
@@ -76,6 +82,22 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # Train a policy
+//! ```no_run
+//! use std::path::Path;
+//!
+//! use beadwork_base::{Control, Threads};
+//! use beadwork_learn::Device;
+//! use beadwork_learn::ppo::tasks::CartPole;
+//! use beadwork_learn::ppo::{Run, TrainingConfig, train};
+//!
+//! let mut observer = |event: &_| println!("{event:?}");
+//! let run = Run { device: Device::Cpu, out: Path::new("runs/pole"), observer: &mut observer };
+//! let config = TrainingConfig::cart_pole();
+//! train(&CartPole::default, &config, run, &Control::on(Threads::Current))?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # Features
 //! - `oracle`: `fusion::parity`, which compares the network with another implementation.
 //!
@@ -84,15 +106,16 @@
 //!
 //! Everything runs on libtorch through the crate `tch`; `cargo xtask setup` provides it.
 //! No other crate of the workspace depends on it directly.
-//! Computations run on libtorch's own threads, not on those of a
-//! [`Control`](beadwork_base::Control);
-//! [`TrainingConfig::threads`](fusion::TrainingConfig::threads) sets their number.
+//! Networks compute on libtorch's own threads, not on those of a
+//! [`Control`](beadwork_base::Control); [`fusion::TrainingConfig::threads`] and
+//! [`ppo::TrainingConfig::threads`] set their number.
 //! The same number of threads on the same processor gives the same bytes; another processor may
 //! round differently.
 
 pub mod adamw;
 pub mod checkpoint;
 pub mod fusion;
+pub mod ppo;
 pub mod weights;
 
 pub use tch::{Cuda, Device};
