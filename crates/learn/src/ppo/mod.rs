@@ -7,7 +7,9 @@
 //!   are one or more tensors, described by a [`Space`];
 //! - [`train()`] and its [`TrainingConfig`]: the algorithm, in one file;
 //! - [`Policy`]: a trained policy in a folder; [`evaluate()`]: its returns;
-//! - [`ActorCritic`] and [`NetworkConfig`]: the networks;
+//! - [`ActorCritic`] and [`NetworkConfig`]: the networks, of which [`FieldsConfig`] describes the
+//!   paper's;
+//! - [`HeatTask`] and [`HeatEnvironment`]: the paper's task, in which a step prints a layer;
 //! - [`tasks`]: small tasks with known results.
 //!
 //! # Example
@@ -43,6 +45,8 @@
 mod categorical;
 mod environment;
 mod evaluate;
+mod fields;
+mod heat;
 mod init;
 mod network;
 mod perceptron;
@@ -58,6 +62,8 @@ mod worker;
 pub use self::categorical::Categorical;
 pub use self::environment::{Environment, EpisodeEnd, Observation, Space, Step};
 pub use self::evaluate::{Evaluation, evaluate};
+pub use self::fields::FieldsConfig;
+pub use self::heat::{HeatEnvironment, HeatError, HeatTask};
 pub use self::network::{ActorCritic, NetworkConfig, Output, SpaceError};
 pub use self::perceptron::PerceptronConfig;
 pub use self::policy::{Kept, Policy, PolicyError};

@@ -7,6 +7,7 @@ use tch::{Device, Tensor};
 use thiserror::Error;
 
 use super::environment::{Observation, Space};
+use super::fields::{Fields, FieldsConfig};
 use super::perceptron::{Perceptron, PerceptronConfig};
 use super::range::RangeError;
 
@@ -32,6 +33,9 @@ pub trait ActorCritic {
 pub enum NetworkConfig {
     /// Two perceptrons, for observations that are vectors.
     Perceptron(PerceptronConfig),
+    /// Convolutional extractors with common features for both heads, for observations with volumes
+    /// or images.
+    Fields(FieldsConfig),
 }
 
 impl Default for NetworkConfig {
@@ -55,6 +59,7 @@ impl NetworkConfig {
     pub(super) fn check(&self) -> Result<(), RangeError> {
         match self {
             Self::Perceptron(config) => config.check(),
+            Self::Fields(config) => config.check(),
         }
     }
 
@@ -67,6 +72,7 @@ impl NetworkConfig {
     ) -> Result<Box<dyn ActorCritic>, SpaceError> {
         match self {
             Self::Perceptron(config) => Ok(Box::new(Perceptron::new(vs, rng, config, space)?)),
+            Self::Fields(config) => Ok(Box::new(Fields::new(vs, rng, config, space)?)),
         }
     }
 }

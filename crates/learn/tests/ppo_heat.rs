@@ -1,0 +1,321 @@
+//! The heat environment against the thermal solver, its network, and training on a small part.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail anywhere")]
+
+use std::sync::Arc;
+
+use beadwork_base::Control;
+use beadwork_grid::Cell;
+use beadwork_learn::Device;
+use beadwork_learn::ppo::{
+    self, Environment, EpisodeEnd, Event, FieldsConfig, HeatEnvironment, HeatError, HeatTask, Kept,
+    NetworkConfig, Observation, Policy, Space, Step, TrainingConfig,
+};
+use beadwork_part::slice::Voxels;
+use beadwork_part::{Frame, Pattern};
+use beadwork_thermal::simulation::Method;
+use beadwork_thermal::{ProcessParameters, Simulation, ThermalMaterial};
+use ndarray::Array3;
+use tch::{Kind, Tensor};
+use tempfile::tempdir;
+
+/// A part of 14 x 9 x 4 voxels in a larger frame, without a corner.
+fn small_part() -> Arc<Voxels> {
+    let (cell_mm, layer_mm, width, height) = (0.5, 0.25, 20, 15);
+    let frame = Frame { left_mm: 0.0, back_mm: 0.0, cell_mm, layer_mm, width, height };
+    let material = |(z, y, x): (usize, usize, usize)| {
+        let inside = (3..17).contains(&x) && (2..11).contains(&y) && !(x > 12 && y > 7 && z > 0);
+        if inside { 0 } else { Voxels::EMPTY }
+    };
+    Arc::new(Voxels::new(frame, Array3::from_shape_fn((4, 15, 20), material)))
+}
+
+fn unprinted(part: &Arc<Voxels>) -> Simulation {
+    let (material, process) = (ThermalMaterial::abs(), ProcessParameters::default());
+    Simulation::new(part.clone(), &material, &process, Method::default()).unwrap()
+}
+
+fn orders(part: &Voxels) -> Vec<Vec<Vec<Cell>>> {
+    (0..part.depth)
+        .map(|layer| {
+            let region = part.region(layer).unwrap();
+            Pattern::ALL.iter().map(|pattern| pattern.order(&region)).collect()
+        })
+        .collect()
+}
+
+fn task() -> Arc<HeatTask> {
+    let part = small_part();
+    let baseline = Pattern::CONVENTIONAL.number();
+    Arc::new(HeatTask::new(unprinted(&part), orders(&part), baseline, 2, 4).unwrap())
+}
+
+fn std_k(simulation: &Simulation) -> f64 {
+    simulation.statistics().unwrap().std_c
+}
+
+#[test]
+fn the_return_is_the_gain_over_the_baseline() {
+    let task = task();
+    let part = small_part();
+    let orders = orders(&part);
+    let mut environment = HeatEnvironment::new(task.clone());
+    for round in 0..5 {
+        let mut observation = environment.reset(round);
+        let (mut simulation, mut reward, mut gained) = (unprinted(&part), 0.0, 0.0);
+        for (layer, orders) in orders.iter().enumerate() {
+            let permitted = |action: &usize| observation.permitted[*action];
+            let wanted = (round as usize * 7 + layer * 11) % 38;
+            let action = (wanted..38).chain(0..38).find(permitted).unwrap();
+            let step = environment.step(action);
+            simulation.deposit(layer as u32, &orders[action], &Control::default()).unwrap();
+            reward -= std_k(&simulation);
+            gained += step.reward;
+            let last = layer + 1 == part.depth;
+            assert_eq!(step.end, last.then_some(EpisodeEnd::Terminated));
+            observation = step.observation;
+            assert!(environment.space().fits(&observation));
+        }
+        assert!((task.baseline_reward() + gained - reward).abs() < 1e-9);
+    }
+    // The baseline itself gains nothing.
+    environment.reset(0);
+    for _ in 0..part.depth {
+        let Step { reward, .. } = environment.step(Pattern::CONVENTIONAL.number());
+        assert!(reward.abs() < 1e-12);
+    }
+}
+
+#[test]
+fn observations_show_the_part_around_the_layer() {
+    let part = small_part();
+    let mut environment = HeatEnvironment::new(task());
+    let first = environment.reset(0);
+    // The bounding box of 14 x 9 voxels in cells of 4 x 4.
+    let expected = vec![vec![1, 2, 3, 4], vec![2, 3, 4], vec![3]];
+    assert_eq!(environment.space(), Space { observation: expected, actions: 38 });
+    assert!(first.tensors[0].iter().all(|value| value.to_bits() == 0));
+    assert_eq!(first.tensors[1][0..4], [1.0, 1.0, 1.0, 0.5]);
+    assert_eq!(first.tensors[2], [0.0; 3]);
+    let second = environment.step(0).observation;
+    // Nothing is below the first layer; it is above the ambient temperature and below the nozzle's.
+    let (below, layer) = second.tensors[0].split_at(12);
+    assert!(below.iter().all(|value| value.to_bits() == 0));
+    assert!(layer.iter().all(|&value| value > 0.1 && value < 1.0), "{layer:?}");
+    // The mean over cells, weighted by their voxels, is the mean over voxels.
+    let order = &orders(&part)[0][0];
+    let mut simulation = unprinted(&part);
+    simulation.deposit(0, order, &Control::default()).unwrap();
+    let mean = (simulation.statistics().unwrap().mean_c - 25.0) / (230.0 - 25.0);
+    let shares = &first.tensors[1][..12];
+    let weighted: f32 = layer.iter().zip(shares).map(|(value, share)| value * share).sum();
+    let got = f64::from(weighted / shares.iter().sum::<f32>());
+    assert!((got - mean).abs() < 1e-5, "{got} for {mean}");
+    let last = order[order.len() - 1];
+    let nozzle = [(last % 20) as f32 / 20.0, (last / 20) as f32 / 15.0];
+    assert_eq!(second.tensors[2], [0.25, nozzle[0], nozzle[1]]);
+}
+
+#[test]
+fn candidates_that_repeat_are_masked() {
+    let part = small_part();
+    let conventional = |layer| Pattern::CONVENTIONAL.order(&part.region(layer).unwrap());
+    let other = |layer| Pattern::ALL[0].order(&part.region(layer).unwrap());
+    let orders = (0..4)
+        .map(|layer| vec![conventional(layer), conventional(layer), other(layer), other(layer)])
+        .collect();
+    let task = HeatTask::new(unprinted(&part), orders, 1, 1, 3).unwrap();
+    let observation = HeatEnvironment::new(Arc::new(task)).reset(0);
+    assert_eq!(observation.permitted, [true, false, true, false]);
+}
+
+#[test]
+fn tasks_that_cannot_be_printed_are_refused() {
+    let part = small_part();
+    let new = |orders: Vec<Vec<Vec<Cell>>>, baseline, depth, cell| {
+        HeatTask::new(unprinted(&part), orders, baseline, depth, cell).unwrap_err()
+    };
+    let all = || orders(&part);
+    assert!(matches!(new(all(), 38, 2, 4), HeatError::Candidates { layer: 0, count: 38, .. }));
+    assert!(matches!(new(all()[..3].to_vec(), 0, 2, 4), HeatError::Layers { count: 3, .. }));
+    assert!(matches!(new(all(), 0, 0, 4), HeatError::View { .. }));
+    assert!(matches!(new(all(), 0, 1, 0), HeatError::View { .. }));
+    let mut fewer = all();
+    fewer[2].pop();
+    assert!(matches!(new(fewer, 0, 1, 1), HeatError::Candidates { layer: 2, count: 37, .. }));
+    let mut broken = all();
+    broken[1][5][0] = broken[1][5][1];
+    assert!(matches!(new(broken, 0, 1, 1), HeatError::Order { layer: 1, candidate: 5 }));
+    let mut printed = unprinted(&part);
+    printed.deposit(0, &all()[0][0], &Control::default()).unwrap();
+    let error = HeatTask::new(printed, all(), 0, 1, 1).unwrap_err();
+    assert!(matches!(error, HeatError::Baseline(_)), "{error}");
+}
+
+/// A configuration for the small part.
+fn small() -> TrainingConfig {
+    TrainingConfig {
+        steps: 4096,
+        environments: 8,
+        rollout: 16,
+        learning_rate: 2e-3,
+        threads: 1,
+        window: 30,
+        network: NetworkConfig::Fields(FieldsConfig {
+            volume: vec![4, 8],
+            image: vec![4],
+            pooled: 2,
+            units: 32,
+        }),
+        ..TrainingConfig::small()
+    }
+}
+
+#[test]
+fn training_approaches_the_greedy_choice() {
+    let task = task();
+    let part = small_part();
+    let (mut simulation, mut greedy) = (unprinted(&part), 0.0);
+    for (layer, orders) in (0..).zip(orders(&part)) {
+        let limit = f64::INFINITY;
+        let trials = simulation.best_order(layer, &orders, limit, std_k, &Control::default());
+        let best = trials.unwrap().best.unwrap();
+        greedy -= best.cost;
+        simulation = best.simulation;
+    }
+    let out = tempdir().unwrap();
+    let mut evaluations = Vec::new();
+    let mut observer = |event: &Event| {
+        if let Event::Evaluated { evaluation, .. } = event {
+            evaluations.push(evaluation.clone());
+        }
+    };
+    let run = ppo::Run { device: Device::Cpu, out: out.path(), observer: &mut observer };
+    let make = || HeatEnvironment::new(task.clone());
+    ppo::train(&make, &small(), run, &Control::default()).unwrap();
+    let best = evaluations.iter().max_by(|a, b| a.mean().total_cmp(&b.mean())).unwrap();
+    let share = best.mean() / (greedy - task.baseline_reward());
+    assert!(share > 0.9, "{share}");
+
+    // The policy that was saved makes the same choices.
+    let policy = Policy::open(out.path(), Kept::Evaluation, Device::Cpu).unwrap();
+    let mut environment = make();
+    let mut observation = environment.reset(0);
+    let mut actions = Vec::new();
+    let mut ended = false;
+    while !ended {
+        actions.push(policy.act(&observation));
+        let step = environment.step(actions[actions.len() - 1]);
+        ended = step.end.is_some();
+        observation = step.observation;
+    }
+    assert_eq!(vec![actions], best.actions);
+}
+
+/// Observations of one step, whose end is the whole task: its space can be anything.
+struct Blank {
+    space: Space,
+}
+
+impl Environment for Blank {
+    fn identity(&self) -> String {
+        "task = \"blank\"".into()
+    }
+
+    fn space(&self) -> Space {
+        self.space.clone()
+    }
+
+    fn reset(&mut self, seed: u64) -> Observation {
+        let value = |index| ((index as u64 * 7919 + seed) % 101) as f32 / 101.0;
+        let tensor = |shape: &Vec<i64>| (0..shape.iter().product::<i64>()).map(value).collect();
+        Observation {
+            tensors: self.space.observation.iter().map(tensor).collect(),
+            permitted: vec![true; self.space.actions],
+        }
+    }
+
+    fn step(&mut self, action: usize) -> Step {
+        let reward = if action == 0 { 1.0 } else { 0.0 };
+        Step { observation: self.reset(0), reward, end: Some(EpisodeEnd::Terminated) }
+    }
+}
+
+/// Trains for two updates, and returns the last policy or the error.
+fn policy_for(space: &Space, network: FieldsConfig) -> Result<Policy, String> {
+    let out = tempdir().unwrap();
+    let config = TrainingConfig {
+        steps: 32,
+        environments: 4,
+        rollout: 4,
+        threads: 1,
+        network: NetworkConfig::Fields(network),
+        ..TrainingConfig::default()
+    };
+    let mut observer = |_: &Event| {};
+    let run = ppo::Run { device: Device::Cpu, out: out.path(), observer: &mut observer };
+    let make = || Blank { space: space.clone() };
+    ppo::train(&make, &config, run, &Control::default()).map_err(|error| error.to_string())?;
+    Ok(Policy::open(out.path(), Kept::Last, Device::Cpu).unwrap())
+}
+
+#[test]
+fn the_network_takes_fields_of_any_size() {
+    let mut shapes = Vec::new();
+    for (depth, y, x) in [(1, 1, 1), (2, 3, 7), (5, 16, 9), (16, 16, 16)] {
+        let observation = vec![vec![2, depth, y, x], vec![3, y, x], vec![4]];
+        let policy = policy_for(&Space { observation, actions: 5 }, FieldsConfig::small()).unwrap();
+        let mut parameters: Vec<(String, Vec<i64>)> = policy
+            .variables
+            .variables()
+            .into_iter()
+            .map(|(name, tensor)| (name, tensor.size()))
+            .collect();
+        parameters.sort();
+        shapes.push(parameters);
+    }
+    assert!(shapes.iter().all(|parameters| *parameters == shapes[0]));
+    let names: Vec<&str> = shapes[0].iter().map(|(name, _)| name.as_str()).collect();
+    assert!(names.contains(&"extractor.0.2.conv1.weight"), "{names:?}");
+    assert!(names.contains(&"actor.2.bias"), "{names:?}");
+}
+
+#[test]
+fn gradients_reach_all_parameters_and_inputs() {
+    let observation = vec![vec![1, 4, 11, 13], vec![2, 11, 13], vec![3]];
+    let policy = policy_for(&Space { observation, actions: 5 }, FieldsConfig::small()).unwrap();
+    let inputs: Vec<Tensor> = [vec![6, 1, 4, 11, 13], vec![6, 2, 11, 13], vec![6, 3]]
+        .iter()
+        .map(|shape: &Vec<i64>| {
+            let count: i64 = shape.iter().product();
+            let values: Vec<f32> = (0..count).map(|i| (i * i % 97) as f32 / 97.0).collect();
+            Tensor::from_slice(&values).view(shape.as_slice()).set_requires_grad(true)
+        })
+        .collect();
+    let output = policy.network.forward(&inputs);
+    assert_eq!((output.logits.size(), output.value.size()), (vec![6, 5], vec![6]));
+    (output.logits.square().sum(Kind::Float) + output.value.square().sum(Kind::Float)).backward();
+    let parameters = policy.variables.variables().into_iter();
+    let inputs = inputs.into_iter().map(|input| ("input".to_owned(), input));
+    for (name, tensor) in parameters.chain(inputs) {
+        let gradient = tensor.grad();
+        assert!(
+            gradient.defined() && gradient.abs().sum(Kind::Float).double_value(&[]) > 0.0,
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn networks_that_do_not_fit_are_refused() {
+    let error = |space: &Space, network| policy_for(space, network).unwrap_err();
+    let space = Space { observation: vec![vec![3, 4]], actions: 2 };
+    assert!(error(&space, FieldsConfig::small()).contains("tensors of shape [3, 4]"));
+    let space = Space { observation: vec![vec![1, 4, 4]], actions: 2 };
+    let image = vec![8, 12];
+    let message = error(&space, FieldsConfig { image, ..FieldsConfig::small() });
+    assert!(message.starts_with("network.image is 12"), "{message}");
+    for config in [TrainingConfig::small(), TrainingConfig::paper(), small()] {
+        assert_eq!(TrainingConfig::from_toml(&config.resolved()).unwrap(), config);
+    }
+}
