@@ -1,16 +1,17 @@
 //! An elastic plate with free edges that takes the shape of minimum bending energy.
 //!
-//! Each cell of the plate has a bending stiffness D and a curvature κ that it would take alone.
+//! Each cell of the plate has a bending stiffness D and curvatures κx, κy and κxy that it would
+//! take alone.
 //! Of all deflections w, the plate takes the one that minimizes the energy (Kirchhoff plate theory,
 //! with Poisson's ratio 0)
 //!
-//! `Σ D ((w_xx - κ)² + (w_yy - κ)² + 2 w_xy²)`.
+//! `Σ D ((w_xx - κx)² + (w_yy - κy)² + 2 (w_xy - κxy)²)`.
 //!
 //! Derivatives are second differences: those along an axis wherever three cells lie in a row, the
 //! mixed one on each square of four cells.
 //! Free edges are the natural boundary condition of this energy, so edges need no equations, and a
 //! plate may have any outline and holes.
-//! With one κ everywhere, the result is exactly a paraboloid.
+//! With the same curvatures everywhere, the result is exactly a paraboloid.
 
 use beadwork_base::{Control, Interrupted};
 
@@ -23,8 +24,9 @@ pub(super) struct Plate {
     pub(super) spacing: f64,
     /// Bending stiffness, in any unit; 0 where there is no plate.
     pub(super) stiffness: Vec<f64>,
-    /// The curvature that each cell would take alone, in one over the unit of `spacing`.
-    pub(super) curvature: Vec<f64>,
+    /// The curvatures `w_xx`, `w_yy` and `w_xy` that each cell would take alone, in one over the
+    /// unit of `spacing`.
+    pub(super) curvature: Vec<[f64; 3]>,
 }
 
 /// Stiffness of a spring that holds each cell at 0, as a fraction of the cell's bending stiffness.
@@ -90,12 +92,13 @@ impl Plate {
             inside.then(|| numbers[y * self.width + x]).filter(|&number| number != usize::MAX)
         };
         cells.iter().flat_map(move |&[x, y]| {
-            let of = |numbers: &[f64], [x, y]: [usize; 2]| numbers[y * self.width + x];
-            let bending = |ends: [Option<usize>; 2]| {
+            let at = |[x, y]: [usize; 2]| y * self.width + x;
+            let area = self.spacing * self.spacing;
+            let bending = |ends: [Option<usize>; 2], axis: usize| {
                 let [a, c] = ends;
                 let entries = [(a?, 1.0), (number(x, y)?, -2.0), (c?, 1.0), (0, 0.0)];
-                let target = of(&self.curvature, [x, y]) * self.spacing * self.spacing;
-                Some(Term { entries, count: 3, target, weight: of(&self.stiffness, [x, y]) })
+                let target = self.curvature[at([x, y])][axis] * area;
+                Some(Term { entries, count: 3, target, weight: self.stiffness[at([x, y])] })
             };
             let twisting = || {
                 let entries = [
@@ -107,11 +110,12 @@ impl Plate {
                 let corners = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
                 // Twice the mean stiffness, as the energy has the mixed derivative twice.
                 let weight =
-                    corners.map(|corner| of(&self.stiffness, corner)).iter().sum::<f64>() / 2.0;
-                Some(Term { entries, count: 4, target: 0.0, weight })
+                    corners.map(|corner| self.stiffness[at(corner)]).iter().sum::<f64>() / 2.0;
+                let twist = corners.map(|corner| self.curvature[at(corner)][2]).iter().sum::<f64>();
+                Some(Term { entries, count: 4, target: twist / 4.0 * area, weight })
             };
-            let along_x = bending([number(x.wrapping_sub(1), y), number(x + 1, y)]);
-            let along_y = bending([number(x, y.wrapping_sub(1)), number(x, y + 1)]);
+            let along_x = bending([number(x.wrapping_sub(1), y), number(x + 1, y)], 0);
+            let along_y = bending([number(x, y.wrapping_sub(1)), number(x, y + 1)], 1);
             [along_x, along_y, twisting()].into_iter().flatten()
         })
     }
@@ -233,7 +237,8 @@ mod tests {
     fn plate(width: usize, height: usize, inside: impl Fn(usize, usize) -> bool) -> Plate {
         let at = |i: usize| if inside(i % width, i / width) { 2.0 } else { 0.0 };
         let stiffness = (0..width * height).map(at).collect();
-        Plate { width, height, spacing: 0.5, stiffness, curvature: vec![0.1; width * height] }
+        let curvature = vec![[0.1, 0.1, 0.0]; width * height];
+        Plate { width, height, spacing: 0.5, stiffness, curvature }
     }
 
     fn deflection(plate: &Plate) -> Vec<f64> {
@@ -270,23 +275,23 @@ mod tests {
         let mut strip = plate(41, 1, |_, _| true);
         (0..)
             .zip(&mut strip.curvature)
-            .for_each(|(x, curvature)| *curvature = f64::from(x % 7) - 2.0);
+            .for_each(|(x, curvature)| curvature[0] = f64::from(x % 7) - 2.0);
         let w = deflection(&strip);
         for x in 1..40 {
             let curvature = (w[x - 1] - 2.0 * w[x] + w[x + 1]) / 0.25;
-            assert!((curvature - strip.curvature[x]).abs() < 1e-3, "{x}: {curvature}");
+            assert!((curvature - strip.curvature[x][0]).abs() < 1e-3, "{x}: {curvature}");
         }
     }
 
     #[test]
     fn a_mirrored_plate_has_the_mirrored_shape() {
         let mut one = plate(12, 8, |x, y| x + y > 2);
-        (0..)
-            .zip(&mut one.curvature)
-            .for_each(|(i, curvature)| *curvature = f64::from(i * 37 % 11));
+        (0..).zip(&mut one.curvature).for_each(|(i, curvature)| {
+            *curvature = [f64::from(i * 37 % 11), f64::from(i % 3), 0.0];
+        });
         let mut other = one.clone();
         other.stiffness.chunks_mut(12).for_each(<[f64]>::reverse);
-        other.curvature.chunks_mut(12).for_each(<[f64]>::reverse);
+        other.curvature.chunks_mut(12).for_each(<[[f64; 3]]>::reverse);
         let mut mirrored = deflection(&other);
         mirrored.chunks_mut(12).for_each(<[f64]>::reverse);
         for (a, b) in deflection(&one).into_iter().zip(mirrored) {
