@@ -1,12 +1,15 @@
-//! Trains a policy that chooses the order of each layer of a part, for even temperature, among the
-//! 38 patterns, and compares it with a greedy choice.
+//! Trains a policy that chooses the order of each layer of a part, for even temperature, and
+//! compares it with a greedy choice among the same candidates.
 //!
 //! ```text
-//! cargo run --release -p beadwork-learn --example heat -- rect 1 30 runs/heat
+//! cargo run --release -p beadwork-learn --example heat -- rect 1 runs/heat
+//! cargo run --release -p beadwork-learn --example heat -- rect 1 runs/lines lines 1.02
 //! ```
 //!
-//! The arguments are the part (rect, u or pyramid), the seed, the time limit in minutes, the folder
-//! to write to, and optionally a configuration file.
+//! The arguments are the part (rect, u or pyramid), the seed and the folder to write to.
+//! Optional arguments are the candidates (`patterns`, the 38 patterns, or `lines`, the patterns and
+//! orders of whole lines), the limit on the printing time as a ratio to the conventional one (`-`
+//! for none), and a configuration file.
 
 #![allow(clippy::print_stdout, reason = "an example reports on the terminal")]
 
@@ -16,11 +19,12 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use beadwork_base::{Control, Threads};
-use beadwork_grid::Cell;
 use beadwork_learn::Device;
-use beadwork_learn::ppo::{self, Event, HeatEnvironment, HeatTask, TrainingConfig};
+use beadwork_learn::ppo::{
+    self, Environment, Event, HeatEnvironment, HeatSettings, HeatTask, TrainingConfig,
+};
 use beadwork_part::slice::Voxels;
-use beadwork_part::{Frame, Pattern};
+use beadwork_part::{Frame, LineOrder, Order, Pattern, Sequence, Stride};
 use beadwork_thermal::simulation::Method;
 use beadwork_thermal::{ProcessParameters, Simulation, ThermalMaterial};
 use ndarray::Array3;
@@ -49,57 +53,105 @@ fn part(name: &str) -> Result<Voxels, String> {
     Ok(Voxels::new(frame, Array3::from_shape_fn(shape, material)))
 }
 
-/// The paper's reward when each layer is printed in its best order.
-fn greedy_reward(unprinted: &Simulation, orders: &[Vec<Vec<Cell>>]) -> Result<f64, Box<dyn Error>> {
-    let std_k = |end: &Simulation| end.statistics().map_or(0.0, |all| all.std_c);
-    let control = Control::on(Threads::Current);
-    let (mut simulation, mut reward) = (unprinted.clone(), 0.0);
-    let mut names = Vec::new();
-    for (layer, orders) in (0..).zip(orders) {
-        let trials = simulation.best_order(layer, orders, f64::INFINITY, std_k, &control)?;
-        let best = trials.best.ok_or("a layer has no order")?;
-        reward -= best.cost;
-        names.push(Pattern::ALL[best.index].name());
-        simulation = best.simulation;
+/// The gain of the plan that prints each layer in its best permitted order, and its actions.
+fn greedy(task: &Arc<HeatTask>) -> (f64, Vec<usize>) {
+    let mut environment = HeatEnvironment::new(task.clone());
+    let mut observation = environment.reset(0);
+    let (mut gain, mut actions) = (0.0, Vec::new());
+    loop {
+        let permitted = observation.permitted.iter();
+        let permitted: Vec<usize> = (0..)
+            .zip(permitted)
+            .filter_map(|(action, permitted)| permitted.then_some(action))
+            .collect();
+        let rewards =
+            Threads::Current.map(&permitted, |&action| environment.clone().step(action).reward);
+        let best = (0..rewards.len()).max_by(|&a, &b| rewards[a].total_cmp(&rewards[b]));
+        let action = permitted[best.unwrap_or(0)];
+        let step = environment.step(action);
+        gain += step.reward;
+        actions.push(action);
+        observation = step.observation;
+        if step.end.is_some() {
+            return (gain, actions);
+        }
     }
-    println!("greedy: {}", names.join(" "));
-    Ok(reward)
+}
+
+/// Printing time of a plan, s.
+fn seconds(task: &Arc<HeatTask>, actions: &[usize]) -> f64 {
+    let mut environment = HeatEnvironment::new(task.clone());
+    environment.reset(0);
+    for &action in actions {
+        environment.step(action);
+    }
+    environment.simulation().seconds()
+}
+
+/// Names of the candidates.
+fn candidates(name: &str) -> Result<Vec<Order>, String> {
+    let patterns = Pattern::ALL.map(Order::from).into_iter();
+    let strides = (2..=15).filter_map(|stride| Stride::new(stride).ok());
+    let sequences = strides
+        .flat_map(|stride| [Sequence::Interleaved(stride), Sequence::Scattered(stride)])
+        .chain([Sequence::Golden, Sequence::BitReversed]);
+    match name {
+        "patterns" => Ok(patterns.collect()),
+        "lines" => {
+            Ok(patterns.chain(sequences.flat_map(LineOrder::all_of).map(Order::from)).collect())
+        }
+        _ => Err(format!("unknown candidates '{name}': expected patterns or lines")),
+    }
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [name, seed, minutes, out, rest @ ..] = arguments.as_slice() else {
-        return Err("expected: part, seed, minutes, folder, and optionally a configuration".into());
+    let [name, seed, out, rest @ ..] = arguments.as_slice() else {
+        return Err("expected: part, seed, folder".into());
     };
-    let mut config = match rest.first() {
+    let names = candidates(rest.first().map_or("patterns", String::as_str))?;
+    let limit = rest.get(1).filter(|limit| *limit != "-");
+    let max_time_ratio = limit.map(|limit| limit.parse()).transpose()?;
+    let mut config = match rest.get(2) {
         Some(file) => TrainingConfig::from_toml(&std::fs::read_to_string(file)?)?,
         None => TrainingConfig::small(),
     };
     config.seed = seed.parse()?;
-    let limit_s = 60.0 * minutes.parse::<f64>()?;
     let out = Path::new(out);
     std::fs::create_dir_all(out)?;
 
     let part = Arc::new(part(name)?);
     let orders = |layer| {
         let region = part.region(layer)?;
-        Ok(Pattern::ALL.iter().map(|pattern| pattern.order(&region)).collect())
+        Ok(names.iter().map(|order| order.order(&region)).collect())
     };
     let orders = (0..part.depth).map(orders).collect::<Result<Vec<_>, Box<dyn Error>>>()?;
     let (material, process) = (ThermalMaterial::abs(), ProcessParameters::default());
     let unprinted = Simulation::new(part.clone(), &material, &process, Method::default())?;
-    let begin = Instant::now();
-    let greedy = greedy_reward(&unprinted, &orders)?;
-    let greedy_s = begin.elapsed().as_secs_f64();
-    let task = HeatTask::new(unprinted, orders, Pattern::CONVENTIONAL.number(), 4, 4)?;
-    let task = Arc::new(task);
+    let settings = HeatSettings { max_time_ratio, ..HeatSettings::default() };
+    let task = Arc::new(HeatTask::new(unprinted, orders, &settings)?);
     let baseline = task.baseline_reward();
-    println!("{name}: conventional {baseline:.3}, greedy {greedy:.3} ({greedy_s:.1} s)");
+    let begin = Instant::now();
+    let (greedy_gain, greedy_actions) = greedy(&task);
+    let named = |actions: &[usize]| {
+        let names: Vec<String> = actions.iter().map(|&action| names[action].to_string()).collect();
+        names.join(" ")
+    };
+    let time =
+        |actions: &[usize]| 100.0 * (seconds(&task, actions) / task.baseline_seconds() - 1.0);
+    println!(
+        "{name}: conventional {baseline:.3}; greedy {:.3} ({:+.2} %), time {:+.2} %, {:.1} s: {}",
+        baseline + greedy_gain,
+        -100.0 * greedy_gain / baseline,
+        time(&greedy_actions),
+        begin.elapsed().as_secs_f64(),
+        named(&greedy_actions),
+    );
 
     // A return is what a plan gains over the conventional one.
-    let share = |gain: f64| 100.0 * gain / (greedy - baseline);
+    let share = |gain: f64| 100.0 * gain / greedy_gain;
     let begin = Instant::now();
-    let (mut mean, mut best) = (f64::NAN, f64::NEG_INFINITY);
+    let (mut mean, mut best, mut best_actions) = (f64::NAN, f64::NEG_INFINITY, Vec::new());
     let mut observer = |event: &Event| match event {
         Event::Updated(update) => {
             mean = update.mean_return.map_or(f64::NAN, share);
@@ -118,24 +170,28 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
         Event::Evaluated { steps, evaluation, .. } => {
-            let greedy = share(evaluation.mean());
-            if greedy > best {
-                let names = evaluation.actions[0].iter().map(|&action| Pattern::ALL[action].name());
-                println!("policy: {}", names.collect::<Vec<_>>().join(" "));
-            }
-            best = best.max(greedy);
+            let share = share(evaluation.mean());
             println!(
-                "{steps:>7} steps {:>5.0} s {greedy:>6.1} % of the way to greedy, best {best:.1} %",
+                "{steps:>7} steps {:>5.0} s {share:>6.1} % of the way to greedy",
                 begin.elapsed().as_secs_f64(),
             );
+            if share > best {
+                best = share;
+                best_actions.clone_from(&evaluation.actions[0]);
+            }
         }
         _ => {}
     };
-    let time_is_up = || begin.elapsed().as_secs_f64() > limit_s;
-    let control = Control { time_is_up: Some(&time_is_up), ..Control::on(Threads::Current) };
     let make = || HeatEnvironment::new(task.clone());
     let run = ppo::Run { device: Device::Cpu, out, observer: &mut observer };
-    let end = ppo::train(&make, &config, run, &control)?;
-    println!("{end:?}: training episodes {mean:.2} %, best evaluation {best:.2} %");
+    ppo::train(&make, &config, run, &Control::on(Threads::Current))?;
+    println!(
+        "last {} training episodes {mean:.2} %, best evaluation {best:.2} % of the way to greedy, \
+         time {:+.2} %, {:.0} s: {}",
+        config.window,
+        time(&best_actions),
+        begin.elapsed().as_secs_f64(),
+        named(&best_actions),
+    );
     Ok(())
 }

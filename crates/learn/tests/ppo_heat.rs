@@ -8,8 +8,8 @@ use beadwork_base::Control;
 use beadwork_grid::Cell;
 use beadwork_learn::Device;
 use beadwork_learn::ppo::{
-    self, Environment, EpisodeEnd, Event, FieldsConfig, HeatEnvironment, HeatError, HeatTask, Kept,
-    NetworkConfig, Observation, Policy, Space, Step, TrainingConfig,
+    self, Environment, EpisodeEnd, Event, FieldsConfig, HeatEnvironment, HeatError, HeatSettings,
+    HeatTask, Kept, NetworkConfig, Observation, Policy, Space, Step, TrainingConfig,
 };
 use beadwork_part::slice::Voxels;
 use beadwork_part::{Frame, Pattern};
@@ -46,8 +46,8 @@ fn orders(part: &Voxels) -> Vec<Vec<Vec<Cell>>> {
 
 fn task() -> Arc<HeatTask> {
     let part = small_part();
-    let baseline = Pattern::CONVENTIONAL.number();
-    Arc::new(HeatTask::new(unprinted(&part), orders(&part), baseline, 2, 4).unwrap())
+    let settings = HeatSettings { depth: 2, ..HeatSettings::default() };
+    Arc::new(HeatTask::new(unprinted(&part), orders(&part), &settings).unwrap())
 }
 
 fn std_k(simulation: &Simulation) -> f64 {
@@ -92,11 +92,11 @@ fn observations_show_the_part_around_the_layer() {
     let mut environment = HeatEnvironment::new(task());
     let first = environment.reset(0);
     // The bounding box of 14 x 9 voxels in cells of 4 x 4.
-    let expected = vec![vec![1, 2, 3, 4], vec![2, 3, 4], vec![3]];
+    let expected = vec![vec![1, 2, 3, 4], vec![2, 3, 4], vec![4]];
     assert_eq!(environment.space(), Space { observation: expected, actions: 38 });
     assert!(first.tensors[0].iter().all(|value| value.to_bits() == 0));
     assert_eq!(first.tensors[1][0..4], [1.0, 1.0, 1.0, 0.5]);
-    assert_eq!(first.tensors[2], [0.0; 3]);
+    assert_eq!(first.tensors[2], [0.0; 4]);
     let second = environment.step(0).observation;
     // Nothing is below the first layer; it is above the ambient temperature and below the nozzle's.
     let (below, layer) = second.tensors[0].split_at(12);
@@ -113,7 +113,7 @@ fn observations_show_the_part_around_the_layer() {
     assert!((got - mean).abs() < 1e-5, "{got} for {mean}");
     let last = order[order.len() - 1];
     let nozzle = [(last % 20) as f32 / 20.0, (last / 20) as f32 / 15.0];
-    assert_eq!(second.tensors[2], [0.25, nozzle[0], nozzle[1]]);
+    assert_eq!(second.tensors[2], [0.25, nozzle[0], nozzle[1], 0.0]);
 }
 
 #[test]
@@ -124,7 +124,8 @@ fn candidates_that_repeat_are_masked() {
     let orders = (0..4)
         .map(|layer| vec![conventional(layer), conventional(layer), other(layer), other(layer)])
         .collect();
-    let task = HeatTask::new(unprinted(&part), orders, 1, 1, 3).unwrap();
+    let settings = HeatSettings { baseline: 1, ..HeatSettings::default() };
+    let task = HeatTask::new(unprinted(&part), orders, &settings).unwrap();
     let observation = HeatEnvironment::new(Arc::new(task)).reset(0);
     assert_eq!(observation.permitted, [true, false, true, false]);
 }
@@ -132,24 +133,88 @@ fn candidates_that_repeat_are_masked() {
 #[test]
 fn tasks_that_cannot_be_printed_are_refused() {
     let part = small_part();
-    let new = |orders: Vec<Vec<Vec<Cell>>>, baseline, depth, cell| {
-        HeatTask::new(unprinted(&part), orders, baseline, depth, cell).unwrap_err()
+    let new = |orders: Vec<Vec<Vec<Cell>>>, settings: &HeatSettings| {
+        HeatTask::new(unprinted(&part), orders, settings).unwrap_err()
     };
-    let all = || orders(&part);
-    assert!(matches!(new(all(), 38, 2, 4), HeatError::Candidates { layer: 0, count: 38, .. }));
-    assert!(matches!(new(all()[..3].to_vec(), 0, 2, 4), HeatError::Layers { count: 3, .. }));
-    assert!(matches!(new(all(), 0, 0, 4), HeatError::View { .. }));
-    assert!(matches!(new(all(), 0, 1, 0), HeatError::View { .. }));
+    let (all, usual) = (|| orders(&part), HeatSettings::default());
+    let wrong = [
+        HeatSettings { depth: 0, ..usual },
+        HeatSettings { cell: 0, ..usual },
+        HeatSettings { max_time_ratio: Some(0.9), ..usual },
+        HeatSettings { max_time_ratio: Some(f64::NAN), ..usual },
+        HeatSettings { max_time_ratio: Some(f64::INFINITY), ..usual },
+    ];
+    for settings in wrong {
+        assert!(matches!(new(all(), &settings), HeatError::Settings(_)), "{settings:?}");
+    }
+    let baseline = HeatSettings { baseline: 38, ..usual };
+    assert!(matches!(new(all(), &baseline), HeatError::Candidates { layer: 0, count: 38, .. }));
+    assert!(matches!(new(all()[..3].to_vec(), &usual), HeatError::Layers { count: 3, .. }));
     let mut fewer = all();
     fewer[2].pop();
-    assert!(matches!(new(fewer, 0, 1, 1), HeatError::Candidates { layer: 2, count: 37, .. }));
+    assert!(matches!(new(fewer, &usual), HeatError::Candidates { layer: 2, count: 37, .. }));
     let mut broken = all();
     broken[1][5][0] = broken[1][5][1];
-    assert!(matches!(new(broken, 0, 1, 1), HeatError::Order { layer: 1, candidate: 5 }));
+    assert!(matches!(new(broken, &usual), HeatError::Order { layer: 1, candidate: 5 }));
     let mut printed = unprinted(&part);
     printed.deposit(0, &all()[0][0], &Control::default()).unwrap();
-    let error = HeatTask::new(printed, all(), 0, 1, 1).unwrap_err();
+    let error = HeatTask::new(printed, all(), &usual).unwrap_err();
     assert!(matches!(error, HeatError::Baseline(_)), "{error}");
+}
+
+#[test]
+fn the_time_limit_holds_at_the_end_of_each_layer() {
+    let part = small_part();
+    let all = orders(&part);
+    let mut baseline = unprinted(&part);
+    let ends: Vec<f64> = (0..)
+        .zip(&all)
+        .map(|(layer, orders)| {
+            let order = &orders[Pattern::CONVENTIONAL.number()];
+            baseline.deposit(layer, order, &Control::default()).unwrap();
+            baseline.seconds()
+        })
+        .collect();
+    let mut masked = 0;
+    for ratio in [1.0, 1.02, 1.1, 1.5] {
+        let settings = HeatSettings { max_time_ratio: Some(ratio), ..HeatSettings::default() };
+        let task = HeatTask::new(unprinted(&part), all.clone(), &settings).unwrap();
+        let mut environment = HeatEnvironment::new(Arc::new(task));
+        for round in 0..20 {
+            let mut observation = environment.reset(round);
+            for (layer, orders) in all.iter().enumerate() {
+                // A candidate is masked if it repeats another one, or if it ends too late.
+                let ends_at = |order: &Vec<Cell>| {
+                    let simulation = environment.simulation();
+                    simulation.seconds() + simulation.order_seconds(layer as u32, order)
+                };
+                let limit = ratio * ends[layer];
+                let fastest = orders.iter().map(ends_at).fold(f64::INFINITY, f64::min);
+                let permitted: Vec<usize> =
+                    (0..38).filter(|&action| observation.permitted[action]).collect();
+                if fastest > limit + 1e-9 {
+                    assert_eq!(permitted.len(), 1);
+                    assert!(ends_at(&orders[permitted[0]]) < fastest + 1e-9);
+                }
+                for (action, order) in orders.iter().enumerate() {
+                    let end = ends_at(order);
+                    if fastest < limit - 1e-9
+                        && (end - limit).abs() > 1e-9
+                        && !orders[..action].contains(order)
+                    {
+                        assert_eq!(observation.permitted[action], end < limit, "{action}");
+                        masked += usize::from(end > limit);
+                    }
+                }
+                let slack = observation.tensors[2][3];
+                assert!(slack.is_finite(), "{slack}");
+                let action = permitted[(round as usize * 13 + layer * 5) % permitted.len()];
+                observation = environment.step(action).observation;
+                assert!(environment.simulation().seconds() <= limit.max(fastest) + 1e-9);
+            }
+        }
+    }
+    assert!(masked > 1000, "{masked}");
 }
 
 /// A configuration for the small part.

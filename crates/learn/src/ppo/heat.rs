@@ -5,12 +5,41 @@ use std::sync::Arc;
 
 use beadwork_base::Control;
 use beadwork_grid::Cell;
+use beadwork_part::Pattern;
 use beadwork_part::slice::Voxels;
 use beadwork_thermal::Simulation;
 use beadwork_thermal::simulation::DepositError;
 use thiserror::Error;
 
 use super::environment::{Environment, EpisodeEnd, Observation, Space, Step};
+use super::range::{RangeError, require};
+
+/// What an agent is compared with, limited by, and sees.
+///
+/// Construct it with `..HeatSettings::default()`: fields may be added.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeatSettings {
+    /// Index of the candidate that is the baseline.
+    pub baseline: usize,
+    /// Limit on the printing time, as a ratio to that of the baseline; `None` for no limit.
+    ///
+    /// At the end of every layer, the print may have taken at most this ratio of what the baseline
+    /// takes to that layer's end.
+    /// Candidates that would take longer are masked.
+    /// If all would, the fastest one is permitted, and the limit is exceeded; travel to its first
+    /// cell alone can cause that, if the ratio is close to 1.
+    pub max_time_ratio: Option<f64>,
+    /// Observed layers below the one that is printed next, at least 1.
+    pub depth: usize,
+    /// Side of an observed cell, in voxels, at least 1.
+    pub cell: usize,
+}
+
+impl Default for HeatSettings {
+    fn default() -> Self {
+        Self { baseline: Pattern::CONVENTIONAL.number(), max_time_ratio: None, depth: 4, cell: 4 }
+    }
+}
 
 /// Candidates for the order of each layer of a part, of which an agent chooses.
 ///
@@ -20,13 +49,23 @@ pub struct HeatTask {
     identity: String,
     /// Nothing is deposited yet.
     unprinted: Simulation,
-    /// For each layer, the candidates.
-    orders: Vec<Vec<Vec<Cell>>>,
-    /// For each layer, whether each candidate may be chosen.
-    permitted: Vec<Vec<bool>>,
-    /// Standard deviation at the end of each layer when the baseline is printed, K.
-    baseline_std_k: Vec<f64>,
+    layers: Vec<LayerTask>,
+    max_time_ratio: Option<f64>,
     view: View,
+}
+
+/// The candidates of a layer, and what the baseline does there.
+#[derive(Debug)]
+struct LayerTask {
+    orders: Vec<Vec<Cell>>,
+    /// Whether each candidate differs from all before it.
+    distinct: Vec<bool>,
+    /// Time to print each candidate without the travel to its first cell, s.
+    seconds: Vec<f64>,
+    /// Standard deviation of all voxels at the layer's end when the baseline is printed, K.
+    baseline_std_k: f64,
+    /// Time when the baseline ends the layer, s.
+    baseline_end_s: f64,
 }
 
 /// The part of the temperature field that is observed.
@@ -64,14 +103,9 @@ pub enum HeatError {
         /// Number of layers of the part.
         expected: usize,
     },
-    /// The observation has no depth, or its cells have no size.
-    #[error("observation of {depth} layers in cells of {cell} voxels: expected at least 1 and 1")]
-    View {
-        /// Layers of the observation.
-        depth: usize,
-        /// Side of its cells, in voxels.
-        cell: usize,
-    },
+    /// A setting is outside its range.
+    #[error(transparent)]
+    Settings(#[from] RangeError),
     /// A candidate does not hold each cell of its layer once.
     #[error("candidate {candidate} of layer {layer} does not hold each cell of the layer once")]
     Order {
@@ -90,18 +124,17 @@ impl HeatTask {
     ///
     /// `orders` holds for each layer the same number of candidates, each with all cells of its
     /// layer.
-    /// `baseline` is the index of the candidate with which rewards are compared.
-    /// An observation shows `depth` layers below the one that is printed next, in cells of `cell` x
-    /// `cell` voxels.
-    ///
     /// Simulates the part once, with the baseline.
     pub fn new(
         unprinted: Simulation,
         orders: Vec<Vec<Vec<Cell>>>,
-        baseline: usize,
-        depth: usize,
-        cell: usize,
+        settings: &HeatSettings,
     ) -> Result<Self, HeatError> {
+        let &HeatSettings { baseline, max_time_ratio, depth, cell } = settings;
+        require(depth > 0, "depth", &depth, "at least 1")?;
+        require(cell > 0, "cell", &cell, "at least 1")?;
+        let ratio = max_time_ratio.unwrap_or(1.0);
+        require(ratio >= 1.0 && ratio.is_finite(), "max_time_ratio", &ratio, "1 or more")?;
         let part = unprinted.part();
         if orders.len() != part.depth {
             return Err(HeatError::Layers { count: orders.len(), expected: part.depth });
@@ -112,14 +145,6 @@ impl HeatTask {
             if count != expected || baseline >= count {
                 return Err(HeatError::Candidates { layer, count, expected });
             }
-        }
-        if depth == 0 || cell == 0 {
-            return Err(HeatError::View { depth, cell });
-        }
-        let mut simulation = unprinted.clone();
-        let mut baseline_std_k = Vec::new();
-        let mut permitted = Vec::new();
-        for (layer, candidates) in orders.iter().enumerate() {
             let cells: Vec<Cell> = part.cells(layer).collect();
             for (candidate, order) in candidates.iter().enumerate() {
                 let mut sorted = order.clone();
@@ -128,25 +153,48 @@ impl HeatTask {
                     return Err(HeatError::Order { layer, candidate });
                 }
             }
-            simulation.deposit(layer as u32, &candidates[baseline], &Control::default())?;
-            baseline_std_k.push(std_k(&simulation));
-            permitted.push(distinct(candidates));
         }
+        let fingerprint = fingerprint(&orders);
+        let mut simulation = unprinted.clone();
+        let mut layers = Vec::with_capacity(orders.len());
+        for (layer, orders) in (0..).zip(orders) {
+            simulation.deposit(layer, &orders[baseline], &Control::default())?;
+            // Nothing is deposited in `unprinted`, so its orders begin without travel.
+            let seconds = orders.iter().map(|order| unprinted.order_seconds(layer, order));
+            layers.push(LayerTask {
+                distinct: distinct(&orders),
+                seconds: seconds.collect(),
+                baseline_std_k: std_k(&simulation),
+                baseline_end_s: simulation.seconds(),
+                orders,
+            });
+        }
+        let view = View::new(part, depth, cell);
+        let end: Vec<u64> = layers.iter().map(|layer| layer.baseline_std_k.to_bits()).collect();
         let identity = format!(
-            "task = \"heat\"\nlayers = {}\nvoxels = {}\ncandidates = {expected}\nfingerprint = \
-             {:?}\ndepth = {depth}\ncell = {cell}",
+            "task = \"heat\"\nlayers = {}\nvoxels = {}\ncandidates = {expected}\n\
+             orders = \"{fingerprint:016x}\"\nbaseline = \"{baseline}: {end:x?}\"\n\
+             max_time_ratio = \"{max_time_ratio:?}\"\ndepth = {depth}\ncell = {cell}",
             part.depth,
             part.count(),
-            fingerprint(&orders, &baseline_std_k),
         );
-        let view = View::new(part, depth, cell);
-        Ok(Self { identity, unprinted, orders, permitted, baseline_std_k, view })
+        Ok(Self { identity, unprinted, layers, max_time_ratio, view })
     }
 
     /// The paper's reward when the baseline is printed, °C: minus the sum of the standard
     /// deviations at the ends of the layers.
     pub fn baseline_reward(&self) -> f64 {
-        -self.baseline_std_k.iter().sum::<f64>()
+        -self.layers.iter().map(|layer| layer.baseline_std_k).sum::<f64>()
+    }
+
+    /// Printing time of the baseline, s.
+    pub fn baseline_seconds(&self) -> f64 {
+        self.layers.last().map_or(0.0, |layer| layer.baseline_end_s)
+    }
+
+    /// Number of candidates of each layer.
+    fn candidates(&self) -> usize {
+        self.layers.first().map_or(0, |layer| layer.orders.len())
     }
 }
 
@@ -157,8 +205,8 @@ fn distinct(candidates: &[Vec<Cell>]) -> Vec<bool> {
     (0..candidates.len()).map(is_new).collect()
 }
 
-/// A number that differs between tasks: FNV-1a of all orders and of the baseline's deviations.
-fn fingerprint(orders: &[Vec<Vec<Cell>>], baseline_std_k: &[f64]) -> String {
+/// A number that differs between lists of orders: FNV-1a of all of them.
+fn fingerprint(orders: &[Vec<Vec<Cell>>]) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     let mut add = |value: u64| {
         for byte in value.to_le_bytes() {
@@ -169,8 +217,7 @@ fn fingerprint(orders: &[Vec<Vec<Cell>>], baseline_std_k: &[f64]) -> String {
         add(order.len() as u64);
         order.iter().for_each(|&cell| add(u64::from(cell)));
     }
-    baseline_std_k.iter().for_each(|std_k| add(std_k.to_bits()));
-    format!("{hash:016x}")
+    hash
 }
 
 /// Standard deviation of all deposited voxels, K.
@@ -209,8 +256,9 @@ impl View {
 ///
 /// - Observation: temperatures in the layers below, `[1, z, y, x]`, from 0 (ambient, or nothing
 ///   deposited) to 1 (nozzle), the highest layer last; the filled share of the layer that is
-///   printed next and of the one above it, `[2, y, x]`; the share of layers that are printed and
-///   the nozzle's position, from 0 to 1, `[3]`.
+///   printed next and of the one above it, `[2, y, x]`; the share of layers that are printed, the
+///   nozzle's position, from 0 to 1, and the time that may be lost in the next layer relative to
+///   the baseline, as a share of the baseline's time for a layer, 0 without a limit, `[4]`.
 /// - Reward: the standard deviation of all deposited voxels at the layer's end when the baseline is
 ///   printed in all layers, minus the actual one, K. It is the paper's reward plus a number that
 ///   depends on the layer alone.
@@ -218,7 +266,8 @@ impl View {
 ///   what the layer alone explains.
 ///   The return is what the plan gains over the baseline.
 /// - An episode ends after the last layer; all episodes start alike, whatever their seed.
-/// - Candidates that repeat an earlier one of their layer are masked.
+/// - Candidates that repeat an earlier one of their layer are masked, and those that exceed
+///   [`HeatSettings::max_time_ratio`].
 #[derive(Clone, Debug)]
 pub struct HeatEnvironment {
     task: Arc<HeatTask>,
@@ -235,8 +284,46 @@ impl HeatEnvironment {
         Self { task, simulation, layer: 0, nozzle: [0.0; 2] }
     }
 
+    /// The state of the print.
+    pub fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
+
+    /// Time that is left for the next layer, s; infinite without a limit.
+    fn time_left_s(&self, layer: &LayerTask) -> f64 {
+        let ratio = self.task.max_time_ratio.unwrap_or(f64::INFINITY);
+        ratio * layer.baseline_end_s - self.simulation.seconds()
+    }
+
+    /// Which candidates of a layer may be printed next.
+    fn permitted(&self, layer: &LayerTask) -> Vec<bool> {
+        let mut permitted = layer.distinct.clone();
+        if self.task.max_time_ratio.is_none() {
+            return permitted;
+        }
+        let limit = self.time_left_s(layer);
+        let number = self.layer as u32;
+        let seconds = |(order, own): (&Vec<Cell>, &f64)| {
+            // The travel to the first cell is what printing it alone takes longer than in an
+            // unprinted part.
+            let first = &order[..order.len().min(1)];
+            let travel = self.simulation.order_seconds(number, first)
+                - self.task.unprinted.order_seconds(number, first);
+            own + travel
+        };
+        let seconds: Vec<f64> = layer.orders.iter().zip(&layer.seconds).map(seconds).collect();
+        for (permitted, &seconds) in permitted.iter_mut().zip(&seconds) {
+            *permitted &= seconds <= limit;
+        }
+        if !permitted.contains(&true) {
+            let fastest = (0..seconds.len()).min_by(|&a, &b| seconds[a].total_cmp(&seconds[b]));
+            permitted[fastest.unwrap_or(0)] = true;
+        }
+        permitted
+    }
+
     fn observation(&self) -> Observation {
-        let HeatTask { view, orders, permitted, .. } = &*self.task;
+        let HeatTask { view, layers, .. } = &*self.task;
         let part = self.simulation.part();
         let width = part.frame.width as usize;
         let place = |cell: Cell| view.cell_of(cell as usize % width, cell as usize / width);
@@ -265,10 +352,18 @@ impl HeatEnvironment {
         }
 
         let printed = self.layer as f32 / part.depth as f32;
-        let vector = vec![printed, self.nozzle[0], self.nozzle[1]];
+        let next = layers.get(self.layer);
+        let slack = |layer: &LayerTask| {
+            let before =
+                self.layer.checked_sub(1).map_or(0.0, |below| layers[below].baseline_end_s);
+            let baseline_s = layer.baseline_end_s - before;
+            let slack = (self.time_left_s(layer) - baseline_s) / baseline_s;
+            if slack.is_finite() { slack as f32 } else { 0.0 }
+        };
+        let vector = vec![printed, self.nozzle[0], self.nozzle[1], next.map_or(0.0, slack)];
         // After the last layer nothing is chosen.
-        let none = || vec![true; orders.first().map_or(0, Vec::len)];
-        let permitted = permitted.get(self.layer).cloned().unwrap_or_else(none);
+        let permitted =
+            next.map_or_else(|| vec![true; self.task.candidates()], |layer| self.permitted(layer));
         Observation { tensors: vec![field, designs, vector], permitted }
     }
 }
@@ -282,8 +377,8 @@ impl Environment for HeatEnvironment {
         let View { size: [x, y], depth, .. } = self.task.view;
         let (x, y, depth) = (x as i64, y as i64, depth as i64);
         Space {
-            observation: vec![vec![1, depth, y, x], vec![2, y, x], vec![3]],
-            actions: self.task.orders.first().map_or(0, Vec::len),
+            observation: vec![vec![1, depth, y, x], vec![2, y, x], vec![4]],
+            actions: self.task.candidates(),
         }
     }
 
@@ -297,7 +392,8 @@ impl Environment for HeatEnvironment {
     /// layers are printed.
     fn step(&mut self, action: usize) -> Step {
         let task = self.task.clone();
-        let order = &task.orders[self.layer][action];
+        let layer = &task.layers[self.layer];
+        let order = &layer.orders[action];
         self.simulation
             .deposit(self.layer as u32, order, &Control::default())
             .expect("a candidate is an order of its layer");
@@ -307,9 +403,9 @@ impl Environment for HeatEnvironment {
             let (x, y) = (last % frame.width, last / frame.width);
             self.nozzle = [share(x, frame.width), share(y, frame.height)];
         }
-        let reward = task.baseline_std_k[self.layer] - std_k(&self.simulation);
+        let reward = layer.baseline_std_k - std_k(&self.simulation);
         self.layer += 1;
-        let end = (self.layer == task.orders.len()).then_some(EpisodeEnd::Terminated);
+        let end = (self.layer == task.layers.len()).then_some(EpisodeEnd::Terminated);
         Step { observation: self.observation(), reward, end }
     }
 }

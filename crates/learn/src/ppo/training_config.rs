@@ -152,7 +152,7 @@ impl TrainingConfig {
     /// are scaled up and the entropy bonus is small.
     pub fn small() -> Self {
         Self {
-            steps: 30_000,
+            steps: 16_000,
             environments: 16,
             rollout: 24,
             gamma: 0.2,
