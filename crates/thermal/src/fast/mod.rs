@@ -10,7 +10,7 @@
 //!
 //! - **Local time stepping** (multi-rate integration) on nested boxes, as in adaptive mesh
 //!   refinement (Berger and Oliger, J. Comput. Phys. 53 (1984) 484-512), but on one mesh: only
-//!   steps are refined, not voxels (`stepper.rs`, `window.rs`, `nested.rs`).
+//!   steps are refined, not voxels (`stepper.rs`, `window.rs`, `clusters.rs`, `nested.rs`).
 //! - **Stabilised explicit steps** (Runge-Kutta-Chebyshev), whose cost grows only with the square
 //!   root of their length (`chebyshev.rs`).
 //! - **Spatial coarsening** far from the nozzle, for large parts only (`far`, `composite.rs`).
@@ -41,9 +41,11 @@
 //! size of the part, plus a few per cent for the blocks.
 //! Recent births are those of about the last three steps on blocks, half a minute for the paper's
 //! ABS.
-//! An order that jumps about has larger windows and costs more, but is as accurate.
+//! An order that jumps about has several windows at a time (`clusters.rs`), and costs more, but is
+//! as accurate.
 
 mod chebyshev;
+mod clusters;
 mod composite;
 mod far;
 mod level;

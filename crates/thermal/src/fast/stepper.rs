@@ -5,6 +5,7 @@
 //!
 //! 1. The **window** around all births of the group, and around recent ones whose heat is still too
 //!    concentrated for this step, is copied.
+//!    Births that are far apart have several windows (`clusters.rs`), which do not overlap.
 //! 2. The **long step** is taken on the whole patch, as if nothing were born in it.
 //!    Far from all births this is accurate; inside the window it is not.
 //! 3. The copy is taken through the same time by the **next lower level**, in shorter steps, while
@@ -18,7 +19,8 @@
 //! level 0   |-birth-|-birth-|..|-birth-|-birth-|..|                         window of the window
 //! ```
 //!
-//! A window that would not save time is left out: the level below then steps the whole patch.
+//! Windows that would not save time are left out: the level below then steps the whole patch.
+//! A pause is cut where a step is full, so short travel moves do not shorten the steps.
 //! So the steps near the nozzle are the same for every order of births; only the cost depends on
 //! how far apart consecutive births are.
 //!
@@ -37,6 +39,7 @@ use crate::run_control::RunControl;
 use crate::shape::Shape;
 use crate::state::{OccupancyMut, StateMut};
 
+use super::clusters::{self, Birth, BirthTime};
 use super::far::FarField;
 use super::level::{Accuracy, Level, StepMethod, levels};
 use super::nested::{HaloSource, NestedPatch};
@@ -59,6 +62,12 @@ const MIN_BLOCK_VOXELS: usize = 1 << 18;
 /// Maximum cost of a step with a window, relative to that without: each window costs some accuracy,
 /// so it must save at least 20 % of the time.
 const MAX_WINDOW_COST: f64 = 0.8;
+
+/// Minimum share of a step that is filled up with a part of a pause.
+const MIN_FILLED: f64 = 0.05;
+
+/// Maximum number of windows of a step on voxels.
+const MAX_WINDOWS: usize = 32;
 
 /// Steps a part in several levels of time steps.
 ///
@@ -166,29 +175,42 @@ impl FastStepper {
         occupancy: &mut OccupancyMut<'_>,
         coefficients: &Coefficients,
         level: usize,
-        mut intervals: &[Interval],
+        intervals: &[Interval],
     ) -> Result<(), Interrupted> {
         if level == 0 {
             return self.step_births(nested, occupancy, coefficients, intervals);
         }
         let max_s = self.levels[level].seconds;
-        while let Some((&first, rest)) = intervals.split_first() {
+        let mut group = Vec::new();
+        let mut later = intervals.iter().copied();
+        let mut next = later.next();
+        while let Some(first) = next {
             if first.seconds > max_s {
                 for part in first.split(max_s) {
                     self.step_group(nested, occupancy, coefficients, level, &[part])?;
                 }
-                intervals = rest;
+                next = later.next();
                 continue;
             }
             // As many intervals as fit into one step: at least the first.
+            group.clear();
             let mut seconds = 0.0;
-            let fits = |interval: &&Interval| {
+            while let Some(interval) = next {
+                if seconds + interval.seconds > max_s {
+                    // A pause can be cut, so that the step has its full length.
+                    let room = max_s - seconds;
+                    if interval.held.is_none() && room > MIN_FILLED * max_s {
+                        let (now, rest) = interval.cut(room);
+                        group.push(now);
+                        next = Some(rest);
+                    }
+                    break;
+                }
                 seconds += interval.seconds;
-                seconds <= max_s
-            };
-            let (group, rest) = intervals.split_at(intervals.iter().take_while(fits).count());
-            self.step_group(nested, occupancy, coefficients, level, group)?;
-            intervals = rest;
+                group.push(interval);
+                next = later.next();
+            }
+            self.step_group(nested, occupancy, coefficients, level, &group)?;
         }
         Ok(())
     }
@@ -207,41 +229,76 @@ impl FastStepper {
         nested.poll(self.levels[level].stages() as usize, occupancy.top())?;
         let on_blocks = matches!(self.levels[level].method, StepMethod::Blocks);
         let seconds = interval::total_seconds(intervals);
-        let window = self.window(nested.patch, occupancy.top(), level, intervals, seconds);
-        if window.is_some_and(|window| !self.saves_time(window, nested.patch, level, seconds)) {
+        let windows = self.windows(nested.patch, occupancy.top(), level, intervals, seconds);
+        if !windows.is_empty() && !self.saves_time(&windows, nested.patch, level, seconds) {
             if on_blocks {
                 self.end_far_field(nested.patch, occupancy, coefficients);
             }
             return self.advance(nested, occupancy, coefficients, level - 1, intervals);
         }
         if on_blocks {
+            let window = windows.first().copied();
             self.step_composite(nested, occupancy, coefficients, level, intervals, window);
             nested.pass(intervals);
             return Ok(());
         }
-        // All births so far, before the window is copied and the long step is taken.
+        // All births so far, before the windows are copied and the long step is taken.
         nested.apply(&self.buffers.changes, coefficients);
-        let inner = window.map(|window| {
+        let copy = |&window: &Window| {
             let mut inner = self.buffers.windows.pop().unwrap_or_default();
             inner.copy_window(window, nested.patch);
             inner
-        });
+        };
+        let inner: Vec<Patch> = windows.iter().map(copy).collect();
         nested.advance_halo(seconds, occupancy.top());
         self.step(nested.patch, occupancy, coefficients, level, seconds, None);
-        // With a window, the lowest level of the recursion advances `now`.
-        if let Some(mut inner) = inner {
+        if inner.is_empty() {
+            self.now += seconds;
+        } else {
+            self.step_windows(nested, inner, occupancy, coefficients, level - 1, intervals);
+        }
+        nested.pass(intervals);
+        Ok(())
+    }
+
+    /// Steps windows of a patch, which has taken a step through `intervals` already, through the
+    /// same intervals in steps of `level`, and writes them back.
+    ///
+    /// No window overlaps another one, so each can be stepped through the whole time before the
+    /// next: a birth concerns one of them, and is a pause for all others.
+    fn step_windows(
+        &mut self,
+        nested: &mut NestedPatch<'_>,
+        windows: Vec<Patch>,
+        occupancy: &mut OccupancyMut<'_>,
+        coefficients: &Coefficients,
+        level: usize,
+        intervals: &[Interval],
+    ) {
+        let seconds = interval::total_seconds(intervals);
+        let (start, applied, several) = (self.now, nested.applied, windows.len() > 1);
+        let older = self.history.len();
+        let mut own = Vec::new();
+        for mut inner in windows {
+            let intervals = if several {
+                interval::within(intervals, |position| inner.index(position).is_some(), &mut own);
+                &own
+            } else {
+                intervals
+            };
+            // The lowest level of the recursion advances the time.
+            self.now = start;
             let source = HaloSource::Patch(&*nested.patch);
-            let mut finer = NestedPatch::new(&mut inner, nested.applied, source, seconds);
-            self.advance(&mut finer, occupancy, coefficients, level - 1, intervals)
+            let mut finer = NestedPatch::new(&mut inner, applied, source, seconds);
+            self.advance(&mut finer, occupancy, coefficients, level, intervals)
                 .expect("a window is not interrupted");
             nested.apply(&self.buffers.changes, coefficients);
             inner.write_back(nested.patch);
             self.buffers.windows.push(inner);
-        } else {
-            self.now += seconds;
         }
-        nested.pass(intervals);
-        Ok(())
+        if several {
+            self.history[older..].sort_by(|(_, a), (_, b)| a.total_cmp(b));
+        }
     }
 
     /// Steps a patch through intervals at the lowest level: births happen here, and each interval
@@ -303,35 +360,46 @@ impl FastStepper {
         }
     }
 
-    /// The window of a patch in which one step of a level, through `intervals`, is not accurate;
-    /// `None` if it is accurate everywhere.
+    /// The windows of a patch in which one step of a level, through `intervals`, is not accurate;
+    /// none if it is accurate everywhere, and at most one for a level on blocks.
     /// The intervals take `seconds` together.
-    fn window(
+    fn windows(
         &self,
         patch: &Patch,
         top: usize,
         level: usize,
         intervals: &[Interval],
         seconds: f64,
-    ) -> Option<Window> {
+    ) -> Vec<Window> {
         let level = &self.levels[level];
         let coming = intervals.iter().filter_map(|interval| interval.held);
+        let coming = coming.map(|position| Birth { position, time: BirthTime::Coming });
         let births_s = interval::total_seconds(intervals.iter().filter(|interval| interval.born));
         // A step counts as a pause if births take less than 90 % of it: short travel moves between
         // births are not enough.
         let pause = births_s < 0.9 * seconds;
-        let since_s = self.now - if pause { level.pause_age_s() } else { level.age_s };
-        let recent = self.history.iter().rev().take_while(|&&(_, time)| time > since_s);
-        let births = recent.map(|&(position, _)| position).chain(coming);
-        Window::around(births, level.margins, patch, top)
+        let left_s = self.now - level.pause_age_s();
+        let since_s = if pause { left_s } else { self.now - level.age_s };
+        // While one of several windows is stepped, the history has births of the others, too.
+        // Some of these may be later than now, but all are later than the start of the common step,
+        // so those before the first that is too old are too old as well.
+        let past = self.history.iter().rev().take_while(|&&(_, time)| time > left_s);
+        let past = past.filter(|(position, _)| patch.index(*position).is_some());
+        let past = past.map(|&(position, time)| Birth {
+            position,
+            time: if time > since_s { BirthTime::Recent } else { BirthTime::Old },
+        });
+        let max_windows = if matches!(level.method, StepMethod::Blocks) { 1 } else { MAX_WINDOWS };
+        clusters::windows(past.chain(coming), level.margins, patch, top, max_windows)
     }
 
-    /// Whether a long step of a patch with shorter steps in a window costs sufficiently less than
+    /// Whether a long step of a patch with shorter steps in windows costs sufficiently less than
     /// shorter steps of the whole patch, in voxels times sweeps.
-    fn saves_time(&self, window: Window, patch: &Patch, level: usize, seconds: f64) -> bool {
+    fn saves_time(&self, windows: &[Window], patch: &Patch, level: usize, seconds: f64) -> bool {
         let (long, short) =
             (&self.levels[level], self.levels[level - 1].stages_per_second() * seconds);
-        let (whole, part) = (patch.shape.len() as f64, window.shape.len() as f64);
+        let part = windows.iter().map(|window| window.shape.len()).sum::<usize>() as f64;
+        let whole = patch.shape.len() as f64;
         let copy =
             if matches!(long.method, StepMethod::Blocks) { REGION_STAGES } else { COPY_STAGES };
         whole * long.stages() + part * (short + copy) < MAX_WINDOW_COST * whole * short

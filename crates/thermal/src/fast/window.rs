@@ -27,26 +27,18 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// The smallest window around some voxels with margins in x and y, and in z, cut off at the
-    /// borders of a patch; `None` if there are no voxels.
+    /// The smallest window around a box of voxels with margins in x and y, and in z, cut off at the
+    /// borders of a patch.
     ///
-    /// Voxels are given by their positions in the part's patch, whose rows from `top` on are empty.
+    /// The box is given by its lowest and its highest voxel, as positions in the part's patch,
+    /// whose rows from `top` on are empty.
     pub(super) fn around(
-        voxels: impl Iterator<Item = [usize; 3]>,
+        low: [usize; 3],
+        high: [usize; 3],
         margins: [usize; 2],
         patch: &Patch,
         top: usize,
-    ) -> Option<Self> {
-        let (mut low, mut high) = ([usize::MAX; 3], [0; 3]);
-        for position in voxels {
-            for axis in 0..3 {
-                low[axis] = low[axis].min(position[axis]);
-                high[axis] = high[axis].max(position[axis]);
-            }
-        }
-        if low[0] == usize::MAX {
-            return None;
-        }
+    ) -> Self {
         // Above everything that is printed, or will be in this step, one row of halo suffices.
         let above = top.max(high[2] + 1) + 1;
         let [row_len, planes, rows] = patch.shape.sizes();
@@ -67,7 +59,16 @@ impl Window {
             size[axis] = to.min(ends[axis]) - origin[axis];
         }
         let [row_len, planes, rows] = size;
-        Some(Self { origin, shape: Shape { row_len, rows, planes } })
+        Self { origin, shape: Shape { row_len, rows, planes } }
+    }
+
+    /// Whether some voxel, halo included, belongs to both windows.
+    pub(super) fn overlaps(&self, other: &Self) -> bool {
+        let (sizes, others) = (self.shape.sizes(), other.shape.sizes());
+        (0..3).all(|axis| {
+            self.origin[axis] < other.origin[axis] + others[axis]
+                && other.origin[axis] < self.origin[axis] + sizes[axis]
+        })
     }
 }
 
