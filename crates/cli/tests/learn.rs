@@ -186,3 +186,41 @@ fn configurations_of_ablations_differ_only_in_the_omitted_part() {
         assert_eq!(other, small, "{name}");
     }
 }
+
+#[test]
+fn policy_is_trained_for_a_part_and_continued() {
+    let folder = tempdir().unwrap();
+    let config = folder.path().join("ppo.toml");
+    let text_of = "steps = 96\nenvironments = 4\nrollout = 8\nevaluate_every = 4\nwindow = 6\n\
+                   [network]\nkind = \"fields\"\nvolume = [4]\nimage = [4]\nunits = 8\n";
+    fs::write(&config, text_of).unwrap();
+    let (config, out) = (text(&config), folder.path().join("run"));
+    let part = ["train", "ppo", "example:u-shape", "--scale", "0.25", "--max-time", "1.05"];
+    let words = |steps: &'static str| [&part[..], &["--config", config, "--steps", steps]].concat();
+    let train = [&words("96")[..], &["--out", text(&out)]].concat();
+    let done = json(&train);
+    assert_eq!((&done["end"], &done["steps"]), (&"done".into(), &96.into()), "{done}");
+    let plan = &done["plan"];
+    let layers = plan["orders"].as_array().unwrap().len() as u64;
+    assert_eq!(done["episodes"], 4 * (24 / layers), "{done}");
+    let (reward, conventional) = (&plan["reward"], done["conventional_reward"].as_f64().unwrap());
+    let gain = 100.0 * (reward.as_f64().unwrap() / conventional - 1.0);
+    assert!((gain + plan["gain_percent"].as_f64().unwrap()).abs() < 1e-6, "{done}");
+    let rows = |name: &str| fs::read_to_string(out.join(name)).unwrap().lines().count() as u64;
+    assert_eq!(rows("updates.csv"), 1 + 3);
+    assert_eq!(rows("episodes.csv"), 1 + done["episodes"].as_u64().unwrap());
+    assert!(rows("evaluations.csv") >= 2);
+
+    // Nothing is left to do, and nothing is overwritten.
+    let tables = ["updates.csv", "episodes.csv", "evaluations.csv"].map(|name| out.join(name));
+    let before = tables.each_ref().map(|table| fs::read(table).unwrap());
+    let again = json(&[&train[..], &["--resume"]].concat());
+    assert_eq!(again["plan"], done["plan"]);
+    assert!(tables.each_ref().map(|table| fs::read(table).unwrap()) == before);
+    let error = fail(&train);
+    assert!(error.contains("--resume"), "{error}");
+    let error = fail(&[&words("128")[..], &["--out", text(&out), "--resume"]].concat());
+    assert!(error.contains("it has 'steps = 96', this run has 'steps = 128'"), "{error}");
+    let error = fail(&[&words("8")[..], &["--out", text(&folder.path().join("other"))]].concat());
+    assert!(error.contains("steps is 8"), "{error}");
+}

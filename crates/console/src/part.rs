@@ -10,7 +10,7 @@ use beadwork_grid::Zones;
 use beadwork_mesh::{
     Bounds, Example, Format, MaterialRule, Model, Placement, ReadLimits, RepairSettings, Transform,
 };
-use beadwork_part::slice::{Cut, FillRule, Layers, Settings};
+use beadwork_part::slice::{Cut, FillRule, Layers, Settings, Voxels};
 use clap::ValueEnum;
 use rayon::ThreadPool;
 
@@ -175,6 +175,23 @@ pub struct Part {
     pub remarks: Vec<String>,
     /// Bounding box of the placed mesh, in mm.
     pub bounds: Bounds,
+}
+
+impl Part {
+    /// The part's name and its voxels, without empty layers below and above.
+    ///
+    /// Reports on stderr if the part is lowered to the plate.
+    ///
+    /// # Errors
+    /// If a layer between others is empty.
+    pub fn printed_voxels(self) -> anyhow::Result<(String, Voxels)> {
+        check_layers(&self.layers)?;
+        report_lowering(&self.layers);
+        let below = self.layers.empty_below();
+        let last = self.layers.layers.iter().rposition(Option::is_some).unwrap_or(0);
+        let layers = self.layers.layers[below..=last].to_vec();
+        Ok((self.name, Layers { frame: self.layers.frame, layers }.voxels()))
+    }
 }
 
 impl PartArgs {

@@ -7,12 +7,11 @@ use std::sync::Arc;
 use anyhow::{Context, anyhow, bail};
 use beadwork_base::{Control, Threads};
 use beadwork_console::control;
-use beadwork_console::part::{check_layers, report_lowering};
 use beadwork_console::progress::ProgressBar;
 use beadwork_console::text::count;
 use beadwork_gcode::{MotionLimits, Program, UnknownCommand};
 use beadwork_part::print;
-use beadwork_part::slice::{Layers, Voxels};
+use beadwork_part::slice::Voxels;
 use beadwork_part::{Frame, Order as LayerOrder};
 use beadwork_thermal::Simulation;
 use beadwork_thermal::program::{
@@ -148,13 +147,7 @@ fn stem(path: &Path) -> String {
 
 fn load_part(args: &Args, settings: &print::Settings) -> anyhow::Result<(String, Voxels)> {
     let pool = control::pool(0)?;
-    let part = args.part.load(settings.printer.bed_mm, &pool)?;
-    check_layers(&part.layers)?;
-    report_lowering(&part.layers);
-    let below = part.layers.empty_below();
-    let last = part.layers.layers.iter().rposition(Option::is_some).unwrap_or(0);
-    let layers = part.layers.layers[below..=last].to_vec();
-    Ok((part.name, Layers { frame: part.layers.frame, layers }.voxels()))
+    args.part.load(settings.printer.bed_mm, &pool)?.printed_voxels()
 }
 
 fn part_of(program: &Program) -> anyhow::Result<Voxels> {

@@ -1,7 +1,10 @@
-//! `train`: networks trained from recorded searches.
+//! `train`: networks trained from recorded searches, or by acting.
 
 pub(crate) mod fusion;
 mod log;
+pub(crate) mod ppo;
+mod ppo_log;
+mod table;
 mod tensorboard;
 
 use beadwork_console::memory;
@@ -17,11 +20,13 @@ pub(crate) struct Args {
 #[derive(Subcommand)]
 enum Network {
     Fusion(fusion::Args),
+    Ppo(ppo::Args),
 }
 
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     memory::keep_freed();
     match &args.network {
         Network::Fusion(args) => fusion::run(args),
+        Network::Ppo(args) => ppo::run(args),
     }
 }

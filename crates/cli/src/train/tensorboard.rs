@@ -4,7 +4,26 @@
 //! Each record is an `Event` message of TensorFlow's event.proto: its time, its step, and a summary
 //! of named values.
 
-use std::io::{self, Write};
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use anyhow::Context;
+
+/// A new event file in a folder.
+pub(super) fn events_in(folder: &Path) -> anyhow::Result<Events<BufWriter<File>>> {
+    // TensorBoard reads all files with `tfevents` in their names, in this order.
+    let name = format!("events.out.tfevents.{:010}.beadwork", now() as u64);
+    let file = OpenOptions::new().create(true).write(true).truncate(true).open(folder.join(name));
+    let file = file.with_context(|| format!("cannot write to '{}'", folder.display()))?;
+    Ok(Events::new(BufWriter::new(file), now())?)
+}
+
+/// Seconds since 1970-01-01.
+pub(super) fn now() -> f64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64())
+}
 
 /// An event file.
 pub(super) struct Events<W> {

@@ -31,10 +31,15 @@ impl Space {
 
     /// Whether an observation has the form of this space and permits an action.
     pub fn fits(&self, observation: &Observation) -> bool {
-        let sizes = self.observation.iter().map(|shape| shape.iter().product::<i64>() as usize);
-        sizes.eq(observation.tensors.iter().map(Vec::len))
+        self.has_shapes_of(observation)
             && observation.permitted.len() == self.actions
             && observation.permitted.contains(&true)
+    }
+
+    /// Whether the tensors of an observation have the shapes of this space.
+    pub(super) fn has_shapes_of(&self, observation: &Observation) -> bool {
+        let sizes = self.observation.iter().map(|shape| shape.iter().product::<i64>() as usize);
+        sizes.eq(observation.tensors.iter().map(Vec::len))
     }
 }
 

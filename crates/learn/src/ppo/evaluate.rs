@@ -35,11 +35,10 @@ impl Evaluation {
 ///
 /// Every episode has its own environment, from `make`; they are stepped together on the threads of
 /// `control`.
-/// Returns an error if `control` interrupts the call.
+/// Returns an error if `control` interrupts the call, and never if an episode does not end.
 ///
 /// # Panics
-/// If an environment never ends an episode, the call does not return; it panics if the network's
-/// output is not finite.
+/// If the network's output is not finite.
 pub fn evaluate<E: Environment>(
     make: &dyn Fn() -> E,
     network: &dyn ActorCritic,

@@ -77,6 +77,10 @@ impl<E: Environment> Worker<E> {
 
     pub(super) fn step(&mut self, action: usize) -> Outcome {
         let Step { observation, reward, end } = self.environment.step(action);
+        assert!(
+            self.space.has_shapes_of(&observation),
+            "an observation does not have the form of its environment's space"
+        );
         self.position.actions.push(action as u32);
         self.episode_return += reward;
         let Some(ended) = end else {
@@ -102,7 +106,7 @@ impl<E: Environment> Worker<E> {
     fn observe(&mut self, observation: Observation) {
         assert!(
             self.space.fits(&observation),
-            "an observation does not have the form of its environment's space"
+            "an observation does not have the form of its environment's space, or permits no action"
         );
         self.observation = observation;
     }
