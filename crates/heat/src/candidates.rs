@@ -1,0 +1,65 @@
+//! The orders that planners choose from.
+
+use std::collections::HashSet;
+
+use beadwork_base::named_enum;
+use beadwork_grid::{Cell, Region};
+use beadwork_part::{LineOrder, Order, Pattern, Sequence, Stride};
+
+/// Strides of the interleaved and scattered orders of lines.
+const STRIDES: std::ops::RangeInclusive<u32> = 2..=15;
+
+/// A set of named orders.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum OrderSet {
+    /// The 38 patterns.
+    Patterns,
+    /// Interleaved and scattered orders of lines with strides 2 to 15, golden and bit-reversed
+    /// ones, along both axes and from all corners.
+    Lines,
+    /// Both: 278 orders.
+    All,
+}
+
+named_enum! {
+    OrderSet, "set of orders":
+    Patterns = "patterns",
+    Lines = "lines",
+    All = "all",
+}
+
+impl OrderSet {
+    /// The orders of the set.
+    /// Patterns come first, and the conventional order is always among them.
+    pub fn orders(self) -> Vec<Order> {
+        let mut orders: Vec<Order> = match self {
+            Self::Lines => vec![Order::CONVENTIONAL],
+            Self::Patterns | Self::All => Pattern::ALL.map(Order::from).to_vec(),
+        };
+        if self != Self::Patterns {
+            let strides = STRIDES.filter_map(|k| Stride::new(k).ok());
+            let sequences = strides
+                .flat_map(|k| [Sequence::Interleaved(k), Sequence::Scattered(k)])
+                .chain([Sequence::Golden, Sequence::BitReversed]);
+            orders.extend(sequences.flat_map(LineOrder::all_of).map(Order::from));
+        }
+        orders
+    }
+}
+
+/// A named order of one layer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Candidate {
+    pub(crate) order: Order,
+    pub(crate) cells: Vec<Cell>,
+}
+
+/// The distinct orders of a layer's cells, each under the first name that it has; the conventional
+/// one comes first.
+pub(crate) fn candidates(orders: &[Order], region: &Region) -> Vec<Candidate> {
+    let mut seen = HashSet::new();
+    let all = [Order::CONVENTIONAL].into_iter().chain(orders.iter().copied());
+    all.map(|order| Candidate { order, cells: order.order(region) })
+        .filter(|candidate| seen.insert(candidate.cells.clone()))
+        .collect()
+}

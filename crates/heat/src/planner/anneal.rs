@@ -1,0 +1,114 @@
+//! Simulated annealing of the order of a layer's lines.
+
+use beadwork_base::Control;
+use beadwork_grid::Cell;
+use beadwork_part::{Ends, Lines};
+use rand::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// How the order of a layer's lines is annealed.
+///
+/// Construct it with `..Annealing::default()`: fields may be added.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Annealing {
+    /// Independent runs per layer, at least 1; the model decides between their results.
+    pub runs: usize,
+    /// Orders that each run tries.
+    pub trials: usize,
+    /// Time before the end of a layer in which lines are permuted, s: earlier ones hardly matter
+    /// for the temperatures at its end, but for those on the way.
+    pub tail_s: f64,
+    /// Temperature at the start, as a share of the layer's cost.
+    pub start: f64,
+    /// Temperature at the end, as a share of the layer's cost.
+    pub end: f64,
+}
+
+impl Default for Annealing {
+    fn default() -> Self {
+        Self { runs: 2, trials: 400, tail_s: 15.0, start: 0.01, end: 0.0005 }
+    }
+}
+
+/// What is annealed.
+pub(super) struct Problem<'a, C> {
+    pub(super) lines: &'a Lines,
+    /// The order to start from.
+    pub(super) start: &'a [usize],
+    /// Number of lines at its end that may be permuted.
+    pub(super) tail: usize,
+    pub(super) ends: Ends,
+    /// Cost of an order of cells.
+    pub(super) cost: &'a C,
+}
+
+/// Returns the cheapest order of lines that a run finds.
+///
+/// An interrupted run returns the cheapest so far.
+pub(super) fn anneal<C: Fn(&[Cell]) -> f64>(
+    problem: &Problem<'_, C>,
+    settings: &Annealing,
+    seed: u64,
+    control: &Control<'_>,
+) -> Vec<usize> {
+    let Problem { lines, start, tail, ends, cost } = *problem;
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let mut current = start.to_vec();
+    let first = current.len() - tail;
+    if tail < 2 {
+        return current;
+    }
+    let mut current_cost = cost(&lines.flatten(&current, ends));
+    let (mut best, mut best_cost) = (current.clone(), current_cost);
+    let mut next = current.clone();
+    let scale = current_cost;
+    for trial in 0..settings.trials {
+        if control.interrupted().is_some() {
+            break;
+        }
+        let progress = trial as f64 / settings.trials as f64;
+        let share = settings.start * libm::pow(settings.end / settings.start, progress);
+        next.copy_from_slice(&current);
+        mutate(&mut next[first..], &mut rng);
+        let next_cost = cost(&lines.flatten(&next, ends));
+        // A worse order is accepted with the probability exp(-difference / temperature).
+        let accepted = -scale * share * libm::log(unit(&mut rng).max(f64::MIN_POSITIVE));
+        if next_cost <= current_cost + accepted {
+            std::mem::swap(&mut current, &mut next);
+            current_cost = next_cost;
+            if current_cost < best_cost {
+                best_cost = current_cost;
+                best.copy_from_slice(&current);
+            }
+        }
+    }
+    best
+}
+
+/// Changes an order of lines a little, more often near its end, on which the temperatures at the
+/// end depend most.
+fn mutate(order: &mut [usize], rng: &mut Xoshiro256PlusPlus) {
+    let count = order.len();
+    let mut position = || {
+        let share = unit(rng);
+        count - 1 - ((share * share * share) * count as f64) as usize
+    };
+    let (a, b) = (position(), position());
+    let (first, last) = (a.min(b), a.max(b));
+    match below(rng, 4) {
+        0 => order[first..=last].rotate_left(1),
+        1 => order[first..=last].rotate_right(1),
+        2 => order.swap(a, b),
+        _ => order[first..=last].reverse(),
+    }
+}
+
+/// A random number in 0..1 with 53 bits.
+fn unit(rng: &mut Xoshiro256PlusPlus) -> f64 {
+    (rng.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// A random number below `count`.
+fn below(rng: &mut Xoshiro256PlusPlus, count: usize) -> usize {
+    (((rng.next_u64() >> 32) * count as u64) >> 32) as usize
+}

@@ -1,0 +1,60 @@
+//! The same order in every layer.
+
+use std::collections::HashSet;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use beadwork_base::Control;
+use beadwork_part::Order;
+use beadwork_search::Stop;
+use beadwork_thermal::simulation::DepositError;
+
+use super::Settings;
+use super::setup::{check_time, conventional};
+use crate::model::ThermalModel;
+use crate::plan::{HeatPlan, PlanError, drafts_seconds, follow, regions, same_order_drafts};
+
+/// Deposits the whole part once in each named order that is within the limit, and returns the
+/// cheapest plan.
+pub(super) fn solve<M: ThermalModel>(
+    model: &M,
+    settings: &Settings,
+    control: &Control<'_>,
+) -> Result<HeatPlan, PlanError> {
+    let regions = regions(model.part())?;
+    let mut seen = HashSet::new();
+    let mut plans = Vec::new();
+    for &order in [Order::CONVENTIONAL].iter().chain(&settings.orders) {
+        let drafts = same_order_drafts(order, &regions);
+        let cells: Vec<_> = drafts.iter().map(|draft| draft.cells.clone()).collect();
+        let seconds = drafts_seconds(model, cells.iter().map(Vec::as_slice));
+        if seconds <= settings.max_seconds && seen.insert(cells) {
+            plans.push(drafts);
+        }
+    }
+    let (done, total) = (AtomicUsize::new(0), plans.len() * regions.len());
+    let own = control.on_one_thread().without_progress();
+    let followed = control.threads.map(&plans, |drafts| {
+        let plan = follow(model, drafts.clone(), &own);
+        control.report(done.fetch_add(regions.len(), Ordering::Relaxed) + regions.len(), total);
+        plan
+    });
+    let mut best: Option<HeatPlan> = None;
+    let (mut stop, mut deposited_layers) = (Stop::Done, 0);
+    for plan in followed {
+        match plan {
+            Ok(plan) => {
+                deposited_layers += plan.deposited_layers;
+                if best.as_ref().is_none_or(|best| plan.cost() < best.cost()) {
+                    best = Some(plan);
+                }
+            }
+            Err(PlanError::Deposit(DepositError::Interrupted(reason))) => stop = reason.into(),
+            Err(error) => return Err(error),
+        }
+    }
+    let best = match best {
+        Some(best) => HeatPlan { deposited_layers, ..best },
+        None => follow(model, conventional(&regions), &Control::default())?,
+    };
+    check_time(HeatPlan { stop, ..best }, settings.max_seconds)
+}

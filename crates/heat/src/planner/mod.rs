@@ -1,0 +1,116 @@
+//! Planners: how the order of each layer is chosen.
+
+mod anneal;
+mod beam;
+mod constant;
+mod greedy;
+mod lines;
+mod refine;
+mod setup;
+
+use beadwork_base::{Control, named_enum};
+use beadwork_part::Order;
+
+use crate::candidates::OrderSet;
+use crate::model::ThermalModel;
+use crate::plan::{HeatPlan, PlanError, regions};
+
+pub use self::anneal::Annealing;
+
+/// How the orders of the layers are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Planner {
+    /// The conventional order in every layer.
+    Conventional,
+    /// The same order in every layer: the best one for the whole part.
+    Constant,
+    /// Layer by layer, the best order now.
+    Greedy,
+    /// The best of several sequences of orders, which are extended layer by layer.
+    Beam,
+    /// Orders of lines: a proxy picks candidates, the model decides, and the order of the lines is
+    /// annealed.
+    Lines,
+}
+
+named_enum! {
+    Planner, "planner":
+    Conventional = "conventional",
+    Constant = "constant",
+    Greedy = "greedy",
+    Beam = "beam",
+    Lines = "lines",
+}
+
+/// How a part is planned.
+///
+/// Construct it with `..Settings::default()`: fields may be added.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// How orders are chosen.
+    pub planner: Planner,
+    /// The named orders to choose from; the conventional one is always added.
+    pub orders: Vec<Order>,
+    /// Maximum printing time of the whole part, s, with travel; infinite for none.
+    pub max_seconds: f64,
+    /// Sequences that [`Planner::Beam`] keeps, at least 1.
+    pub beam_width: usize,
+    /// Orders of a layer that [`Planner::Lines`] tries on the model, at least 1.
+    pub screened: usize,
+    /// How [`Planner::Lines`] improves the order of the lines of each layer; `None` leaves it as it
+    /// is.
+    pub annealing: Option<Annealing>,
+    /// Seed of all random choices.
+    pub seed: u64,
+}
+
+impl Default for Settings {
+    /// `lines` with all named orders, annealing, and no limit on the printing time.
+    fn default() -> Self {
+        Self {
+            planner: Planner::Lines,
+            orders: OrderSet::All.orders(),
+            max_seconds: f64::INFINITY,
+            beam_width: 8,
+            screened: 10,
+            annealing: Some(Annealing::default()),
+            seed: 0,
+        }
+    }
+}
+
+/// Plans a part: chooses the order of each layer.
+///
+/// `model` is a print of which nothing is deposited yet.
+/// The result is the same on any number of threads.
+/// Progress counts layers.
+///
+/// # Interruption
+/// Layers that were not planned by then are printed in the conventional order, and
+/// [`HeatPlan::stop`] says why; the call still deposits each of them once.
+///
+/// # Errors
+/// [`PlanError::TooSlow`] if no plan within the limit on the printing time is found.
+/// The conventional plan is always found.
+///
+/// # Panics
+/// If a setting that must be at least 1 is 0.
+pub fn plan<M: ThermalModel>(
+    model: &M,
+    settings: &Settings,
+    control: &Control<'_>,
+) -> Result<HeatPlan, PlanError> {
+    match settings.planner {
+        Planner::Conventional => {
+            let drafts = setup::conventional(&regions(model.part())?);
+            setup::check_time(setup::finish(model, drafts, control)?, settings.max_seconds)
+        }
+        Planner::Constant => constant::solve(model, settings, control),
+        Planner::Greedy => greedy::solve(model, settings, control),
+        Planner::Beam => beam::solve(model, settings, control),
+        Planner::Lines => lines::solve(model, settings, control),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,126 @@
+//! What planners have in common.
+
+use beadwork_base::{Control, Interrupted};
+use beadwork_grid::{Cell, Region};
+use beadwork_part::Order;
+use beadwork_search::Stop;
+
+use crate::allotment::{Allotment, Choice, allot};
+use crate::candidates::{Candidate, candidates};
+use crate::model::ThermalModel;
+use crate::plan::{Draft, HeatPlan, PlanError, drafts_seconds, follow, same_order_drafts};
+
+/// Attempts to bring the printing time below its limit.
+const ATTEMPTS: usize = 8;
+
+/// Options of a layer, with what the model or the proxy says about them.
+pub(super) struct Options {
+    pub(super) candidates: Vec<Candidate>,
+    /// In the order of the candidates; the cost is infinite for those that were not tried.
+    pub(super) choices: Vec<Choice>,
+}
+
+impl Options {
+    /// The distinct candidates of a layer, with their times.
+    pub(super) fn new<M: ThermalModel>(
+        model: &M,
+        layer: u32,
+        region: &Region,
+        orders: &[Order],
+        control: &Control<'_>,
+    ) -> Self {
+        let candidates = candidates(orders, region);
+        let seconds = |candidate: &Candidate| model.order_seconds(layer, &candidate.cells);
+        let seconds = control.threads.map(&candidates, seconds);
+        let choices =
+            seconds.into_iter().map(|seconds| Choice { cost: f64::INFINITY, seconds }).collect();
+        Self { candidates, choices }
+    }
+
+    /// The cells of each candidate.
+    pub(super) fn cells(&self) -> Vec<&[Cell]> {
+        self.candidates.iter().map(|candidate| &candidate.cells[..]).collect()
+    }
+
+    /// The draft of a candidate.
+    pub(super) fn draft(&self, index: usize) -> Draft {
+        let Candidate { order, cells } = &self.candidates[index];
+        Draft { cells: cells.clone(), order: Some(*order) }
+    }
+}
+
+/// One option of each layer, `None` for layers without cells, such that the part is printed within
+/// `limit`; with the price of time.
+///
+/// Times of options include travel from where the nozzle was when they were computed, so the limit
+/// is lowered by what the whole sequence takes longer, and tried again.
+pub(super) fn choose<M: ThermalModel>(
+    model: &M,
+    layers: &[Option<Options>],
+    limit: f64,
+) -> Option<Allotment> {
+    let tables: Vec<Vec<Choice>> =
+        layers.iter().flatten().map(|options| options.choices.clone()).collect();
+    let mut allowed = limit;
+    for _ in 0..ATTEMPTS {
+        let allotment = allot(&tables, allowed)?;
+        let drafts = drafts(layers, &allotment.taken);
+        let seconds = drafts_seconds(model, drafts.iter().map(|draft| &draft.cells[..]));
+        if seconds <= limit {
+            return Some(allotment);
+        }
+        allowed -= (seconds - limit) * 1.01;
+    }
+    None
+}
+
+/// The drafts of the options taken.
+pub(super) fn drafts(layers: &[Option<Options>], taken: &[usize]) -> Vec<Draft> {
+    let mut taken = taken.iter();
+    let draft = |options: &Option<Options>| match options {
+        Some(options) => options.draft(*taken.next().expect("one option per layer with cells")),
+        None => Draft::default(),
+    };
+    layers.iter().map(draft).collect()
+}
+
+/// The conventional order of every layer.
+pub(super) fn conventional(regions: &[Option<Region>]) -> Vec<Draft> {
+    same_order_drafts(Order::CONVENTIONAL, regions)
+}
+
+/// The plan of an interrupted search: the cheapest options of the layers that were searched, and
+/// the conventional order in those above; or everywhere, if that takes too long.
+pub(super) fn complete_interrupted<M: ThermalModel>(
+    model: &M,
+    layers: &[Option<Options>],
+    regions: &[Option<Region>],
+    limit: f64,
+    reason: Interrupted,
+) -> Result<HeatPlan, PlanError> {
+    let taken = choose(model, layers, f64::INFINITY).map_or_else(Vec::new, |found| found.taken);
+    let mut all = drafts(layers, &taken);
+    all.extend(conventional(&regions[layers.len()..]));
+    if drafts_seconds(model, all.iter().map(|draft| &draft.cells[..])) > limit {
+        all = conventional(regions);
+    }
+    let plan = follow(model, all, &Control::default())?;
+    check_time(HeatPlan { stop: reason.into(), ..plan }, limit)
+}
+
+/// Deposits drafts whether or not the call is interrupted; the plan says if it was.
+pub(super) fn finish<M: ThermalModel>(
+    model: &M,
+    drafts: Vec<Draft>,
+    control: &Control<'_>,
+) -> Result<HeatPlan, PlanError> {
+    let uninterrupted = Control { cancel: None, time_is_up: None, ..*control };
+    let plan = follow(model, drafts, &uninterrupted)?;
+    Ok(HeatPlan { stop: control.interrupted().map_or(Stop::Done, Stop::from), ..plan })
+}
+
+/// The plan, if it is printed within the limit.
+pub(super) fn check_time(plan: HeatPlan, limit: f64) -> Result<HeatPlan, PlanError> {
+    let fastest = plan.seconds();
+    if fastest <= limit { Ok(plan) } else { Err(PlanError::TooSlow { limit, fastest }) }
+}
