@@ -1,4 +1,4 @@
-//! Means, their confidence intervals, and medians.
+//! Means, their confidence intervals, medians, and rank correlations.
 
 use std::fmt;
 
@@ -15,6 +15,32 @@ pub(crate) fn mean(values: impl Iterator<Item = f64>) -> f64 {
 pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
+}
+
+/// Spearman's rank correlation: the correlation of ranks, where equal values share their mean rank.
+///
+/// Not a number if all values of one side are equal, or there are none.
+pub(crate) fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
+    let (a, b) = (ranks(a), ranks(b));
+    let (mean_a, mean_b) = (mean(a.iter().copied()), mean(b.iter().copied()));
+    let (mut product, mut square_a, mut square_b) = (0.0, 0.0, 0.0);
+    for (a, b) in a.iter().zip(&b) {
+        let (a, b) = (a - mean_a, b - mean_b);
+        product += a * b;
+        square_a += a * a;
+        square_b += b * b;
+    }
+    product / (square_a * square_b).sqrt()
+}
+
+/// For each value, half of the number of smaller values and of those that are not larger.
+fn ranks(values: &[f64]) -> Vec<f64> {
+    let rank = |value: &f64| {
+        let smaller = values.iter().filter(|&other| other < value).count();
+        let not_larger = values.iter().filter(|&other| other <= value).count();
+        (smaller + not_larger) as f64 / 2.0
+    };
+    values.iter().map(rank).collect()
 }
 
 /// A mean with its 95 % confidence interval, from `mean - half_width` to `mean + half_width`.
@@ -96,6 +122,22 @@ mod tests {
             |values: &[f64], expected: f64| median(values.to_vec()).total_cmp(&expected).is_eq();
         assert!(median_is(&[3.0, 1.0, 2.0], 2.0));
         assert!(median_is(&[4.0, 1.0, 3.0, 2.0], 3.0));
+    }
+
+    #[test]
+    fn rank_correlations_ignore_scale_and_share_ranks() {
+        let is = |a: &[f64], b: &[f64], expected: f64| {
+            let rho = rank_correlation(a, b);
+            assert!((rho - expected).abs() < 1e-12, "{rho}");
+        };
+        is(&[1.0, 2.0, 3.0], &[1.0, 10.0, 1e6], 1.0);
+        is(&[1.0, 2.0, 3.0], &[3.0, 2.0, -1.0], -1.0);
+        // Without ties, 1 - 6 Σ d² / (n (n² - 1)).
+        is(&[1.0, 2.0, 3.0, 4.0, 5.0], &[2.0, 1.0, 4.0, 3.0, 5.0], 1.0 - 6.0 * 4.0 / 120.0);
+        // The ranks of 1, 1, 2 are 1.5, 1.5 and 3.
+        is(&[1.0, 1.0, 2.0], &[1.0, 2.0, 3.0], 0.75_f64.sqrt());
+        assert!(rank_correlation(&[1.0, 1.0], &[1.0, 2.0]).is_nan());
+        assert!(rank_correlation(&[], &[]).is_nan());
     }
 
     #[test]

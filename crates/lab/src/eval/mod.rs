@@ -6,6 +6,7 @@ mod fusion;
 mod parts;
 mod store;
 mod thermal;
+mod warpage;
 mod zones;
 
 use clap::Subcommand;
@@ -26,6 +27,7 @@ enum Command {
     Zones(zones::ZonesArgs),
     Parts(parts::PartsArgs),
     Thermal(thermal::ThermalArgs),
+    Warpage(warpage::WarpageArgs),
     Beads(beads::BeadsArgs),
     #[cfg(feature = "learn")]
     Fusion(fusion::FusionArgs),
@@ -37,6 +39,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         Command::Zones(args) => zones::run(args),
         Command::Parts(args) => parts::run(args),
         Command::Thermal(args) => thermal::run(args),
+        Command::Warpage(args) => warpage::run(args),
         Command::Beads(args) => beads::run(args),
         #[cfg(feature = "learn")]
         Command::Fusion(args) => fusion::run(args),

@@ -76,8 +76,8 @@ fn rewards(text: &mut String, rows: &[PartRow]) -> Result {
 fn plans(text: &mut String, rows: &[PartRow]) -> Result {
     *text += "\nThe three plans: maximum thermal deviation on the central section one second \
               after the end, printing time, and estimated lift of the corners. The estimate \
-              improves with the temperature on which beads are deposited, not with uniform \
-              temperatures, so it may rank plans differently from the reward.\n\n\
+              depends on the direction of lines more than on temperatures, so it may rank \
+              plans differently from the reward.\n\n\
               | part | plan | deviation, K | paper's deviation, K | printing time, s \
               | corner lift, mm |\n\
               |---|---|---|---|---|---|\n";
