@@ -28,8 +28,9 @@
 //! - **`warpage`** depends mostly on the direction of lines, of which the other objectives know
 //!   nothing: lines along the shorter side of a plate lift its corners a fraction as much as lines
 //!   along the longer side.
-//!   None of the others stands for it: among the 38 patterns, those with a lower `reward` cost even
-//!   tend to lift more, because those along the longer side are more even.
+//!   None of the others stands for it: of the 38 patterns on a plate, those with a lower `reward`
+//!   cost even tend to lift more, because those along the longer side are more even; on square
+//!   layers, they tend to lift less.
 //!   [`WarpageEstimator`](crate::warpage::WarpageEstimator) describes its limits.
 //!
 //! A pause at each layer's end is a setting of its own ([`Settings::pause_s`]); its time is part of

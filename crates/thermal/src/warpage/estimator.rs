@@ -86,8 +86,8 @@ const MAX_BLOCKS: usize = 96;
 /// smaller, within 1 / m for curvatures of 4 / m.
 /// The direction of lines matters most: lifts of lines along the longer side of a plate are several
 /// times those of lines along the shorter side.
-/// The order of lines and how even temperatures are matter less, and not always in the same
-/// direction.
+/// The order of lines and how even temperatures are matter less: differences between orders of
+/// lines of one direction are within the error of the estimate.
 ///
 /// # Limits
 /// Stress does not relax below Tg.

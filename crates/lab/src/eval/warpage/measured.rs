@@ -131,8 +131,8 @@ pub(super) fn heights(method: Method, control: &Control<'_>) -> anyhow::Result<V
     control.threads.map(&[32, 16, 12, 8, 4, 3, 2, 1], estimate).into_iter().rev().collect()
 }
 
-/// Chooses for each layer, from the bottom up, the pattern after which temperatures deviate least
-/// from their mean.
+/// Chooses for each layer, from the bottom up, the pattern after which the standard deviation of
+/// all temperatures is smallest.
 fn even_plan(
     part: &Arc<Voxels>,
     process: &ProcessParameters,
