@@ -77,7 +77,8 @@ pub(crate) struct Args {
 #[derive(clap::Args)]
 #[group(required = true, multiple = false)]
 struct Source {
-    /// Built-in configuration: small (minutes), paper (a large network and 500,000 steps; days).
+    /// Built-in configuration: small (minutes), paper (each voxel is observed, a large network,
+    /// 500,000 steps; days).
     #[arg(long, value_name = "NAME")]
     preset: Option<Preset>,
     /// Configuration file.
@@ -153,11 +154,7 @@ fn check_folder(out: &Path, resume: bool) -> anyhow::Result<()> {
 }
 
 /// The task of printing a part in one of the given orders in each layer.
-fn task(
-    part: Voxels,
-    orders: &[Order],
-    max_time_ratio: Option<f64>,
-) -> anyhow::Result<Arc<HeatTask>> {
+fn task(part: Voxels, orders: &[Order], settings: &HeatSettings) -> anyhow::Result<Arc<HeatTask>> {
     let cells = |layer| {
         let region = part.region(layer)?;
         Ok(orders.iter().map(|order| order.order(&region)).collect())
@@ -165,8 +162,7 @@ fn task(
     let cells = (0..part.depth).map(cells).collect::<anyhow::Result<Vec<_>>>()?;
     let (material, process) = (ThermalMaterial::abs(), ProcessParameters::default());
     let unprinted = Simulation::new(Arc::new(part), &material, &process, Method::default())?;
-    let settings = HeatSettings { max_time_ratio, ..HeatSettings::default() };
-    Ok(Arc::new(HeatTask::new(unprinted, cells, &settings)?))
+    Ok(Arc::new(HeatTask::new(unprinted, cells, settings)?))
 }
 
 /// A plan of all layers.
@@ -203,10 +199,15 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     config.seed = args.seed.unwrap_or(config.seed);
     config.check()?;
     let pool = control::pool(args.threads)?;
-    let settings = args.printer.load()?;
-    let (name, part) = args.part.load(settings.printer.bed_mm, &pool)?.printed_voxels()?;
+    let bed_mm = args.printer.load()?.printer.bed_mm;
+    let (name, part) = args.part.load(bed_mm, &pool)?.printed_voxels()?;
     let orders = args.orders.list();
-    let task = task(part, &orders, args.max_time)?;
+    let observed = match args.source.preset {
+        Some(Preset::Paper) => HeatSettings::paper(),
+        _ => HeatSettings::default(),
+    };
+    let settings = HeatSettings { max_time_ratio: args.max_time, ..observed };
+    let task = task(part, &orders, &settings)?;
     check_folder(&args.out, args.resume)?;
     fs::create_dir_all(&args.out)
         .with_context(|| format!("cannot create '{}'", args.out.display()))?;
@@ -256,11 +257,29 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         return Err(error.context(format!("cannot log to '{}'", args.out.display())));
     }
     let end = end?;
-    let seconds = begin.elapsed().as_secs_f64();
+    let done = Done { name, end, steps, episodes, seconds: begin.elapsed().as_secs_f64() };
+    report(args, &task, &orders, &done)
+}
+
+/// What a run did.
+struct Done {
+    /// Name of the part.
+    name: String,
+    end: End,
+    steps: u64,
+    episodes: u64,
+    seconds: f64,
+}
+
+/// Reports a run, and the plan of its best policy.
+fn report(args: &Args, task: &Arc<HeatTask>, orders: &[Order], done: &Done) -> anyhow::Result<()> {
+    let Done { name, end, steps, episodes, seconds } = done;
+    let conventional = task.baseline_reward();
+    let percent = |gain: f64| -100.0 * gain / conventional;
     let file = Policy::weights_file(&args.out, Kept::Evaluation);
     let plan = file
         .exists()
-        .then(|| anyhow::Ok(plan(&Policy::open(&args.out, Kept::Evaluation, Device::Cpu)?, &task)))
+        .then(|| anyhow::Ok(plan(&Policy::open(&args.out, Kept::Evaluation, Device::Cpu)?, task)))
         .transpose()?;
     let names = |plan: &Plan| -> Vec<String> {
         plan.actions.iter().map(|&action| orders[action].to_string()).collect()

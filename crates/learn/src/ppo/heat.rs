@@ -41,6 +41,13 @@ impl Default for HeatSettings {
     }
 }
 
+impl HeatSettings {
+    /// Observes each voxel of the part in up to 128 layers below, as the paper does.
+    pub fn paper() -> Self {
+        Self { depth: 128, cell: 1, ..Self::default() }
+    }
+}
+
 /// Candidates for the order of each layer of a part, of which an agent chooses.
 ///
 /// Environments share it by an [`Arc`].

@@ -140,8 +140,11 @@ impl TrainingConfig {
     }
 
     /// The paper's training of a policy for one part, as far as the paper gives it.
+    ///
+    /// Rollouts are short, so that their observations of 128 x 128 x 128 voxels take 2 GB.
     pub fn paper() -> Self {
-        Self { network: NetworkConfig::Fields(FieldsConfig::paper()), ..Self::default() }
+        let network = NetworkConfig::Fields(FieldsConfig::paper());
+        Self { rollout: 32, network, ..Self::default() }
     }
 
     /// A policy for one part on a processor: few channels and few steps.
