@@ -6,6 +6,8 @@ use clap::ValueEnum;
 /// Value of `--accuracy`.
 #[derive(Clone, Copy, ValueEnum)]
 pub enum AccuracyName {
+    /// To compare many orders: accurate only at the end of each layer.
+    Draft,
     /// More accurate than the explicit scheme, in a fraction of its time.
     Standard,
     /// Errors several times smaller.
@@ -15,6 +17,7 @@ pub enum AccuracyName {
 impl From<AccuracyName> for Accuracy {
     fn from(name: AccuracyName) -> Self {
         match name {
+            AccuracyName::Draft => Self::Draft,
             AccuracyName::Standard => Self::Standard,
             AccuracyName::High => Self::High,
         }

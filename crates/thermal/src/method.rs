@@ -37,6 +37,7 @@ impl Default for Method {
 
 beadwork_base::named_enum! {
     Accuracy, "accuracy":
+    Draft = "draft",
     Standard = "standard",
     High = "high",
 }
@@ -48,6 +49,6 @@ mod tests {
     #[test]
     fn accuracies_have_names() {
         assert_eq!("high".parse(), Ok(Accuracy::High));
-        assert_eq!(Accuracy::ALL.map(Accuracy::name), ["standard", "high"]);
+        assert_eq!(Accuracy::ALL.map(Accuracy::name), ["draft", "standard", "high"]);
     }
 }

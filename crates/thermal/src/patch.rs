@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::aligned::{AlignedBuffer, LINE_LEN};
 use crate::coefficients::{Coefficients, VoxelCoefficients};
+use crate::interval::Interval;
 use crate::line_code::LineCode;
 use crate::occupancy::VoxelChange;
 use crate::shape::Shape;
@@ -86,6 +87,23 @@ impl Patch {
     pub(crate) fn block_range(&self, axis: usize, block: usize, block_len: usize) -> Range<usize> {
         let first = (block - 1) * block_len + 1 - self.origin[axis];
         first..(first + block_len).min(self.shape.sizes()[axis] - 1)
+    }
+
+    /// Adds to a new voxel the heat that it would conduct to its neighbours while the nozzle holds
+    /// it, if it is not held: to the voxel below, and to one or two neighbours in the layer (1.5 on
+    /// average).
+    ///
+    /// The temperature of the voxel below stands for all of them.
+    ///
+    /// # Panics
+    /// If the patch does not contain the voxel.
+    pub(crate) fn add_held_heat(&mut self, birth: &Interval, coefficients: &Coefficients) {
+        let Some(position) = birth.held else { return };
+        let index = self.index(position).expect("a window contains all births of its steps");
+        let below = self.theta[index - self.shape.row_len];
+        let conductance = coefficients.vertical + 1.5 * coefficients.lateral;
+        let share = conductance * birth.seconds as f32;
+        self.theta[index] += share * (coefficients.birth_theta - below).max(0.0);
     }
 
     /// Applies changes that births made to coefficients, and sets the temperature of new voxels.

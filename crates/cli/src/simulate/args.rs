@@ -287,6 +287,7 @@ impl Args {
         match (self.method, self.accuracy) {
             (MethodName::Naive, _) => "naive",
             (MethodName::Reference, _) => "reference",
+            (MethodName::Fast, Some(AccuracyName::Draft)) => "fast, draft accuracy",
             (MethodName::Fast, Some(AccuracyName::High)) => "fast, high accuracy",
             (MethodName::Fast, _) => "fast",
         }

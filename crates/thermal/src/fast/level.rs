@@ -13,11 +13,24 @@ use super::chebyshev::Polynomial;
 
 /// Accuracy of the fast method.
 ///
-/// Both settings are checked against a second-order method with four steps per voxel, on the
-/// paper's three kinds of parts and a block; `docs/results/thermal.md` lists the errors.
+/// [`Accuracy::Standard`] and [`Accuracy::High`] are checked against a second-order method with
+/// four steps per voxel, on the paper's three kinds of parts and a block; `docs/results/thermal.md`
+/// lists the errors.
 /// They were tuned on the rectangular part and the block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Accuracy {
+    /// To compare many orders, in a third to a half of the time of [`Accuracy::Standard`].
+    ///
+    /// Accurate only at the end of each call, such as
+    /// [`Simulation::deposit`](crate::Simulation::deposit).
+    /// The last 10 s of the call (with the paper's ABS and voxels) are simulated with standard
+    /// accuracy, and the time before in steps of about 100 births.
+    /// The errors of these steps have spread and decayed by the end, except for a small error of
+    /// the total heat: where a part loses hardly any heat, all temperatures may be off by several
+    /// K. Substrate temperatures ([`crate::interlayer`]) are rough before these last seconds.
+    /// Sampling divides a print into many calls, so it is accurate but takes as long as with
+    /// standard accuracy.
+    Draft,
     /// More accurate than the naive method, in a fraction of its time.
     #[default]
     Standard,
@@ -38,6 +51,9 @@ pub(super) struct Level {
     /// y, and in z.
     /// At least two for steps on blocks, so that births do not change the voxels at the border.
     pub(super) margins: [usize; 2],
+    /// At the lowest level: maximum length of a birth that shares its step with others, s; 0 if
+    /// each birth has steps of its own.
+    pub(super) shared_birth_s: f64,
 }
 
 /// How a step is computed.
@@ -125,13 +141,44 @@ const HIGH: [LevelSpec; 5] = [
     spec(StepKind::Blocks, 381.0, 1.5, 3.0),
 ];
 
+/// Levels of the early part of a call with [`Accuracy::Draft`]: steps of 105, 188 and 564 births.
+/// In the shortest ones, births happen together.
+const EARLY: [LevelSpec; 3] = [
+    spec(StepKind::Chebyshev, 40.0, 0.0, 0.0),
+    spec(StepKind::Fitted, 71.4, 0.25, 1.5),
+    spec(StepKind::Blocks, 214.4, 2.0, 2.0),
+];
+
+/// Length of the late part of a call with [`Accuracy::Draft`], times the fastest decay rate.
+///
+/// With half as much, the order of orders by their standard deviation changes; with twice as much,
+/// it is hardly nearer to that of [`Accuracy::High`].
+const LATE: f64 = 228.0;
+
+/// Maximum length of a birth that shares its step, times the fastest decay rate.
+const SHARED_BIRTH: f64 = 1.0;
+
 /// The levels of an accuracy, shortest steps first.
 pub(super) fn levels(accuracy: Accuracy, coefficients: &Coefficients) -> Vec<Level> {
     let specs = match accuracy {
-        Accuracy::Standard => STANDARD,
+        Accuracy::Standard | Accuracy::Draft => STANDARD,
         Accuracy::High => HIGH,
     };
     specs.into_iter().map(|spec| spec.level(coefficients)).collect()
+}
+
+/// Coarser levels for the early part of a call, and the length of its late part, s; `None` if all
+/// parts have the same levels.
+pub(super) fn early_levels(
+    accuracy: Accuracy,
+    coefficients: &Coefficients,
+) -> Option<(Vec<Level>, f64)> {
+    if accuracy != Accuracy::Draft {
+        return None;
+    }
+    let mut levels: Vec<_> = EARLY.into_iter().map(|spec| spec.level(coefficients)).collect();
+    levels[0].shared_birth_s = SHARED_BIRTH / coefficients.max_rate;
+    Some((levels, LATE / coefficients.max_rate))
 }
 
 impl LevelSpec {
@@ -149,6 +196,6 @@ impl LevelSpec {
             ((self.spreads * spread).ceil() as usize).max(min_margin)
         };
         let margins = [margin(coefficients.lateral), margin(coefficients.vertical)];
-        Level { method, seconds, age_s: self.age * seconds, margins }
+        Level { method, seconds, age_s: self.age * seconds, margins, shared_birth_s: 0.0 }
     }
 }

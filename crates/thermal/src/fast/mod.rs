@@ -18,6 +18,7 @@
 //!
 //! There are five levels, from single births to steps of several hundred births on blocks
 //! (`level.rs`).
+//! With [`Accuracy::Draft`], all but the last part of a call has three coarser levels.
 //!
 //! # Accuracy
 //!
@@ -48,6 +49,7 @@ mod chebyshev;
 mod clusters;
 mod composite;
 mod far;
+mod groups;
 mod level;
 mod nested;
 mod stepper;

@@ -41,7 +41,8 @@ use crate::state::{OccupancyMut, StateMut};
 
 use super::clusters::{self, Birth, BirthTime};
 use super::far::FarField;
-use super::level::{Accuracy, Level, StepMethod, levels};
+use super::groups::Groups;
+use super::level::{Accuracy, Level, StepMethod, early_levels, levels};
 use super::nested::{HaloSource, NestedPatch};
 use super::window::Window;
 
@@ -63,9 +64,6 @@ const MIN_BLOCK_VOXELS: usize = 1 << 18;
 /// so it must save at least 20 % of the time.
 const MAX_WINDOW_COST: f64 = 0.8;
 
-/// Minimum share of a step that is filled up with a part of a pause.
-const MIN_FILLED: f64 = 0.05;
-
 /// Maximum number of windows of a step on voxels.
 const MAX_WINDOWS: usize = 32;
 
@@ -76,6 +74,8 @@ const MAX_WINDOWS: usize = 32;
 pub(crate) struct FastStepper {
     /// Shortest steps first.
     pub(super) levels: Vec<Level>,
+    /// Levels of the early part of a call, where they differ.
+    early: Option<Early>,
     /// Recent births, oldest first: position, and time at which each was complete, s.
     history: Vec<([usize; 3], f64)>,
     /// Time since the stepper was created, s.
@@ -83,6 +83,14 @@ pub(crate) struct FastStepper {
     /// Minimum number of voxels, halo included, for steps on blocks.
     pub(super) min_block_voxels: usize,
     pub(super) buffers: Buffers,
+}
+
+/// Coarser levels for all but the last part of a call.
+#[derive(Clone, Debug)]
+struct Early {
+    levels: Vec<Level>,
+    /// Length of the last part of a call, s.
+    late_s: f64,
 }
 
 /// Memory that is reused from step to step.
@@ -98,9 +106,10 @@ pub(super) struct Buffers {
 
 impl Clone for FastStepper {
     fn clone(&self) -> Self {
-        let Self { levels, history, now, min_block_voxels, .. } = self;
+        let Self { levels, early, history, now, min_block_voxels, .. } = self;
         Self {
             levels: levels.clone(),
+            early: early.clone(),
             history: history.clone(),
             now: *now,
             min_block_voxels: *min_block_voxels,
@@ -112,8 +121,10 @@ impl Clone for FastStepper {
 impl FastStepper {
     /// A stepper for a part of which nothing is printed yet.
     pub(crate) fn new(accuracy: Accuracy, coefficients: &Coefficients) -> Self {
+        let early = early_levels(accuracy, coefficients);
         Self {
             levels: levels(accuracy, coefficients),
+            early: early.map(|(levels, late_s)| Early { levels, late_s }),
             history: Vec::new(),
             now: 0.0,
             min_block_voxels: MIN_BLOCK_VOXELS,
@@ -148,18 +159,55 @@ impl FastStepper {
     ) -> Result<(), Interrupted> {
         self.buffers.sweep.threads = threads;
         let StateMut { patch, mut occupancy } = state;
+        let (early, late) = intervals.split_at(self.early_count(intervals));
+        if !early.is_empty() {
+            self.exchange_levels();
+            let result = self.run_part(patch, &mut occupancy, coefficients, early, run);
+            self.exchange_levels();
+            result?;
+        }
+        self.run_part(patch, &mut occupancy, coefficients, late, run)
+    }
+
+    /// Number of the intervals of a call that belong to its early part.
+    fn early_count(&self, intervals: &[Interval]) -> usize {
+        let Some(early) = &self.early else { return 0 };
+        let mut left_s = interval::total_seconds(intervals);
+        let is_early = |interval: &&Interval| {
+            left_s -= interval.seconds;
+            left_s > early.late_s
+        };
+        intervals.iter().take_while(is_early).count()
+    }
+
+    /// Exchanges the levels of the early part of a call for those of the late part, or back.
+    fn exchange_levels(&mut self) {
+        if let Some(early) = &mut self.early {
+            std::mem::swap(&mut self.levels, &mut early.levels);
+        }
+    }
+
+    /// Steps a state through some intervals with the present levels.
+    fn run_part(
+        &mut self,
+        patch: &mut Patch,
+        occupancy: &mut OccupancyMut<'_>,
+        coefficients: &Coefficients,
+        intervals: &[Interval],
+        run: &RunControl<'_>,
+    ) -> Result<(), Interrupted> {
         let mut result = Ok(());
         for intervals in intervals.chunks(INTERVALS_PER_RUN) {
             let mut whole = NestedPatch::whole(patch, run);
             let level = self.top_level(whole.patch.shape, occupancy.top());
-            result = self.advance(&mut whole, &mut occupancy, coefficients, level, intervals);
+            result = self.advance(&mut whole, occupancy, coefficients, level, intervals);
             whole.apply(&self.buffers.changes, coefficients);
             self.buffers.changes.clear();
             if result.is_err() {
                 break;
             }
         }
-        self.end_far_field(patch, &occupancy, coefficients);
+        self.end_far_field(patch, occupancy, coefficients);
         let max_age_s = self.levels.iter().map(Level::pause_age_s).fold(0.0, f64::max);
         let oldest = self.now - max_age_s;
         let past = self.history.partition_point(|&(_, time)| time < oldest);
@@ -181,36 +229,17 @@ impl FastStepper {
             return self.step_births(nested, occupancy, coefficients, intervals);
         }
         let max_s = self.levels[level].seconds;
-        let mut group = Vec::new();
-        let mut later = intervals.iter().copied();
-        let mut next = later.next();
-        while let Some(first) = next {
-            if first.seconds > max_s {
-                for part in first.split(max_s) {
+        let mut groups = Groups::new(intervals, max_s);
+        while let Some(group) = groups.next(|_| true) {
+            if let &[long] = group
+                && long.seconds > max_s
+            {
+                for part in long.split(max_s) {
                     self.step_group(nested, occupancy, coefficients, level, &[part])?;
                 }
-                next = later.next();
-                continue;
+            } else {
+                self.step_group(nested, occupancy, coefficients, level, group)?;
             }
-            // As many intervals as fit into one step: at least the first.
-            group.clear();
-            let mut seconds = 0.0;
-            while let Some(interval) = next {
-                if seconds + interval.seconds > max_s {
-                    // A pause can be cut, so that the step has its full length.
-                    let room = max_s - seconds;
-                    if interval.held.is_none() && room > MIN_FILLED * max_s {
-                        let (now, rest) = interval.cut(room);
-                        group.push(now);
-                        next = Some(rest);
-                    }
-                    break;
-                }
-                seconds += interval.seconds;
-                group.push(interval);
-                next = later.next();
-            }
-            self.step_group(nested, occupancy, coefficients, level, &group)?;
         }
         Ok(())
     }
@@ -310,6 +339,9 @@ impl FastStepper {
         coefficients: &Coefficients,
         intervals: &[Interval],
     ) -> Result<(), Interrupted> {
+        if self.levels[0].shared_birth_s > 0.0 {
+            return self.step_births_together(nested, occupancy, coefficients, intervals);
+        }
         let seconds = interval::total_seconds(intervals);
         // Once for all intervals: during these few births, the halo hardly changes.
         nested.advance_halo(seconds, occupancy.top());
@@ -328,6 +360,56 @@ impl FastStepper {
             }
             self.now += interval.seconds;
             nested.pass(std::slice::from_ref(interval));
+        }
+        Ok(())
+    }
+
+    /// Steps a patch through intervals at the lowest level, where births share a step: they happen
+    /// together at its start.
+    fn step_births_together(
+        &mut self,
+        nested: &mut NestedPatch<'_>,
+        occupancy: &mut OccupancyMut<'_>,
+        coefficients: &Coefficients,
+        intervals: &[Interval],
+    ) -> Result<(), Interrupted> {
+        let Level { seconds: max_s, shared_birth_s, .. } = self.levels[0];
+        let mut groups = Groups::new(intervals, max_s);
+        let may_share = |interval: &Interval| {
+            interval.held.is_none() || interval.born && interval.seconds <= shared_birth_s
+        };
+        while let Some(group) = groups.next(may_share) {
+            nested.poll(self.levels[0].stages() as usize, occupancy.top())?;
+            let seconds = interval::total_seconds(group);
+            nested.advance_halo(seconds, occupancy.top());
+            let start = self.now;
+            for interval in group {
+                self.now += interval.seconds;
+                if let Some(position) = interval.held.filter(|_| interval.born) {
+                    occupancy.birth(
+                        position,
+                        nested.patch,
+                        coefficients,
+                        &mut self.buffers.changes,
+                    );
+                    self.history.push((position, self.now));
+                }
+            }
+            self.now = start + seconds;
+            nested.apply(&self.buffers.changes, coefficients);
+            // Of several births, only the last is held.
+            let held = group.last().and_then(|interval| interval.held);
+            for birth in group.iter().filter(|birth| birth.born && birth.held != held) {
+                nested.patch.add_held_heat(birth, coefficients);
+            }
+            let held = held.map(|position| {
+                nested.patch.index(position).expect("a window contains all births of its steps")
+            });
+            let whole = Interval { held: None, born: false, seconds, completes: None };
+            for part in whole.split(max_s) {
+                self.step(nested.patch, occupancy, coefficients, 0, part.seconds, held);
+            }
+            nested.pass(group);
         }
         Ok(())
     }
