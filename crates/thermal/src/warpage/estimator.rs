@@ -81,9 +81,9 @@ const MAX_BLOCKS: usize = 96;
 /// A rectangle with one κ lifts its corners by κ L² / 8 over its centre, with L the diagonal.
 ///
 /// # What it depends on
-/// Against three-dimensional elasticity with the same assumptions (`docs/results/warpage.md`), the
-/// curvature along lines is right within a few per cent, and that across them, which is much
-/// smaller, within 1 / m for curvatures of 4 / m.
+/// Against three-dimensional elasticity with the same assumptions and the same samples
+/// (`docs/results/warpage.md`), the curvature along lines is right within 8 % on a plate of 20 x 8
+/// mm, and that across them, which is much smaller, within 1 / m for curvatures of 4 / m.
 /// The direction of lines matters most: lifts of lines along the longer side of a plate are several
 /// times those of lines along the shorter side.
 /// The order of lines and how even temperatures are matter less: differences between orders of
@@ -145,6 +145,10 @@ impl WarpageEstimator {
     ///
     /// Call it at regular times ([`Simulation::run_sampled`]): the temperatures at the sample are
     /// used as those at the moment of locking.
+    /// On the same plate, the curvature along lines changed by at most 7 % between intervals of
+    /// 0.02 and 2 s, but that across lines by up to 2.5 / m, and with it the lifts of lines along
+    /// the shorter side by a factor of up to 3; they were lower than those of lines along the
+    /// longer side with every interval.
     /// Compare plans with the same sampling interval only.
     ///
     /// A sample reads the temperatures of the layers that have voxels to be locked, of the eight
