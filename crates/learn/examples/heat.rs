@@ -3,13 +3,12 @@
 //!
 //! ```text
 //! cargo run --release -p beadwork-learn --example heat -- rect 1 runs/heat
-//! cargo run --release -p beadwork-learn --example heat -- rect 1 runs/lines lines 1.02
+//! cargo run --release -p beadwork-learn --example heat -- rect 1 runs/lines all 1.02
 //! ```
 //!
 //! The arguments are the part (rect, u or pyramid), the seed and the folder to write to.
-//! Optional arguments are the candidates (`patterns`, the 38 patterns, or `lines`, the patterns and
-//! orders of whole lines), the limit on the printing time as a ratio to the conventional one (`-`
-//! for none), and a configuration file.
+//! Optional arguments are the candidates (`patterns`, `lines` or `all`), the limit on the printing
+//! time as a ratio to the conventional one (`-` for none), and a configuration file.
 
 #![allow(clippy::print_stdout, reason = "an example reports on the terminal")]
 
@@ -19,14 +18,17 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use beadwork_base::{Control, Threads};
+use beadwork_heat::candidates::OrderSet;
+use beadwork_heat::model::{LayerCost, Solver};
 use beadwork_learn::Device;
 use beadwork_learn::ppo::{
     self, Environment, Event, HeatEnvironment, HeatSettings, HeatTask, TrainingConfig,
 };
 use beadwork_part::slice::Voxels;
-use beadwork_part::{Frame, LineOrder, Order, Pattern, Sequence, Stride};
+use beadwork_part::{Frame, Order};
+use beadwork_thermal::objective::Objective;
 use beadwork_thermal::simulation::Method;
-use beadwork_thermal::{ProcessParameters, Simulation, ThermalMaterial};
+use beadwork_thermal::{ProcessParameters, ThermalMaterial};
 use ndarray::Array3;
 
 /// Whether a part has a voxel at x, y and z.
@@ -85,23 +87,7 @@ fn seconds(task: &Arc<HeatTask>, actions: &[usize]) -> f64 {
     for &action in actions {
         environment.step(action);
     }
-    environment.simulation().seconds()
-}
-
-/// Names of the candidates.
-fn candidates(name: &str) -> Result<Vec<Order>, String> {
-    let patterns = Pattern::ALL.map(Order::from).into_iter();
-    let strides = (2..=15).filter_map(|stride| Stride::new(stride).ok());
-    let sequences = strides
-        .flat_map(|stride| [Sequence::Interleaved(stride), Sequence::Scattered(stride)])
-        .chain([Sequence::Golden, Sequence::BitReversed]);
-    match name {
-        "patterns" => Ok(patterns.collect()),
-        "lines" => {
-            Ok(patterns.chain(sequences.flat_map(LineOrder::all_of).map(Order::from)).collect())
-        }
-        _ => Err(format!("unknown candidates '{name}': expected patterns or lines")),
-    }
+    environment.seconds()
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -109,7 +95,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [name, seed, out, rest @ ..] = arguments.as_slice() else {
         return Err("expected: part, seed, folder".into());
     };
-    let names = candidates(rest.first().map_or("patterns", String::as_str))?;
+    let names = rest.first().map_or("patterns", String::as_str).parse::<OrderSet>()?.orders();
     let limit = rest.get(1).filter(|limit| *limit != "-");
     let max_time_ratio = limit.map(|limit| limit.parse()).transpose()?;
     let mut config = match rest.get(2) {
@@ -127,8 +113,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let orders = (0..part.depth).map(orders).collect::<Result<Vec<_>, Box<dyn Error>>>()?;
     let (material, process) = (ThermalMaterial::abs(), ProcessParameters::default());
-    let unprinted = Simulation::new(part.clone(), &material, &process, Method::default())?;
-    let settings = HeatSettings { max_time_ratio, ..HeatSettings::default() };
+    let cost = LayerCost::of(Objective::Reward)?;
+    let unprinted = Solver::new(part.clone(), &material, &process, Method::default(), cost)?;
+    let baseline = names.iter().position(|&order| order == Order::CONVENTIONAL).unwrap_or(0);
+    let settings = HeatSettings { baseline, max_time_ratio, ..HeatSettings::default() };
     let task = Arc::new(HeatTask::new(unprinted, orders, &settings)?);
     let baseline = task.baseline_reward();
     let begin = Instant::now();

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use beadwork_base::Control;
 use beadwork_grid::Cell;
+use beadwork_heat::model::{LayerCost, Solver, ThermalModel};
 use beadwork_learn::Device;
 use beadwork_learn::ppo::{
     self, Environment, EpisodeEnd, Event, FieldsConfig, HeatEnvironment, HeatError, HeatSettings,
@@ -13,6 +14,7 @@ use beadwork_learn::ppo::{
 };
 use beadwork_part::slice::Voxels;
 use beadwork_part::{Frame, Pattern};
+use beadwork_thermal::objective::Objective;
 use beadwork_thermal::simulation::Method;
 use beadwork_thermal::{ProcessParameters, Simulation, ThermalMaterial};
 use ndarray::Array3;
@@ -35,6 +37,12 @@ fn unprinted(part: &Arc<Voxels>) -> Simulation {
     Simulation::new(part.clone(), &material, &process, Method::default()).unwrap()
 }
 
+fn solver(part: &Arc<Voxels>, objective: Objective) -> Solver {
+    let (material, process) = (ThermalMaterial::abs(), ProcessParameters::default());
+    let cost = LayerCost::of(objective).unwrap();
+    Solver::new(part.clone(), &material, &process, Method::default(), cost).unwrap()
+}
+
 fn orders(part: &Voxels) -> Vec<Vec<Vec<Cell>>> {
     (0..part.depth)
         .map(|layer| {
@@ -47,7 +55,7 @@ fn orders(part: &Voxels) -> Vec<Vec<Vec<Cell>>> {
 fn task() -> Arc<HeatTask> {
     let part = small_part();
     let settings = HeatSettings { depth: 2, ..HeatSettings::default() };
-    Arc::new(HeatTask::new(unprinted(&part), orders(&part), &settings).unwrap())
+    Arc::new(HeatTask::new(solver(&part, Objective::Reward), orders(&part), &settings).unwrap())
 }
 
 fn std_k(simulation: &Simulation) -> f64 {
@@ -83,6 +91,24 @@ fn the_return_is_the_gain_over_the_baseline() {
     for _ in 0..part.depth {
         let Step { reward, .. } = environment.step(Pattern::CONVENTIONAL.number());
         assert!(reward.abs() < 1e-12);
+    }
+}
+
+#[test]
+fn rewards_follow_the_objective() {
+    let part = small_part();
+    for objective in [Objective::NoTravel, Objective::TimeAveraged, Objective::Peak] {
+        let settings = HeatSettings::default();
+        let task = HeatTask::new(solver(&part, objective), orders(&part), &settings).unwrap();
+        let task = Arc::new(task);
+        let (mut environment, mut gained) = (HeatEnvironment::new(task.clone()), 0.0);
+        let (mut solver, mut cost) = (solver(&part, objective), 0.0);
+        environment.reset(0);
+        for (layer, orders) in (0..).zip(orders(&part)) {
+            gained += environment.step(5).reward;
+            cost += solver.deposit(layer, &orders[5], &Control::default()).unwrap();
+        }
+        assert!((task.baseline_reward() + gained + cost).abs() < 1e-9, "{objective}");
     }
 }
 
@@ -125,7 +151,7 @@ fn candidates_that_repeat_are_masked() {
         .map(|layer| vec![conventional(layer), conventional(layer), other(layer), other(layer)])
         .collect();
     let settings = HeatSettings { baseline: 1, ..HeatSettings::default() };
-    let task = HeatTask::new(unprinted(&part), orders, &settings).unwrap();
+    let task = HeatTask::new(solver(&part, Objective::Reward), orders, &settings).unwrap();
     let observation = HeatEnvironment::new(Arc::new(task)).reset(0);
     assert_eq!(observation.permitted, [true, false, true, false]);
 }
@@ -134,7 +160,7 @@ fn candidates_that_repeat_are_masked() {
 fn tasks_that_cannot_be_printed_are_refused() {
     let part = small_part();
     let new = |orders: Vec<Vec<Vec<Cell>>>, settings: &HeatSettings| {
-        HeatTask::new(unprinted(&part), orders, settings).unwrap_err()
+        HeatTask::new(solver(&part, Objective::Reward), orders, settings).unwrap_err()
     };
     let (all, usual) = (|| orders(&part), HeatSettings::default());
     let wrong = [
@@ -156,7 +182,7 @@ fn tasks_that_cannot_be_printed_are_refused() {
     let mut broken = all();
     broken[1][5][0] = broken[1][5][1];
     assert!(matches!(new(broken, &usual), HeatError::Order { layer: 1, candidate: 5 }));
-    let mut printed = unprinted(&part);
+    let mut printed = solver(&part, Objective::Reward);
     printed.deposit(0, &all()[0][0], &Control::default()).unwrap();
     let error = HeatTask::new(printed, all(), &usual).unwrap_err();
     assert!(matches!(error, HeatError::Baseline(_)), "{error}");
@@ -178,15 +204,14 @@ fn the_time_limit_holds_at_the_end_of_each_layer() {
     let mut masked = 0;
     for ratio in [1.0, 1.02, 1.1, 1.5] {
         let settings = HeatSettings { max_time_ratio: Some(ratio), ..HeatSettings::default() };
-        let task = HeatTask::new(unprinted(&part), all.clone(), &settings).unwrap();
+        let task = HeatTask::new(solver(&part, Objective::Reward), all.clone(), &settings).unwrap();
         let mut environment = HeatEnvironment::new(Arc::new(task));
         for round in 0..20 {
             let mut observation = environment.reset(round);
             for (layer, orders) in all.iter().enumerate() {
                 // A candidate is masked if it repeats another one, or if it ends too late.
                 let ends_at = |order: &Vec<Cell>| {
-                    let simulation = environment.simulation();
-                    simulation.seconds() + simulation.order_seconds(layer as u32, order)
+                    environment.seconds() + environment.solver().order_seconds(layer as u32, order)
                 };
                 let limit = ratio * ends[layer];
                 let fastest = orders.iter().map(ends_at).fold(f64::INFINITY, f64::min);
@@ -210,7 +235,9 @@ fn the_time_limit_holds_at_the_end_of_each_layer() {
                 assert!(slack.is_finite(), "{slack}");
                 let action = permitted[(round as usize * 13 + layer * 5) % permitted.len()];
                 observation = environment.step(action).observation;
-                assert!(environment.simulation().seconds() <= limit.max(fastest) + 1e-9);
+                assert!(environment.seconds() <= limit.max(fastest) + 1e-9);
+                let simulated = environment.solver().simulation().seconds();
+                assert!((environment.seconds() - simulated).abs() < 1e-6);
             }
         }
     }

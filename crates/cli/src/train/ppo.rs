@@ -10,15 +10,18 @@ use beadwork_base::{Control, Threads};
 use beadwork_console::part::PartArgs;
 use beadwork_console::printer::PrinterArgs;
 use beadwork_console::{cancel, control, machine, output, progress};
+use beadwork_heat::candidates::OrderSet;
+use beadwork_heat::model::{LayerCost, Solver};
 use beadwork_learn::Device;
 use beadwork_learn::ppo::{
     End, Environment, Event, HeatEnvironment, HeatSettings, HeatTask, Kept, Policy, Run,
     TrainingConfig, last_checkpoint, train,
 };
+use beadwork_part::Order;
 use beadwork_part::slice::Voxels;
-use beadwork_part::{LineOrder, Order, Pattern, Sequence, Stride};
+use beadwork_thermal::objective::Objective;
 use beadwork_thermal::simulation::Method;
-use beadwork_thermal::{ProcessParameters, Simulation, ThermalMaterial};
+use beadwork_thermal::{ProcessParameters, ThermalMaterial};
 use clap::ValueEnum;
 use serde_json::json;
 
@@ -46,10 +49,13 @@ pub(crate) struct Args {
     printer: PrinterArgs,
     #[command(flatten)]
     source: Source,
-    /// Orders that the policy chooses from: the 38 patterns, or the patterns and interleaved,
-    /// scattered, golden and bit-reversed orders of whole lines.
+    /// Orders that the policy chooses from: patterns (the 38), lines (interleaved, scattered,
+    /// golden and bit-reversed orders of whole lines) or all.
     #[arg(long, value_name = "SET", default_value = "patterns")]
-    orders: Orders,
+    orders: OrderSet,
+    /// What is minimised: reward (the paper's), no_travel, time_averaged or peak.
+    #[arg(long, value_name = "NAME", default_value = "reward")]
+    objective: Objective,
     /// Limit on the printing time as a ratio to that of the conventional order, at the end of each
     /// layer; none by default, and then the policy may gain by waiting.
     #[arg(long, value_name = "RATIO")]
@@ -92,14 +98,6 @@ enum Preset {
     Paper,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Orders {
-    /// The 38 patterns.
-    Patterns,
-    /// The patterns and orders of whole lines.
-    All,
-}
-
 impl Source {
     fn read(&self) -> anyhow::Result<TrainingConfig> {
         let Some(path) = &self.config else {
@@ -112,21 +110,6 @@ impl Source {
             .with_context(|| format!("cannot read '{}'", path.display()))?;
         TrainingConfig::from_toml(&text)
             .with_context(|| format!("'{}' is not a training configuration", path.display()))
-    }
-}
-
-impl Orders {
-    /// The orders, patterns first.
-    fn list(self) -> Vec<Order> {
-        let mut orders = Pattern::ALL.map(Order::from).to_vec();
-        if self == Self::All {
-            let strides = (2..=15).filter_map(|stride| Stride::new(stride).ok());
-            let sequences = strides
-                .flat_map(|stride| [Sequence::Interleaved(stride), Sequence::Scattered(stride)])
-                .chain([Sequence::Golden, Sequence::BitReversed]);
-            orders.extend(sequences.flat_map(LineOrder::all_of).map(Order::from));
-        }
-        orders
     }
 }
 
@@ -154,14 +137,20 @@ fn check_folder(out: &Path, resume: bool) -> anyhow::Result<()> {
 }
 
 /// The task of printing a part in one of the given orders in each layer.
-fn task(part: Voxels, orders: &[Order], settings: &HeatSettings) -> anyhow::Result<Arc<HeatTask>> {
+fn task(
+    part: Voxels,
+    orders: &[Order],
+    objective: Objective,
+    settings: &HeatSettings,
+) -> anyhow::Result<Arc<HeatTask>> {
     let cells = |layer| {
         let region = part.region(layer)?;
         Ok(orders.iter().map(|order| order.order(&region)).collect())
     };
     let cells = (0..part.depth).map(cells).collect::<anyhow::Result<Vec<_>>>()?;
     let (material, process) = (ThermalMaterial::abs(), ProcessParameters::default());
-    let unprinted = Simulation::new(Arc::new(part), &material, &process, Method::default())?;
+    let cost = LayerCost::of(objective)?;
+    let unprinted = Solver::new(Arc::new(part), &material, &process, Method::default(), cost)?;
     Ok(Arc::new(HeatTask::new(unprinted, cells, settings)?))
 }
 
@@ -186,7 +175,7 @@ fn plan(policy: &Policy, task: &Arc<HeatTask>) -> Plan {
         actions.push(action);
         gain += step.reward;
         if step.end.is_some() {
-            let seconds = environment.simulation().seconds();
+            let seconds = environment.seconds();
             return Plan { actions, gain, seconds };
         }
         observation = step.observation;
@@ -201,13 +190,16 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let pool = control::pool(args.threads)?;
     let bed_mm = args.printer.load()?.printer.bed_mm;
     let (name, part) = args.part.load(bed_mm, &pool)?.printed_voxels()?;
-    let orders = args.orders.list();
+    let orders = args.orders.orders();
     let observed = match args.source.preset {
         Some(Preset::Paper) => HeatSettings::paper(),
         _ => HeatSettings::default(),
     };
     let settings = HeatSettings { max_time_ratio: args.max_time, ..observed };
-    let task = task(part, &orders, &settings)?;
+    // The conventional order is in each set.
+    let baseline = orders.iter().position(|&order| order == Order::CONVENTIONAL);
+    let settings = HeatSettings { baseline: baseline.unwrap_or(0), ..settings };
+    let task = task(part, &orders, args.objective, &settings)?;
     check_folder(&args.out, args.resume)?;
     fs::create_dir_all(&args.out)
         .with_context(|| format!("cannot create '{}'", args.out.display()))?;

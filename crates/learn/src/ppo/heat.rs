@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use beadwork_base::Control;
 use beadwork_grid::Cell;
+use beadwork_heat::model::{Solver, ThermalModel};
 use beadwork_part::Pattern;
 use beadwork_part::slice::Voxels;
-use beadwork_thermal::Simulation;
 use beadwork_thermal::simulation::DepositError;
 use thiserror::Error;
 
@@ -55,7 +55,7 @@ impl HeatSettings {
 pub struct HeatTask {
     identity: String,
     /// Nothing is deposited yet.
-    unprinted: Simulation,
+    unprinted: Solver,
     layers: Vec<LayerTask>,
     max_time_ratio: Option<f64>,
     view: View,
@@ -69,8 +69,8 @@ struct LayerTask {
     distinct: Vec<bool>,
     /// Time to print each candidate without the travel to its first cell, s.
     seconds: Vec<f64>,
-    /// Standard deviation of all voxels at the layer's end when the baseline is printed, K.
-    baseline_std_k: f64,
+    /// Cost of the layer when the baseline is printed, K.
+    baseline_cost: f64,
     /// Time when the baseline ends the layer, s.
     baseline_end_s: f64,
 }
@@ -127,13 +127,13 @@ pub enum HeatError {
 }
 
 impl HeatTask {
-    /// A task that prints a part, from a simulation in which nothing is deposited.
+    /// A task that prints a part, from a solver in which nothing is deposited.
     ///
     /// `orders` holds for each layer the same number of candidates, each with all cells of its
     /// layer.
     /// Simulates the part once, with the baseline.
     pub fn new(
-        unprinted: Simulation,
+        unprinted: Solver,
         orders: Vec<Vec<Vec<Cell>>>,
         settings: &HeatSettings,
     ) -> Result<Self, HeatError> {
@@ -162,22 +162,23 @@ impl HeatTask {
             }
         }
         let fingerprint = fingerprint(&orders);
-        let mut simulation = unprinted.clone();
+        let (mut solver, mut end_s) = (unprinted.clone(), 0.0);
         let mut layers = Vec::with_capacity(orders.len());
         for (layer, orders) in (0..).zip(orders) {
-            simulation.deposit(layer, &orders[baseline], &Control::default())?;
+            end_s += solver.order_seconds(layer, &orders[baseline]);
+            let cost = solver.deposit(layer, &orders[baseline], &Control::default())?;
             // Nothing is deposited in `unprinted`, so its orders begin without travel.
             let seconds = orders.iter().map(|order| unprinted.order_seconds(layer, order));
             layers.push(LayerTask {
                 distinct: distinct(&orders),
                 seconds: seconds.collect(),
-                baseline_std_k: std_k(&simulation),
-                baseline_end_s: simulation.seconds(),
+                baseline_cost: cost,
+                baseline_end_s: end_s,
                 orders,
             });
         }
         let view = View::new(part, depth, cell);
-        let end: Vec<u64> = layers.iter().map(|layer| layer.baseline_std_k.to_bits()).collect();
+        let end: Vec<u64> = layers.iter().map(|layer| layer.baseline_cost.to_bits()).collect();
         let identity = format!(
             "task = \"heat\"\nlayers = {}\nvoxels = {}\ncandidates = {expected}\n\
              orders = \"{fingerprint:016x}\"\nbaseline = \"{baseline}: {end:x?}\"\n\
@@ -188,10 +189,9 @@ impl HeatTask {
         Ok(Self { identity, unprinted, layers, max_time_ratio, view })
     }
 
-    /// The paper's reward when the baseline is printed, °C: minus the sum of the standard
-    /// deviations at the ends of the layers.
+    /// Minus the cost of the baseline, K: the paper's reward, if that is what the solver minimises.
     pub fn baseline_reward(&self) -> f64 {
-        -self.layers.iter().map(|layer| layer.baseline_std_k).sum::<f64>()
+        -self.layers.iter().map(|layer| layer.baseline_cost).sum::<f64>()
     }
 
     /// Printing time of the baseline, s.
@@ -225,11 +225,6 @@ fn fingerprint(orders: &[Vec<Vec<Cell>>]) -> u64 {
         order.iter().for_each(|&cell| add(u64::from(cell)));
     }
     hash
-}
-
-/// Standard deviation of all deposited voxels, K.
-fn std_k(simulation: &Simulation) -> f64 {
-    simulation.statistics().map_or(0.0, |all| all.std_c)
 }
 
 impl View {
@@ -266,9 +261,10 @@ impl View {
 ///   printed next and of the one above it, `[2, y, x]`; the share of layers that are printed, the
 ///   nozzle's position, from 0 to 1, and the time that may be lost in the next layer relative to
 ///   the baseline, as a share of the baseline's time for a layer, 0 without a limit, `[4]`.
-/// - Reward: the standard deviation of all deposited voxels at the layer's end when the baseline is
-///   printed in all layers, minus the actual one, K. It is the paper's reward plus a number that
-///   depends on the layer alone.
+/// - Reward: the cost of the layer when the baseline is printed in all layers, minus the actual
+///   one, K, as the [`Solver`] defines costs; the paper's is the standard deviation of all
+///   deposited voxels at the layer's end.
+///   So the reward is minus the cost plus a number that depends on the layer alone.
 ///   As every episode has all layers, no policy gains or loses by it, but the critic need not learn
 ///   what the layer alone explains.
 ///   The return is what the plan gains over the baseline.
@@ -278,8 +274,10 @@ impl View {
 #[derive(Clone, Debug)]
 pub struct HeatEnvironment {
     task: Arc<HeatTask>,
-    simulation: Simulation,
+    solver: Solver,
     layer: usize,
+    /// Printing time so far, s.
+    seconds: f64,
     /// Position of the last voxel, from 0 to 1 along x and y.
     nozzle: [f32; 2],
 }
@@ -287,19 +285,24 @@ pub struct HeatEnvironment {
 impl HeatEnvironment {
     /// An environment before the first layer.
     pub fn new(task: Arc<HeatTask>) -> Self {
-        let simulation = task.unprinted.clone();
-        Self { task, simulation, layer: 0, nozzle: [0.0; 2] }
+        let solver = task.unprinted.clone();
+        Self { task, solver, layer: 0, seconds: 0.0, nozzle: [0.0; 2] }
     }
 
     /// The state of the print.
-    pub fn simulation(&self) -> &Simulation {
-        &self.simulation
+    pub fn solver(&self) -> &Solver {
+        &self.solver
+    }
+
+    /// Printing time so far, s.
+    pub fn seconds(&self) -> f64 {
+        self.seconds
     }
 
     /// Time that is left for the next layer, s; infinite without a limit.
     fn time_left_s(&self, layer: &LayerTask) -> f64 {
         let ratio = self.task.max_time_ratio.unwrap_or(f64::INFINITY);
-        ratio * layer.baseline_end_s - self.simulation.seconds()
+        ratio * layer.baseline_end_s - self.seconds
     }
 
     /// Which candidates of a layer may be printed next.
@@ -314,7 +317,7 @@ impl HeatEnvironment {
             // The travel to the first cell is what printing it alone takes longer than in an
             // unprinted part.
             let first = &order[..order.len().min(1)];
-            let travel = self.simulation.order_seconds(number, first)
+            let travel = self.solver.order_seconds(number, first)
                 - self.task.unprinted.order_seconds(number, first);
             own + travel
         };
@@ -331,17 +334,17 @@ impl HeatEnvironment {
 
     fn observation(&self) -> Observation {
         let HeatTask { view, layers, .. } = &*self.task;
-        let part = self.simulation.part();
+        let part = self.solver.part();
         let width = part.frame.width as usize;
         let place = |cell: Cell| view.cell_of(cell as usize % width, cell as usize / width);
 
-        let process = self.simulation.process();
+        let process = self.solver.process();
         let (ambient, range) = (process.ambient_c, process.extrusion_c - process.ambient_c);
         let mut field = vec![0.0; view.depth * view.cells()];
         for (slot, of_layer) in field.chunks_exact_mut(view.cells()).enumerate() {
             let Some(layer) = (self.layer + slot).checked_sub(view.depth) else { continue };
             let mut counts = vec![0_u32; view.cells()];
-            for (cell, celsius) in self.simulation.cell_temperatures_c(layer as u32) {
+            for (cell, celsius) in self.solver.simulation().cell_temperatures_c(layer as u32) {
                 of_layer[place(cell)] += ((celsius - ambient) / range) as f32;
                 counts[place(cell)] += 1;
             }
@@ -401,16 +404,18 @@ impl Environment for HeatEnvironment {
         let task = self.task.clone();
         let layer = &task.layers[self.layer];
         let order = &layer.orders[action];
-        self.simulation
+        self.seconds += self.solver.order_seconds(self.layer as u32, order);
+        let cost = self
+            .solver
             .deposit(self.layer as u32, order, &Control::default())
             .expect("a candidate is an order of its layer");
-        let frame = &self.simulation.part().frame;
+        let frame = &self.solver.part().frame;
         if let Some(&last) = order.last() {
             let share = |at: u32, count: u32| at as f32 / count as f32;
             let (x, y) = (last % frame.width, last / frame.width);
             self.nozzle = [share(x, frame.width), share(y, frame.height)];
         }
-        let reward = layer.baseline_std_k - std_k(&self.simulation);
+        let reward = layer.baseline_cost - cost;
         self.layer += 1;
         let end = (self.layer == task.layers.len()).then_some(EpisodeEnd::Terminated);
         Step { observation: self.observation(), reward, end }
