@@ -55,7 +55,19 @@ pub fn print(
     settings: print::Settings,
     threads: Threads<'_>,
 ) -> anyhow::Result<Printed> {
-    let layers = printed_layers(&part.layers, plan.layers.iter().map(|planned| &planned.path));
+    let paths = plan.layers.iter().map(|planned| &planned.path);
+    print_paths(part, paths, profile, settings, threads)
+}
+
+/// Writes one path per layer with cells as G-code, and checks the text.
+pub fn print_paths<'a>(
+    part: &'a Part,
+    paths: impl Iterator<Item = &'a beadwork_grid::Path>,
+    profile: &Profile,
+    settings: print::Settings,
+    threads: Threads<'_>,
+) -> anyhow::Result<Printed> {
+    let layers = printed_layers(&part.layers, paths);
     let frame = &part.layers.frame;
     let (Print { program, totals, .. }, settings) =
         profile.print(&part.name, &layers, frame, settings)?;

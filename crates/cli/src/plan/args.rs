@@ -10,8 +10,12 @@ use beadwork_console::grid_choice::GridArgs;
 use beadwork_console::output;
 use beadwork_console::part::PartArgs;
 use beadwork_console::printer::ProfileArgs;
+use beadwork_heat::planner::Planner;
 use beadwork_search::plan::Constraints;
 use beadwork_search::plan::tools::{Mode, Settings, Stacking};
+use beadwork_thermal::ThermalMaterial;
+use beadwork_thermal::material::Preset as MaterialPreset;
+use beadwork_thermal::objective::Weighted;
 use clap::ValueEnum;
 
 /// Plan a part and write its G-code.
@@ -26,6 +30,8 @@ use clap::ValueEnum;
 /// --fill cells covers every layer with square cells one bead wide, each printed once: solid parts
 /// whose beads may pass from one material to the next.
 /// It is the default with --objective.
+/// With --objective heat, the cells of each layer are printed in an order that keeps temperatures
+/// even, within a limit on the printing time.
 /// Its proofs of optimality hold for one grid of cells; --phases and --bead-range try other grids.
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -37,6 +43,7 @@ Examples:
   beadwork plan body.stl inlay.stl --objective tools --mode free --flavour klipper --out badge.gcode
   beadwork plan plate.3mf --objective tools --lift-cost 50 --purge 90 --before 1:0 --json
   beadwork plan torus.3mf --objective tools --phases 4 --bead-range 10 --out torus.gcode
+  beadwork plan example:u-shape --objective heat --max-time 1.05 --out u.gcode
   beadwork plan part.obj --unit in --bead 0.45 --layer 0.2 --profile printer.toml \\
     --objective tools --out part.gcode")]
 pub(crate) struct Args {
@@ -50,9 +57,12 @@ pub(crate) struct Args {
     fill: Option<FillName>,
     #[command(flatten)]
     pub(super) beads: BeadArgs,
-    /// Objective to minimise: tools (purge volume of tool changes, plus --lift-cost for each lift).
+    /// Objective to minimise: tools (purge volume of tool changes, plus --lift-cost for each lift),
+    /// or heat (uneven temperature, which warps parts; for parts of one material).
     #[arg(long, value_name = "NAME")]
     objective: Option<Objective>,
+    #[command(flatten)]
+    pub(super) heat: HeatArgs,
     /// How layers are printed: in the fewest beads (continuous), tool by tool (free), or each layer
     /// in whichever of these two ways makes the part cheaper (cheapest).
     #[arg(long, value_name = "MODE", default_value = "cheapest")]
@@ -104,9 +114,65 @@ pub(crate) struct Args {
     pub(super) json: bool,
 }
 
+/// Flags of the objective heat.
+#[derive(clap::Args)]
+#[command(next_help_heading = "Even temperature (--objective heat)")]
+pub(super) struct HeatArgs {
+    /// How the order of each layer is chosen: conventional, constant (the same order in every
+    /// layer), greedy, beam, or lines (orders of lines, annealed); lines by default.
+    #[arg(long, value_name = "NAME")]
+    planner: Option<Planner>,
+    /// Maximum printing time, as a multiple of that of the conventional order; 1.02 by default.
+    #[arg(long, value_name = "FACTOR", value_parser = factor, allow_hyphen_values = true)]
+    max_time: Option<f64>,
+    /// What is even: weights of reward (deviation of temperatures at the layers' ends), no_travel
+    /// (the same, if travel took no time), time_averaged and peak; reward=1,no_travel=2 by default.
+    #[arg(long, value_name = "WEIGHTS")]
+    even: Option<Weighted>,
+    /// Material whose heat conduction is simulated: abs, pla or petg; abs by default.
+    #[arg(long, value_name = "NAME")]
+    thermal_material: Option<MaterialPreset>,
+}
+
+impl HeatArgs {
+    /// A flag that is given.
+    fn given(&self) -> Option<&'static str> {
+        let flags = [
+            (self.planner.is_some(), "--planner"),
+            (self.max_time.is_some(), "--max-time"),
+            (self.even.is_some(), "--even"),
+            (self.thermal_material.is_some(), "--thermal-material"),
+        ];
+        flags.into_iter().find_map(|(is_given, flag)| is_given.then_some(flag))
+    }
+
+    pub(super) fn planner(&self) -> Planner {
+        self.planner.unwrap_or(Planner::Lines)
+    }
+
+    pub(super) fn max_time(&self) -> f64 {
+        self.max_time.unwrap_or(1.02)
+    }
+
+    /// What is planned for.
+    pub(super) fn objective(&self) -> Weighted {
+        self.even.clone().unwrap_or_else(Weighted::even)
+    }
+
+    pub(super) fn material(&self) -> ThermalMaterial {
+        self.thermal_material.unwrap_or(MaterialPreset::Abs).material()
+    }
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    let factor = text.parse().ok().filter(|&factor: &f64| factor.is_finite() && factor > 0.0);
+    factor.ok_or_else(|| "expected a number above 0, such as 1.05".to_owned())
+}
+
 #[derive(Clone, Copy, ValueEnum)]
 enum Objective {
     Tools,
+    Heat,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -177,6 +243,21 @@ impl Args {
             output::usage_error("--svg and --out name the same file");
         }
         Ok(Files { gcode, totals })
+    }
+
+    /// Whether the part is planned for even temperature.
+    ///
+    /// Reports flags that go together with no other objective, and those that do not go together
+    /// with this one.
+    pub(super) fn is_for_heat(&self) -> bool {
+        let is_for_heat = matches!(self.objective, Some(Objective::Heat));
+        if !is_for_heat && let Some(flag) = self.heat.given() {
+            output::usage_error(&format!("{flag} requires --objective heat"));
+        }
+        if is_for_heat && self.fill == Some(FillName::Beads) {
+            output::usage_error("--objective heat plans cells: use --fill cells");
+        }
+        is_for_heat
     }
 
     /// Whether layers are filled with insets and infill rather than with cells.

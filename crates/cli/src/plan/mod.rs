@@ -1,9 +1,12 @@
-//! `plan`: from meshes to G-code, with the fewest beads, tool changes and lifts.
+//! `plan`: from meshes to G-code, with the fewest beads, tool changes and lifts, or with even
+//! temperatures.
 
 mod args;
 mod bead_report;
 mod beads;
 mod drawing;
+mod heat;
+mod heat_report;
 mod report;
 mod totals;
 
@@ -30,6 +33,7 @@ const PLANNED_GRIDS: usize = 4;
 
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let files = args.files()?;
+    let is_for_heat = args.is_for_heat();
     let profile = args.profile.load()?;
     let pool = control::pool(args.threads)?;
     let begin = Instant::now();
@@ -38,6 +42,9 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let settings = profile.complete(&cut.model)?;
     if args.has_beads() {
         return beads::run(args, &files, cut, &profile, settings, begin, &pool);
+    }
+    if is_for_heat {
+        return heat::run(args, &files, cut, &profile, settings, begin, &pool);
     }
     let costs = tool_costs(settings.purge.as_ref().expect("complete settings have volumes"))?;
     let grids = args.grid.best(&cut, PLANNED_GRIDS, Threads::Pool(&pool))?;

@@ -10,8 +10,8 @@ use crate::candidates::{Candidate, candidates};
 use crate::model::ThermalModel;
 use crate::plan::{Draft, HeatPlan, PlanError, drafts_seconds, follow, same_order_drafts};
 
-/// Attempts to bring the printing time below its limit.
-const ATTEMPTS: usize = 8;
+/// Steps of the bisection that brings the printing time below its limit.
+const BISECTIONS: usize = 16;
 
 /// Options of a layer, with what the model or the proxy says about them.
 pub(super) struct Options {
@@ -49,11 +49,13 @@ impl Options {
     }
 }
 
-/// One option of each layer, `None` for layers without cells, such that the part is printed within
-/// `limit`; with the price of time.
+/// One option of each layer with cells, such that the part is printed within `limit`; with the price
+/// of time.
 ///
-/// Times of options include travel from where the nozzle was when they were computed, so the limit
-/// is lowered by what the whole sequence takes longer, and tried again.
+/// Times of options include travel from where the nozzle was when they were computed, so the whole
+/// sequence may take longer than its options; the time that is distributed is then lowered by
+/// bisection.
+/// `None` if that finds nothing.
 pub(super) fn choose<M: ThermalModel>(
     model: &M,
     layers: &[Option<Options>],
@@ -61,17 +63,32 @@ pub(super) fn choose<M: ThermalModel>(
 ) -> Option<Allotment> {
     let tables: Vec<Vec<Choice>> =
         layers.iter().flatten().map(|options| options.choices.clone()).collect();
-    let mut allowed = limit;
-    for _ in 0..ATTEMPTS {
-        let allotment = allot(&tables, allowed)?;
-        let drafts = drafts(layers, &allotment.taken);
-        let seconds = drafts_seconds(model, drafts.iter().map(|draft| &draft.cells[..]));
-        if seconds <= limit {
-            return Some(allotment);
-        }
-        allowed -= (seconds - limit) * 1.01;
+    let within = |allowed: f64| {
+        allot(&tables, allowed).filter(|allotment| {
+            let drafts = drafts(layers, &allotment.taken);
+            drafts_seconds(model, drafts.iter().map(|draft| &draft.cells[..])) <= limit
+        })
+    };
+    if let Some(allotment) = within(limit) {
+        return Some(allotment);
     }
-    None
+    let fastest = |options: &Vec<Choice>| {
+        let known = options.iter().filter(|choice| choice.cost.is_finite());
+        known.map(|choice| choice.seconds).fold(f64::INFINITY, f64::min)
+    };
+    let (mut low, mut high) = (tables.iter().map(fastest).sum::<f64>(), limit);
+    let mut best = None;
+    for _ in 0..BISECTIONS {
+        let allowed = f64::midpoint(low, high);
+        match within(allowed) {
+            Some(allotment) => {
+                best = Some(allotment);
+                low = allowed;
+            }
+            None => high = allowed,
+        }
+    }
+    best
 }
 
 /// The drafts of the options taken.

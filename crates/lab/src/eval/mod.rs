@@ -3,6 +3,7 @@
 mod beads;
 #[cfg(feature = "learn")]
 mod fusion;
+mod heat;
 mod parts;
 mod store;
 mod thermal;
@@ -28,6 +29,7 @@ enum Command {
     Parts(parts::PartsArgs),
     Thermal(thermal::ThermalArgs),
     Warpage(warpage::WarpageArgs),
+    Heat(heat::HeatArgs),
     Beads(beads::BeadsArgs),
     #[cfg(feature = "learn")]
     Fusion(fusion::FusionArgs),
@@ -40,6 +42,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         Command::Parts(args) => parts::run(args),
         Command::Thermal(args) => thermal::run(args),
         Command::Warpage(args) => warpage::run(args),
+        Command::Heat(args) => heat::run(args),
         Command::Beads(args) => beads::run(args),
         #[cfg(feature = "learn")]
         Command::Fusion(args) => fusion::run(args),

@@ -123,6 +123,15 @@ impl Weighted {
         Ok(Self { terms })
     }
 
+    /// The default of planners: deviations at the layers' ends, with travel and, twice as much,
+    /// without.
+    ///
+    /// The first alone can be lowered by waiting at the end of a layer, and the second alone by
+    /// any amount of travel (see the [module's page](super)).
+    pub fn even() -> Self {
+        Self { terms: vec![(Objective::Reward, 1.0), (Objective::NoTravel, 2.0)] }
+    }
+
     /// The objectives and their weights.
     pub fn terms(&self) -> &[(Objective, f64)] {
         &self.terms

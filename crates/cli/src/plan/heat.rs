@@ -1,0 +1,214 @@
+//! Plans the cells of a part for even temperature.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use anyhow::{Context, bail};
+use beadwork_base::Threads;
+use beadwork_console::part::{CutPart, check_layers, report_lowering};
+use beadwork_console::plan::print_paths;
+use beadwork_console::printer::Profile;
+use beadwork_console::{control, output};
+use beadwork_grid::Path;
+use beadwork_heat::model::{LayerCost, Solver};
+use beadwork_heat::plan::{HeatPlan, PlanError, same_order};
+use beadwork_heat::planner::{self, Settings};
+use beadwork_part::print;
+use beadwork_part::slice::{Layers, Voxels};
+use beadwork_part::{Order, Panel, svg};
+use beadwork_thermal::objective::{self, HeatMeasures, Objective, measure_plan};
+use beadwork_thermal::simulation::{Accuracy, Method};
+use beadwork_thermal::{ProcessParameters, ThermalMaterial};
+use rayon::ThreadPool;
+
+use super::args::{Args, Files};
+use super::heat_report::HeatReport;
+use super::totals::Seconds;
+
+/// Maximum number of layers drawn: two rows.
+const PANELS: usize = 6;
+
+/// A part whose temperatures are simulated.
+struct HeatPart<'a> {
+    voxels: Arc<Voxels>,
+    material: ThermalMaterial,
+    process: ProcessParameters,
+    pool: &'a ThreadPool,
+}
+
+/// Plans the part, writes the files and reports the result.
+pub(super) fn run(
+    args: &Args,
+    files: &Files<'_>,
+    cut: CutPart,
+    profile: &Profile,
+    settings: print::Settings,
+    begin: Instant,
+    pool: &ThreadPool,
+) -> anyhow::Result<()> {
+    let threads = Threads::Pool(pool);
+    let grid = *args.grid.best(&cut, 1, threads)?.first().context("no grid to plan on")?;
+    let layers = cut.layers(&grid, threads)?;
+    check_layers(&layers)?;
+    report_lowering(&layers);
+    let voxels = printed_voxels(&layers);
+    let tool = only_material(&voxels)?;
+    let part = cut.with_layers(layers, &grid, threads)?;
+    let heat = HeatPart {
+        voxels: Arc::new(voxels),
+        material: args.heat.material(),
+        process: process(&settings, tool),
+        pool,
+    };
+    let sliced = begin.elapsed().as_secs_f64();
+    let conventional = heat.conventional()?;
+    let baseline = heat.measure(&conventional)?;
+    let planning = Instant::now();
+    let plan = heat.plan(args, &conventional, &baseline)?;
+    let planning_seconds = planning.elapsed().as_secs_f64();
+    let measures = heat.measure(&plan)?;
+    let planned = begin.elapsed().as_secs_f64();
+    let paths = paths(&heat.voxels, &plan)?;
+    let printed = print_paths(&part, paths.iter(), profile, settings, threads)?;
+    let done = begin.elapsed().as_secs_f64();
+    super::check_cancelled()?;
+    let report = HeatReport {
+        part: &part,
+        plan: &plan,
+        planner: args.heat.planner(),
+        objective: &args.heat.objective(),
+        measures: &measures,
+        baseline: &baseline,
+        planning_seconds,
+        printed: &printed,
+        seconds: Seconds { slice: sliced, plan: planned - sliced, print: done - planned },
+    };
+    if let Some(path) = &args.svg {
+        output::file(path, draw(&part.layers, &paths, &report))?;
+    }
+    if let Some(path) = files.gcode {
+        output::file(path, &printed.text)?;
+    }
+    let document = report.json();
+    if let Some(path) = &files.totals {
+        output::file(path, format!("{document:#}\n"))?;
+    }
+    if args.json { output::json(&document) } else { output::text(&report.summary(files)) }
+}
+
+/// The voxels of all layers between the lowest and the highest one with cells.
+fn printed_voxels(layers: &Layers) -> Voxels {
+    let last = layers.layers.iter().rposition(Option::is_some).unwrap_or(0);
+    let printed = layers.layers[layers.empty_below()..=last].to_vec();
+    Layers { frame: layers.frame, layers: printed }.voxels()
+}
+
+/// The number of the material of all voxels.
+fn only_material(voxels: &Voxels) -> anyhow::Result<u8> {
+    let materials = voxels.materials();
+    let mut materials = materials.iter().filter(|&&material| material != Voxels::EMPTY);
+    let first = *materials.next().context("part has no cells")?;
+    if let Some(other) = materials.find(|&&material| material != first) {
+        bail!(
+            "part has several materials (tools {first} and {other}): --objective heat plans parts \
+             of one; --objective tools plans all"
+        );
+    }
+    Ok(first)
+}
+
+/// The process of a profile; layers have one speed, which is not that of the first layer.
+fn process(settings: &print::Settings, tool: u8) -> ProcessParameters {
+    let tool = settings.tools.get(usize::from(tool));
+    let default = ProcessParameters::default();
+    ProcessParameters {
+        extrusion_c: tool.map_or(default.extrusion_c, |tool| tool.nozzle_c),
+        plate_c: Some(settings.process.bed_c),
+        print_mm_s: settings.process.print_mm_s,
+        travel_mm_s: Some(settings.process.travel_mm_s),
+        ..default
+    }
+}
+
+impl HeatPart<'_> {
+    fn solver(&self, cost: LayerCost) -> anyhow::Result<Solver> {
+        let Self { voxels, material, process, .. } = self;
+        // Draft accuracy ranks orders as high accuracy does, and the plan is measured by high.
+        let method = Method::Fast(Accuracy::Draft);
+        Ok(Solver::new(voxels.clone(), material, process, method, cost)?)
+    }
+
+    fn conventional(&self) -> anyhow::Result<HeatPlan> {
+        let model = self.solver(LayerCost::of(Objective::Reward)?)?;
+        control::with_bar("conventional order", Threads::Pool(self.pool), |control| {
+            Ok(same_order(&model, Order::CONVENTIONAL, control)?)
+        })?
+    }
+
+    fn plan(
+        &self,
+        args: &Args,
+        conventional: &HeatPlan,
+        baseline: &HeatMeasures,
+    ) -> anyhow::Result<HeatPlan> {
+        let model = self.solver(LayerCost::relative(&args.heat.objective(), baseline)?)?;
+        let settings = Settings {
+            planner: args.heat.planner(),
+            max_seconds: args.heat.max_time() * conventional.seconds(),
+            seed: args.seed,
+            ..Settings::default()
+        };
+        let plan = control::with_bar("plan", Threads::Pool(self.pool), |control| {
+            planner::plan(&model, &settings, control)
+        })?;
+        match plan {
+            Err(error @ PlanError::TooSlow { .. }) => {
+                Err(error).context("--max-time cannot be met; the conventional order takes 1")
+            }
+            plan => Ok(plan?),
+        }
+    }
+
+    /// Measures by a simulation of high accuracy.
+    fn measure(&self, plan: &HeatPlan) -> anyhow::Result<HeatMeasures> {
+        let settings = objective::Settings { warpage: true, ..objective::Settings::default() };
+        let (method, orders) = (Method::Fast(Accuracy::High), plan.orders());
+        let Self { voxels, material, process, pool } = self;
+        control::with_bar("measure", Threads::Pool(pool), |control| {
+            Ok(measure_plan(voxels, material, process, method, &orders, &settings, control)?)
+        })?
+    }
+}
+
+/// The paths of the layers that have cells.
+fn paths(voxels: &Voxels, plan: &HeatPlan) -> anyhow::Result<Vec<Path>> {
+    let printed = plan.layers.iter().enumerate().filter(|(_, layer)| !layer.cells.is_empty());
+    let path = |(z, layer): (usize, &beadwork_heat::plan::PlannedLayer)| {
+        Ok(Path::in_pieces(&voxels.region(z)?, layer.cells.clone())?)
+    };
+    printed.map(path).collect()
+}
+
+/// Draws up to [`PANELS`] layers from bottom to top.
+fn draw(layers: &Layers, paths: &[Path], report: &HeatReport<'_>) -> String {
+    let filled: Vec<_> = layers.layers.iter().flatten().collect();
+    let count = filled.len();
+    let shown: Vec<usize> = if count > PANELS {
+        (0..PANELS).map(|panel| panel * (count - 1) / (PANELS - 1)).collect()
+    } else {
+        (0..count).collect()
+    };
+    let titles: Vec<String> = shown.iter().map(|&at| report.layer_title(at)).collect();
+    let panels: Vec<Panel<'_>> = shown
+        .iter()
+        .zip(&titles)
+        .map(|(&at, title)| Panel {
+            title,
+            region: &filled[at].region,
+            zones: &filled[at].zones,
+            path: Some(&paths[at]),
+            links: &[],
+        })
+        .collect();
+    svg(&panels, None)
+}

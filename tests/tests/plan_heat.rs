@@ -1,0 +1,113 @@
+//! `plan --objective heat` as a user runs it.
+
+#![allow(clippy::unwrap_used, reason = "a panic fails the test")]
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use beadwork_tests::{fail, misused, run, text};
+use serde_json::Value;
+
+/// A box of 12 x 7 x 1 mm, as ASCII STL.
+fn small_box(folder: &Path) -> PathBuf {
+    let corner = |i: usize| [12 * (i & 1), 7 * (i >> 1 & 1), i >> 2 & 1];
+    let faces =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let mut stl = "solid box\n".to_owned();
+    for [a, b, c, d] in faces {
+        for triangle in [[a, b, c], [a, c, d]] {
+            stl += "facet normal 0 0 0\nouter loop\n";
+            for [x, y, z] in triangle.map(corner) {
+                writeln!(stl, "vertex {x} {y} {z}").unwrap();
+            }
+            stl += "endloop\nendfacet\n";
+        }
+    }
+    let path = folder.join("box.stl");
+    fs::write(&path, stl + "endsolid box\n").unwrap();
+    path
+}
+
+fn number(value: &Value, key: &str) -> f64 {
+    value[key].as_f64().unwrap_or_else(|| panic!("{key} is not a number in {value}"))
+}
+
+#[test]
+fn an_even_plan_is_checked_gcode_within_its_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let part = small_box(folder.path());
+    let (gcode, svg) = (folder.path().join("box.gcode"), folder.path().join("box.svg"));
+    let plan = ["plan", text(&part), "--objective", "heat", "--max-time", "1.1"];
+    let files = ["--out", text(&gcode), "--svg", text(&svg)];
+    let summary = run(&[&plan[..], &files].concat());
+    assert!(summary.contains("more even than the conventional order: "), "{summary}");
+    assert!(summary.contains("checked from its text: 1344 cells, each printed once"), "{summary}");
+    assert!(fs::read_to_string(&svg).unwrap().contains("layer 4"));
+    let totals: Value =
+        serde_json::from_slice(&fs::read(folder.path().join("box.gcode.json")).unwrap()).unwrap();
+    let heat = &totals["heat"];
+    assert_eq!(heat["planner"], "lines");
+    assert!(number(heat, "reward") > number(heat, "conventional_reward"));
+    let gain = 100.0 * (1.0 - number(heat, "reward") / number(heat, "conventional_reward"));
+    assert!((number(heat, "gain_percent") - gain).abs() < 1e-9);
+    let ratio = number(heat, "print_seconds") / number(heat, "conventional_print_seconds");
+    assert!(ratio <= 1.1 + 1e-9, "{ratio}");
+    for key in [
+        "no_travel_gain_percent",
+        "time_averaged_gain_percent",
+        "warpage_mm",
+        "conventional_warpage_mm",
+        "planning_seconds",
+    ] {
+        assert!(number(heat, key).is_finite());
+    }
+    assert_eq!(heat["bound_percent"], Value::Null);
+
+    // The program is the same on one thread.
+    let again = folder.path().join("again.gcode");
+    run(&[&plan[..], &["--out", text(&again), "--threads", "1"]].concat());
+    assert_eq!(fs::read(&gcode).unwrap(), fs::read(&again).unwrap());
+}
+
+#[test]
+fn planners_and_weights_are_options() {
+    let folder = tempfile::tempdir().unwrap();
+    let part = small_box(folder.path());
+    let plan = ["plan", text(&part), "--objective", "heat", "--json"];
+    let heat = |more: &[&str]| -> Value {
+        let json: Value = serde_json::from_str(&run(&[&plan[..], more].concat())).unwrap();
+        json["heat"].clone()
+    };
+    let conventional = heat(&["--planner", "conventional"]);
+    assert!(number(&conventional, "gain_percent").abs() < 1e-9);
+    assert_eq!(conventional["orders"][3], "contour-zigzag-x-0");
+    let constant = heat(&["--planner", "constant", "--max-time", "1"]);
+    assert_eq!(constant["orders"][0], constant["orders"][3]);
+    let greedy = heat(&["--planner", "greedy", "--even", "peak", "--thermal-material", "pla"]);
+    assert_eq!(greedy["objective"], "peak=1");
+}
+
+#[test]
+fn what_cannot_be_planned_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let part = small_box(folder.path());
+    let heat = ["plan", text(&part), "--objective", "heat"];
+    let with = |more: &[&'static str]| [&heat[..], more].concat();
+    let message = fail(&["plan", "example:logo-plate", "--objective", "heat"]);
+    assert!(message.contains("part has several materials"), "{message}");
+    let message = fail(&with(&["--max-time", "0.2"]));
+    assert!(message.contains("--max-time cannot be met"), "{message}");
+    let message = fail(&with(&["--even", "warpage"]));
+    assert!(message.contains("objective warpage is known only for a whole print"), "{message}");
+    let message = fail(&with(&["--even", "peak"]));
+    assert!(message.contains("use greedy"), "{message}");
+    let message = misused(&["plan", "x.stl", "--max-time", "1.1"]);
+    assert!(message.contains("--max-time requires --objective heat"), "{message}");
+    let message = misused(&with(&["--max-time", "-1"]));
+    assert!(message.contains("--max-time"), "{message}");
+    let message = misused(&with(&["--fill", "beads"]));
+    assert!(message.contains("--fill cells"), "{message}");
+    let message = misused(&with(&["--planner", "best"]));
+    assert!(message.contains("best"), "{message}");
+}
