@@ -49,8 +49,8 @@ impl Options {
     }
 }
 
-/// One option of each layer with cells, such that the part is printed within `limit`; with the price
-/// of time.
+/// One option of each layer with cells, such that the part is printed within `limit`; with the
+/// price of time.
 ///
 /// Times of options include travel from where the nozzle was when they were computed, so the whole
 /// sequence may take longer than its options; the time that is distributed is then lowered by

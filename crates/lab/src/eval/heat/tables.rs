@@ -22,7 +22,8 @@ pub(super) fn text(rows: &[PartRow], max_time: f64) -> anyhow::Result<String> {
         let paper = paper.map_or(String::new(), |(_, gain)| format!("; paper's agent: {gain} %"));
         writeln!(
             text,
-            "\n{}: {} voxels, {} layers; conventional: reward {:.2} K, {:.0} s, lift {:.3} mm{paper}",
+            "\n{}: {} voxels, {} layers; conventional: reward {:.2} K, {:.0} s, lift {:.3} \
+             mm{paper}",
             row.part, row.voxels, row.layers, row.reward, row.print_seconds, row.warpage_mm
         )?;
         writeln!(
