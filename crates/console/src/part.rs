@@ -187,11 +187,15 @@ impl Part {
     pub fn printed_voxels(self) -> anyhow::Result<(String, Voxels)> {
         check_layers(&self.layers)?;
         report_lowering(&self.layers);
-        let below = self.layers.empty_below();
-        let last = self.layers.layers.iter().rposition(Option::is_some).unwrap_or(0);
-        let layers = self.layers.layers[below..=last].to_vec();
-        Ok((self.name, Layers { frame: self.layers.frame, layers }.voxels()))
+        Ok((self.name, printed_voxels(&self.layers)))
     }
+}
+
+/// The voxels of all layers from the lowest to the highest one with cells.
+pub fn printed_voxels(layers: &Layers) -> Voxels {
+    let last = layers.layers.iter().rposition(Option::is_some).unwrap_or(0);
+    let printed = layers.layers[layers.empty_below()..=last].to_vec();
+    Layers { frame: layers.frame, layers: printed }.voxels()
 }
 
 impl PartArgs {

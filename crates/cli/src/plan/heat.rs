@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 use beadwork_base::Threads;
-use beadwork_console::part::{CutPart, check_layers, report_lowering};
+use beadwork_console::part::{CutPart, check_layers, printed_voxels, report_lowering};
 use beadwork_console::plan::print_paths;
 use beadwork_console::printer::Profile;
 use beadwork_console::{control, output};
@@ -94,13 +94,6 @@ pub(super) fn run(
         output::file(path, format!("{document:#}\n"))?;
     }
     if args.json { output::json(&document) } else { output::text(&report.summary(files)) }
-}
-
-/// The voxels of all layers between the lowest and the highest one with cells.
-fn printed_voxels(layers: &Layers) -> Voxels {
-    let last = layers.layers.iter().rposition(Option::is_some).unwrap_or(0);
-    let printed = layers.layers[layers.empty_below()..=last].to_vec();
-    Layers { frame: layers.frame, layers: printed }.voxels()
 }
 
 /// The number of the material of all voxels.

@@ -11,7 +11,7 @@ use super::cavity::{Cavity, shows_feature, start};
 use super::mask::{Kernel, Mask, Rectangle};
 use super::settings::{Kind, Settings, SettingsError};
 
-/// Why there is no random part.
+/// The error of a random part that cannot be generated.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum RandomPartError {

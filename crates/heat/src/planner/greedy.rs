@@ -3,9 +3,7 @@
 use beadwork_base::Control;
 
 use super::Settings;
-use super::setup::{
-    Options, check_time, choose, complete_interrupted, conventional, drafts, finish,
-};
+use super::setup::{Options, check_time, chosen, complete_interrupted, finish};
 use crate::model::ThermalModel;
 use crate::plan::{HeatPlan, PlanError, regions};
 use crate::trials::try_orders;
@@ -66,10 +64,7 @@ pub(super) fn search<M: ThermalModel>(
         let plan = complete_interrupted(model, &layers, &regions, settings.max_seconds, reason)?;
         return Ok(Greedy { plan, price: 0.0 });
     }
-    let (drafts, price) = match choose(model, &layers, settings.max_seconds) {
-        Some(allotment) => (drafts(&layers, &allotment.taken), allotment.price),
-        None => (conventional(&regions), 0.0),
-    };
+    let (drafts, price) = chosen(model, &layers, &regions, settings.max_seconds);
     let mut plan = check_time(finish(model, drafts, &own)?, settings.max_seconds)?;
     plan.deposited_layers += deposited_layers;
     Ok(Greedy { plan, price })

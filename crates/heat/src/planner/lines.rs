@@ -5,9 +5,7 @@ use beadwork_grid::Cell;
 
 use super::Settings;
 use super::refine::Refinement;
-use super::setup::{
-    Options, check_time, choose, complete_interrupted, conventional, drafts, finish,
-};
+use super::setup::{Options, check_time, chosen, complete_interrupted, finish};
 use crate::model::{Screen, ThermalModel};
 use crate::plan::{HeatPlan, PlanError, regions};
 use crate::trials::try_orders;
@@ -61,10 +59,7 @@ pub(super) fn solve<M: ThermalModel>(
     if let Some(reason) = interrupted {
         return complete_interrupted(model, &layers, &regions, settings.max_seconds, reason);
     }
-    let (drafts, price) = match choose(model, &layers, settings.max_seconds) {
-        Some(allotment) => (drafts(&layers, &allotment.taken), allotment.price),
-        None => (conventional(&regions), 0.0),
-    };
+    let (drafts, price) = chosen(model, &layers, &regions, settings.max_seconds);
     let mut plan = match &settings.annealing {
         None => finish(model, drafts, &own)?,
         Some(annealing) => {

@@ -56,11 +56,7 @@ impl Options {
 /// sequence may take longer than its options; the time that is distributed is then lowered by
 /// bisection.
 /// `None` if that finds nothing.
-pub(super) fn choose<M: ThermalModel>(
-    model: &M,
-    layers: &[Option<Options>],
-    limit: f64,
-) -> Option<Allotment> {
+fn choose<M: ThermalModel>(model: &M, layers: &[Option<Options>], limit: f64) -> Option<Allotment> {
     let tables: Vec<Vec<Choice>> =
         layers.iter().flatten().map(|options| options.choices.clone()).collect();
     let within = |allowed: f64| {
@@ -89,6 +85,20 @@ pub(super) fn choose<M: ThermalModel>(
         }
     }
     best
+}
+
+/// The drafts of the options that are printed within `limit`, with the price of time; the
+/// conventional ones, and no price, if none are found.
+pub(super) fn chosen<M: ThermalModel>(
+    model: &M,
+    layers: &[Option<Options>],
+    regions: &[Option<Region>],
+    limit: f64,
+) -> (Vec<Draft>, f64) {
+    match choose(model, layers, limit) {
+        Some(allotment) => (drafts(layers, &allotment.taken), allotment.price),
+        None => (conventional(regions), 0.0),
+    }
 }
 
 /// The drafts of the options taken.

@@ -214,8 +214,8 @@ impl LayerProxy {
                 deposit(&mut state, f64::INFINITY);
             }
         }
-        let last = phases.last().map_or(0, |phase| phase.grid);
-        self.deviation(&self.grids[last].blocks, &state)
+        // The last phase is always on single cells.
+        self.deviation(&self.grids[0].blocks, &state)
     }
 
     fn deviation(&self, blocks: &Blocks, state: &State) -> f64 {
