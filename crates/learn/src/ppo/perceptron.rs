@@ -10,7 +10,7 @@ use super::init::{ACTOR, CRITIC, HIDDEN, linear};
 use super::network::{ActorCritic, Output, SpaceError};
 use super::range::{RangeError, require};
 
-/// Sizes of a [`Perceptron`].
+/// Sizes of the perceptrons of the actor and the critic, for observations without fields.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PerceptronConfig {
