@@ -109,12 +109,13 @@ pub fn try_orders<M: ThermalModel>(
 
 #[cfg(test)]
 mod tests {
-    use beadwork_base::Threads;
+    use beadwork_base::{CancelToken, Threads};
     use beadwork_part::Pattern;
     use beadwork_thermal::objective::Objective;
 
     use super::*;
-    use crate::testing::{part, solver};
+    use crate::model::Solver;
+    use crate::testing::{part, solver, stairs};
 
     #[test]
     fn the_best_trials_are_kept_in_order_on_any_threads() {
@@ -145,6 +146,78 @@ mod tests {
                 }
             }
         }
-        assert!(try_orders(&model, 0, &[&[0, 0]], 1, score, &Control::default()).is_err());
+        let control = Control::default();
+        let none = try_orders(&model, 0, &[], 1, score, &control).unwrap();
+        assert!(none.best.is_empty() && none.costs.is_empty());
+        let wrong: [&[Cell]; 3] = [orders[0], &[0, 0], &[]];
+        let error = try_orders(&model, 0, &wrong, 1, score, &control).unwrap_err();
+        assert!(!matches!(error, DepositError::Interrupted(_)), "{error}");
+    }
+
+    /// The model after one layer, and all patterns of the next.
+    fn layer_and_orders() -> (Solver, Vec<Vec<Cell>>) {
+        let part = stairs();
+        let mut model = solver(&part, Objective::Reward);
+        let order = Pattern::CONVENTIONAL.order(&part.region(0).unwrap());
+        model.deposit(0, &order, &Control::default()).unwrap();
+        let region = part.region(1).unwrap();
+        (model, Pattern::ALL.iter().map(|pattern| pattern.order(&region)).collect())
+    }
+
+    fn slices(orders: &[Vec<Cell>]) -> Vec<&[Cell]> {
+        orders.iter().map(Vec::as_slice).collect()
+    }
+
+    #[test]
+    fn the_best_trial_keeps_its_state() {
+        let (model, orders) = layer_and_orders();
+        let control = Control::default();
+        let trials = try_orders(&model, 1, &slices(&orders), 38, |_, cost| cost, &control).unwrap();
+        for trial in trials.best {
+            let mut fork = model.simulation().clone();
+            fork.deposit(1, &orders[trial.index], &control).unwrap();
+            let end = trial.model.simulation();
+            for layer in 0..2 {
+                assert!(fork.cell_temperatures_c(layer).eq(end.cell_temperatures_c(layer)));
+            }
+            assert_eq!(fork.seconds().to_bits(), end.seconds().to_bits());
+        }
+        assert!(model.simulation().layer_statistics(1).is_none());
+    }
+
+    #[test]
+    fn progress_counts_the_cells_of_all_orders() {
+        let (model, orders) = layer_and_orders();
+        let cells = orders.iter().map(Vec::len).sum::<usize>();
+        let last = AtomicUsize::new(0);
+        let report = |Progress { done, total }| {
+            assert_eq!(total, cells);
+            assert!(last.swap(done, Ordering::Relaxed) <= done);
+        };
+        let control = Control { progress: Some(&report), ..Control::default() };
+        try_orders(&model, 1, &slices(&orders), 1, |_, cost| cost, &control).unwrap();
+        assert_eq!(last.into_inner(), cells);
+    }
+
+    #[test]
+    fn interrupted_trials_return_the_best_so_far() {
+        let (model, orders) = layer_and_orders();
+        let orders = slices(&orders);
+        let cancel = CancelToken::new();
+        let control = Control { cancel: Some(&cancel), ..Control::default() };
+        let tried = AtomicUsize::new(0);
+        let score = |_: usize, cost: f64| {
+            if tried.fetch_add(1, Ordering::Relaxed) == 4 {
+                cancel.cancel();
+            }
+            cost
+        };
+        let trials = try_orders(&model, 1, &orders, 1, score, &control).unwrap();
+        assert_eq!(trials.interrupted, Some(Interrupted::Cancelled));
+        assert_eq!(trials.costs.iter().flatten().count(), 5);
+        let min = trials.costs.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+        assert_eq!(trials.best[0].cost.to_bits(), min.to_bits());
+        let none = try_orders(&model, 1, &orders, 1, |_, cost| cost, &control).unwrap();
+        assert!(none.best.is_empty() && none.interrupted.is_some());
     }
 }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use beadwork_base::Control;
 use beadwork_grid::Cell;
 use beadwork_heat::model::{LayerCost, Solver, ThermalModel};
+use beadwork_heat::trials::try_orders;
 use beadwork_learn::Device;
 use beadwork_learn::ppo::{
     self, Environment, EpisodeEnd, Event, FieldsConfig, HeatEnvironment, HeatError, HeatSettings,
@@ -267,13 +268,14 @@ fn small() -> TrainingConfig {
 fn training_approaches_the_greedy_choice() {
     let task = task();
     let part = small_part();
-    let (mut simulation, mut greedy) = (unprinted(&part), 0.0);
+    let (mut model, mut greedy) = (solver(&part, Objective::Reward), 0.0);
     for (layer, orders) in (0..).zip(orders(&part)) {
-        let limit = f64::INFINITY;
-        let trials = simulation.best_order(layer, &orders, limit, std_k, &Control::default());
-        let best = trials.unwrap().best.unwrap();
+        let orders: Vec<&[Cell]> = orders.iter().map(Vec::as_slice).collect();
+        let control = Control::default();
+        let trials = try_orders(&model, layer, &orders, 1, |_, cost| cost, &control).unwrap();
+        let best = trials.best.into_iter().next().unwrap();
         greedy -= best.cost;
-        simulation = best.simulation;
+        model = best.model;
     }
     let out = tempdir().unwrap();
     let mut evaluations = Vec::new();

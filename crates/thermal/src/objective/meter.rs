@@ -65,8 +65,7 @@ pub struct LayerHeat {
 
 /// Follows a simulation layer by layer and measures it.
 ///
-/// A clone continues on its own, so that a search can keep a meter with each fork of a simulation
-/// ([`Simulation::best_trial`]).
+/// A clone continues on its own, so that a search can keep a meter with each fork of a simulation.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -74,9 +73,10 @@ pub struct LayerHeat {
 /// # use beadwork_part::Frame;
 /// # use beadwork_thermal::simulation::Method;
 /// # use beadwork_thermal::{ProcessParameters, Simulation, ThermalMaterial};
-/// use beadwork_base::{Control, Threads};
+/// use beadwork_base::Control;
 /// use beadwork_part::Pattern;
 /// use beadwork_thermal::objective::{HeatMeter, Objective, Settings};
+/// use beadwork_thermal::simulation::DepositError;
 ///
 /// # let (left_mm, back_mm) = (0.0, 0.0);
 /// # let (cell_mm, layer_mm, width, height) = (0.5, 0.25, 20, 10);
@@ -84,19 +84,19 @@ pub struct LayerHeat {
 /// # let part = Arc::new(Voxels::new(frame, ndarray::Array3::zeros((2, 10, 20))));
 /// # let (abs, process) = (ThermalMaterial::abs(), ProcessParameters::default());
 /// # let mut simulation = Simulation::new(part.clone(), &abs, &process, Method::default())?;
-/// let control = Control::on(Threads::Current);
+/// let control = Control::default();
 /// let mut meter = HeatMeter::new(&simulation, &abs, Settings::default());
 /// for layer in 0..2 {
 ///     // The pattern of the lowest deviation over time, not only at the layer's end.
 ///     let orders = Pattern::ALL.map(|pattern| pattern.order(&part.region(0).unwrap()));
-///     let trial = |fork: &mut Simulation, index: usize, control: &Control<'_>| {
-///         let mut meter = meter.clone();
-///         let heat = meter.deposit(fork, layer, &orders[index], control)?;
-///         Ok((heat.mean_std_c, meter))
+///     let trial = |order: &Vec<u32>| {
+///         let (mut meter, mut fork) = (meter.clone(), simulation.clone());
+///         let heat = meter.deposit(&mut fork, layer, order, &control)?;
+///         Ok((heat.mean_std_c, meter, fork))
 ///     };
-///     let trials = simulation.best_trial(layer, &orders, f64::INFINITY, trial, &control)?;
-///     let best = trials.best.expect("all orders were tried");
-///     (simulation, meter) = (best.simulation, best.result);
+///     let trials = orders.iter().map(trial).collect::<Result<Vec<_>, DepositError>>()?;
+///     let best = trials.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+///     (_, meter, simulation) = best.expect("all orders were tried");
 /// }
 /// let measures = meter.finish(&simulation, &control)?;
 /// assert!(Objective::TimeAveraged.cost(&measures) > Some(0.0));

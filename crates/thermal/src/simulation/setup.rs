@@ -58,7 +58,7 @@ pub(super) enum Stepper {
 /// A part during its print: which voxels are deposited, and their temperatures.
 ///
 /// A clone shares all temperatures with the original until one of the two goes on, so it is cheap
-/// to try many orders of a layer from one state ([`Simulation::try_orders`]).
+/// to try many orders of a layer from one state.
 /// The crate's page has an example.
 #[derive(Clone, Debug)]
 pub struct Simulation {

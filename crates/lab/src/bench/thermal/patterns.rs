@@ -6,8 +6,11 @@ use std::time::Instant;
 
 use beadwork_base::Threads;
 use beadwork_console::{control, progress};
+use beadwork_heat::model::{LayerCost, Solver, ThermalModel};
+use beadwork_heat::trials::try_orders;
 use beadwork_part::Pattern;
-use beadwork_thermal::{Simulation, ThermalMaterial};
+use beadwork_thermal::ThermalMaterial;
+use beadwork_thermal::objective::Objective;
 use serde::Serialize;
 
 use super::printing::{FAST, process};
@@ -32,13 +35,15 @@ pub(super) fn measure() -> anyhow::Result<Patterns> {
     let part = Arc::new(HeatPart::Rectangular.voxels());
     let pool = control::pool(2)?;
     let bar = progress::bar(part.depth as u64, "layers");
-    let mut simulation = Simulation::new(part.clone(), &ThermalMaterial::abs(), &process(), FAST)?;
+    let cost = LayerCost::of(Objective::Reward)?;
+    let mut model = Solver::new(part.clone(), &ThermalMaterial::abs(), &process(), FAST, cost)?;
     let (mut all_patterns, mut ratios) = (Vec::new(), Vec::new());
     for (layer, orders) in (0..).zip(all_orders(&part)?) {
         let time = |orders: &[Vec<u32>], threads| -> anyhow::Result<f64> {
             let control = control::cancellable(threads)?;
+            let cells: Vec<&[u32]> = orders.iter().map(Vec::as_slice).collect();
             let begin = Instant::now();
-            simulation.try_orders(layer, orders, Simulation::statistics, &control)?;
+            try_orders(&model, layer, &cells, 1, |_, cost| cost, &control)?;
             Ok(begin.elapsed().as_secs_f64())
         };
         all_patterns.push(time(&orders, Threads::Pool(&pool))?);
@@ -47,7 +52,7 @@ pub(super) fn measure() -> anyhow::Result<Patterns> {
             ratios.push(time(&twice, Threads::One)? / time(&twice, Threads::Pool(&pool))?);
         }
         let conventional = &orders[Pattern::CONVENTIONAL.number()];
-        simulation.deposit(layer, conventional, &control::cancellable(Threads::One)?)?;
+        model.deposit(layer, conventional, &control::cancellable(Threads::One)?)?;
         bar.inc(1);
     }
     bar.finish_and_clear();

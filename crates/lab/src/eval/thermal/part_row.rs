@@ -7,8 +7,11 @@ use beadwork_base::Threads;
 use beadwork_console::progress::ProgressBar;
 use beadwork_console::{control, progress};
 use beadwork_grid::Cell;
+use beadwork_heat::model::{LayerCost, Solver};
+use beadwork_heat::trials::try_orders;
 use beadwork_part::Pattern;
 use beadwork_part::slice::Voxels;
+use beadwork_thermal::objective::Objective;
 use beadwork_thermal::section::Plane;
 use beadwork_thermal::simulation::{Accuracy, Method};
 use beadwork_thermal::warpage::WarpageEstimator;
@@ -162,16 +165,17 @@ impl Setup {
         bar: &ProgressBar,
     ) -> anyhow::Result<Vec<Pattern>> {
         let control = control::cancellable(Threads::Pool(pool))?;
-        let mut simulation = self.simulation(part)?;
+        let cost = LayerCost::of(Objective::Reward)?;
+        let (material, process) = (&self.material, &self.process);
+        let mut model = Solver::new(part.clone(), material, process, self.method, cost)?;
         let mut chosen = Vec::new();
         for (layer, orders) in (0..).zip(orders) {
-            let std_c = |end: &Simulation| end.statistics().map_or(f64::INFINITY, |all| all.std_c);
-            let deviations = simulation.try_orders(layer, orders, std_c, &control)?;
-            let best = (0..Pattern::COUNT)
-                .min_by(|&a, &b| deviations[a].total_cmp(&deviations[b]))
-                .expect("there are 38 patterns");
-            simulation.deposit(layer, &orders[best], &control)?;
-            chosen.push(Pattern::ALL[best]);
+            let cells: Vec<&[Cell]> = orders.iter().map(Vec::as_slice).collect();
+            let trials = try_orders(&model, layer, &cells, 1, |_, cost| cost, &control)?;
+            trials.interrupted.map_or(Ok(()), Err)?;
+            let best = trials.best.into_iter().next().expect("there are 38 patterns");
+            model = best.model;
+            chosen.push(Pattern::ALL[best.index]);
             bar.inc(1);
         }
         Ok(chosen)

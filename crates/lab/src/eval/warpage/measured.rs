@@ -4,8 +4,11 @@ use std::sync::Arc;
 
 use beadwork_base::Control;
 use beadwork_grid::Cell;
+use beadwork_heat::model::{LayerCost, Solver};
+use beadwork_heat::trials::try_orders;
 use beadwork_part::Pattern;
 use beadwork_part::slice::Voxels;
+use beadwork_thermal::objective::Objective;
 use beadwork_thermal::simulation::Method;
 use beadwork_thermal::warpage::{WarpageEstimate, WarpageEstimator};
 use beadwork_thermal::{ProcessParameters, Simulation, ThermalMaterial};
@@ -139,15 +142,16 @@ fn even_plan(
     method: Method,
     control: &Control<'_>,
 ) -> anyhow::Result<Vec<Vec<Cell>>> {
-    let mut simulation = Simulation::new(part.clone(), &ThermalMaterial::abs(), process, method)?;
+    let cost = LayerCost::of(Objective::Reward)?;
+    let mut model = Solver::new(part.clone(), &ThermalMaterial::abs(), process, method, cost)?;
     let mut plan = Vec::new();
     for (layer, mut orders) in (0..).zip(all_orders(part)?) {
-        let std_c = |end: &Simulation| end.statistics().map_or(f64::INFINITY, |all| all.std_c);
-        let trials = simulation.best_order(layer, &orders, f64::INFINITY, std_c, control)?;
+        let cells: Vec<&[Cell]> = orders.iter().map(Vec::as_slice).collect();
+        let trials = try_orders(&model, layer, &cells, 1, |_, cost| cost, control)?;
         trials.interrupted.map_or(Ok(()), Err)?;
-        let best = trials.best.expect("patterns were tried");
+        let best = trials.best.into_iter().next().expect("patterns were tried");
         plan.push(orders.swap_remove(best.index));
-        simulation = best.simulation;
+        model = best.model;
     }
     Ok(plan)
 }
