@@ -20,6 +20,8 @@
 //! | ours | tool changes and lifts of whole parts with their bounds | `eval parts` |
 //! | ORNL toolpath RL | shapes like the paper's | `eval beads` |
 //! | ours | beads, lifts, travel and time of any slicer's program | `eval beads --program FILE` |
+//! | ours | plans for even temperature | `eval heat` |
+//! | ours | rank correlation of the proxy of temperatures with the solver | `bench heat` |
 //! | ours | speed of annealing, of the genetic algorithm, of part and G-code, of the thermal solver, of the data factory, of training | `bench grid`, `zones`, `part`, `thermal`, `dataset`, `learn` |
 //!
 //! The figures of the papers are in `paper.rs` (Aali et al.) and `eval/thermal/tables.rs` (Kim et

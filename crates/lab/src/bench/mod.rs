@@ -3,6 +3,7 @@
 mod beads;
 mod dataset;
 mod grid;
+mod heat;
 #[cfg(feature = "learn")]
 mod learn;
 mod part;
@@ -26,6 +27,7 @@ enum Command {
     Part(part::PartArgs),
     Beads(beads::BeadsArgs),
     Thermal(thermal::ThermalArgs),
+    Heat(heat::HeatArgs),
     Dataset(dataset::DatasetArgs),
     #[cfg(feature = "learn")]
     Learn(learn::LearnArgs),
@@ -39,6 +41,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         Command::Part(args) => part::run(args),
         Command::Beads(args) => beads::run(args),
         Command::Thermal(args) => thermal::run(args),
+        Command::Heat(args) => heat::run(args),
         Command::Dataset(args) => dataset::run(args),
         #[cfg(feature = "learn")]
         Command::Learn(args) => learn::run(args),
