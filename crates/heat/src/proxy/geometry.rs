@@ -14,6 +14,9 @@ const MAX_DEPTH: usize = 27;
 /// Cells beside the printed layer that are part of the model, where lower layers have them.
 const MARGIN: u32 = 8;
 
+/// Blocks of a row that steps treat at once; rows are filled up with empty blocks.
+pub(super) const LANES: usize = 16;
+
 /// The box of voxels that a model covers.
 #[derive(Clone, Debug)]
 pub(super) struct Extent {
@@ -66,9 +69,9 @@ impl Extent {
 /// Square blocks of cells, in rows, with a border of one empty block on each side.
 #[derive(Clone, Debug)]
 pub(super) struct Blocks {
-    /// Side of a block, in cells.
+    /// Side of a block, in cells: a power of two.
     pub(super) side: u32,
-    /// Blocks in a row, with the border.
+    /// Blocks in a row, with the border: [`LANES`] times a number, plus 2.
     pub(super) width: usize,
     /// Rows of blocks, with the border.
     pub(super) height: usize,
@@ -103,8 +106,9 @@ impl Blocks {
     ///
     /// Linear in the voxels of the box.
     pub(super) fn new(part: &Voxels, extent: &Extent, side: u32) -> Self {
-        let blocks_of = |range: &Range<u32>| range.len().div_ceil(side as usize) + 2;
-        let (width, height) = (blocks_of(&extent.columns), blocks_of(&extent.rows));
+        let blocks_of = |range: &Range<u32>| range.len().div_ceil(side as usize);
+        let width = blocks_of(&extent.columns).next_multiple_of(LANES) + 2;
+        let height = blocks_of(&extent.rows) + 2;
         let (left, top) = (extent.columns.start, extent.rows.start);
         let mut blocks = Self { side, width, height, left, top, levels: Vec::new() };
         for (number, layers) in extent.levels.iter().enumerate() {
@@ -167,7 +171,8 @@ impl Blocks {
 
     /// Index of the block of the cell in a column and row of the box.
     pub(super) fn block(&self, [x, y]: [u32; 2]) -> usize {
-        let (column, row) = ((x - self.left) / self.side, (y - self.top) / self.side);
+        let shift = self.side.trailing_zeros();
+        let (column, row) = ((x - self.left) >> shift, (y - self.top) >> shift);
         (row as usize + 1) * self.width + column as usize + 1
     }
 

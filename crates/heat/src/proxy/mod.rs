@@ -19,6 +19,7 @@
 mod assembly;
 mod coefficients;
 mod geometry;
+mod moments;
 mod plane;
 mod stepper;
 
@@ -26,6 +27,7 @@ use beadwork_thermal::{DepositionEvent, Simulation, ThermalMaterial};
 
 use self::coefficients::Coefficients;
 use self::geometry::{Blocks, Extent};
+use self::moments::moments;
 use self::stepper::{State, Stepper};
 
 /// Diffusion number of the steps: diffusivity times step over the square of a block's side.
@@ -153,7 +155,7 @@ impl LayerProxy {
     /// Estimates the deviation of the temperatures of all deposited voxels at the end of some
     /// events, K: those of the layer, each of whose voxels is deposited once.
     ///
-    /// Takes some 0.1 µs per cell and level: 0.2 to 0.4 ms for a layer of 4,800 cells.
+    /// Takes some 30 ns per cell and level: 0.15 to 0.3 ms for a layer of 4,800 cells.
     ///
     /// # Panics
     /// If an event deposits a voxel outside of the layer's bounding box.
@@ -163,9 +165,8 @@ impl LayerProxy {
         let mut state = self.grids[phases[0].grid].start.clone();
         let mut next_state = state.clone();
         let mut known = Vec::new();
-        let (mut next, mut clock, mut at) = (0, 0.0, 0.0);
-        let (birth, hold) = (self.coefficients.birth_k as f32, self.coefficients.hold as f32);
-        let plate = self.coefficients.plate_k.unwrap_or(self.coefficients.birth_k) as f32;
+        let mut births = Births { events, next: 0, clock_s: 0.0 };
+        let mut begin_s = 0.0;
         for (number, phase) in phases.iter().enumerate() {
             let grid = &self.grids[phase.grid];
             if number > 0 {
@@ -173,11 +174,7 @@ impl LayerProxy {
                 for theta in &mut state.theta {
                     *theta = grid.blocks.refine(coarse, theta);
                 }
-                state.deposited = vec![0.0; grid.blocks.len()];
-                for [x, y, _] in events[..next].iter().filter_map(|event| event.voxel) {
-                    let block = grid.blocks.block([x, y]);
-                    state.deposited[block] += 1.0 / grid.blocks.levels[0].voxels[block];
-                }
+                state.deposited = grid.stepper.shares(births.so_far(&grid.blocks));
                 next_state = state.clone();
             }
             let own;
@@ -187,29 +184,16 @@ impl LayerProxy {
                 own = Stepper::new(&grid.blocks, &self.coefficients, &self.level_k, phase.step_s);
                 &own
             };
-            let mut deposit = |state: &mut State, until: f64| {
-                while let Some(event) =
-                    events.get(next).filter(|event| clock + event.seconds * 0.5 <= until)
-                {
-                    if let Some([x, y, _]) = event.voxel {
-                        let block = grid.blocks.block([x, y]);
-                        let voxels = grid.blocks.levels[0].voxels[block];
-                        let count = state.deposited[block] * voxels;
-                        let below = state.theta.get(1).map_or(plate, |level| level[block]);
-                        let theta = birth + hold * (birth - below);
-                        let own = &mut state.theta[0][block];
-                        *own = (*own * count + theta) / (count + 1.0);
-                        state.deposited[block] = (count + 1.0) / voxels;
-                    }
-                    clock += event.seconds;
-                    next += 1;
-                }
+            let mut counts = vec![0.0; grid.blocks.len()];
+            let mut deposit = |state: &mut State, until_s: f64| {
+                births.count_until(until_s, &grid.blocks, &mut counts);
+                stepper.deposit(state, &mut counts);
             };
             for step in 0..phase.steps {
-                deposit(&mut state, at + (step as f64 + 0.5) * phase.step_s);
+                deposit(&mut state, begin_s + (step as f64 + 0.5) * phase.step_s);
                 stepper.step(&mut state, &mut next_state, &mut known);
             }
-            at += phase.steps as f64 * phase.step_s;
+            begin_s += phase.steps as f64 * phase.step_s;
             if number + 1 == phases.len() {
                 deposit(&mut state, f64::INFINITY);
             }
@@ -221,15 +205,50 @@ impl LayerProxy {
     fn deviation(&self, blocks: &Blocks, state: &State) -> f64 {
         let [mut count, mut sum, mut squares] = self.outside;
         for (level, theta) in blocks.levels.iter().zip(&state.theta) {
-            for (&voxels, &theta) in level.voxels.iter().zip(theta) {
-                let (voxels, theta) = (f64::from(voxels), f64::from(theta));
-                count += voxels;
-                sum += voxels * theta;
-                squares += voxels * theta * theta;
-            }
+            let [level_count, level_sum, level_squares] = moments(&level.voxels, theta);
+            count += level_count;
+            sum += level_sum;
+            squares += level_squares;
         }
         let mean = sum / count;
         (squares / count - mean * mean).max(0.0).sqrt()
+    }
+}
+
+/// The events of a layer, of which some have happened.
+struct Births<'a> {
+    events: &'a [DepositionEvent],
+    /// The first event that has not happened.
+    next: usize,
+    /// Time at which it begins, s.
+    clock_s: f64,
+}
+
+impl Births<'_> {
+    /// Lets all events happen whose middle is at most `until_s`, and adds the number of voxels that
+    /// they deposit in each block.
+    fn count_until(&mut self, until_s: f64, blocks: &Blocks, counts: &mut [f32]) {
+        let mut clock_s = self.clock_s;
+        for event in &self.events[self.next..] {
+            if clock_s + event.seconds * 0.5 > until_s {
+                break;
+            }
+            if let Some([x, y, _]) = event.voxel {
+                counts[blocks.block([x, y])] += 1.0;
+            }
+            clock_s += event.seconds;
+            self.next += 1;
+        }
+        self.clock_s = clock_s;
+    }
+
+    /// Number of voxels in each block that have been deposited.
+    fn so_far(&self, blocks: &Blocks) -> Vec<f32> {
+        let mut counts = vec![0.0; blocks.len()];
+        for [x, y, _] in self.events[..self.next].iter().filter_map(|event| event.voxel) {
+            counts[blocks.block([x, y])] += 1.0;
+        }
+        counts
     }
 }
 

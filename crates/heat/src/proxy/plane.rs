@@ -16,7 +16,6 @@ pub(super) struct Plane {
     values: Arc<[f32]>,
     /// Distance of two rows in `values`: 0 if all rows are the same.
     stride: usize,
-    width: usize,
 }
 
 impl Plane {
@@ -26,9 +25,9 @@ impl Plane {
             values.iter().zip(mask).filter(|&(_, &voxels)| voxels > 0.0).map(|(value, _)| *value);
         let first = inside.next().unwrap_or(0.0);
         if inside.all(|value| value.to_bits() == first.to_bits()) {
-            return Self { values: vec![first; width].into(), stride: 0, width };
+            return Self { values: vec![first; width].into(), stride: 0 };
         }
-        Self { values: values.into(), stride: width, width }
+        Self { values: values.into(), stride: width }
     }
 
     /// This plane; or a plane that shares its values with `other`, if they are equal.
@@ -41,9 +40,9 @@ impl Plane {
         }
     }
 
-    /// The coefficients of the row of blocks that begins at index `start` of the level.
+    /// The first `count` coefficients of a row of blocks, without the border.
     #[inline(always)]
-    pub(super) fn row(&self, y: usize) -> &[f32] {
-        &self.values[y * self.stride..][..self.width]
+    pub(super) fn inside(&self, y: usize, count: usize) -> &[f32] {
+        &self.values[y * self.stride + 1..][..count]
     }
 }

@@ -9,7 +9,7 @@
     reason = "one index runs through a dozen rows of the same length"
 )]
 
-use pulp::{Arch, NullaryFnOnce};
+use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
 
 use super::assembly::Assembly;
 use super::coefficients::Coefficients;
@@ -38,8 +38,22 @@ pub(super) struct Stepper {
     height: usize,
     levels: Vec<LevelStepper>,
     first: FirstLevel,
+    /// 1 over the voxels of the printed layer in each block; 0 without any.
+    inverse_voxels: Vec<f32>,
+    births: Birth,
     /// See [`Coefficients::loss`].
     loss: [f32; 4],
+}
+
+/// Temperatures of voxels that are deposited.
+#[derive(Clone, Copy, Debug)]
+struct Birth {
+    /// θ of the filament, K.
+    theta: f32,
+    /// θ of the plate, on which voxels without a level below lie, K.
+    plate: f32,
+    /// See [`Coefficients::hold`].
+    hold: f32,
 }
 
 /// A level below the printed layer.
@@ -94,187 +108,400 @@ impl Stepper {
         }
         levels.reverse();
         let Blocks { width, height, .. } = *blocks;
-        Self { step_s, width, height, levels, first, loss: coefficients.loss }
+        let inverse = |&voxels: &f32| if voxels > 0.0 { 1.0 / voxels } else { 0.0 };
+        let inverse_voxels = blocks.levels[0].voxels.iter().map(inverse).collect();
+        let births = Birth {
+            theta: coefficients.birth_k as f32,
+            plate: coefficients.plate_k.unwrap_or(coefficients.birth_k) as f32,
+            hold: coefficients.hold as f32,
+        };
+        let loss = coefficients.loss;
+        Self { step_s, width, height, levels, first, inverse_voxels, births, loss }
+    }
+
+    /// Shares of the voxels of each block, from their numbers.
+    pub(super) fn shares(&self, mut counts: Vec<f32>) -> Vec<f32> {
+        counts.iter_mut().zip(&self.inverse_voxels).for_each(|(count, inverse)| *count *= inverse);
+        counts
+    }
+
+    /// Deposits a number of voxels in each block of the printed layer, and resets the numbers to 0.
+    pub(super) fn deposit(&self, state: &mut State, counts: &mut [f32]) {
+        let (top, rest) = state.theta.split_at_mut(1);
+        Arch::new().dispatch(Deposition {
+            births: self.births,
+            inverse_voxels: &self.inverse_voxels,
+            top: &mut top[0],
+            below: rest.first().map(Vec::as_slice),
+            deposited: &mut state.deposited,
+            counts,
+        });
     }
 
     /// Advances a state by one step; `next` is overwritten, and becomes the state.
     pub(super) fn step(&self, state: &mut State, next: &mut State, known: &mut Vec<f32>) {
-        known.clear();
-        known.resize((self.levels.len() + 1) * self.width, 0.0);
+        known.resize((self.levels.len() + 1) * (self.width - 2), 0.0);
         Arch::new().dispatch(Sweep { stepper: self, state, next: &mut *next, known });
         std::mem::swap(&mut state.theta, &mut next.theta);
     }
+}
+
+/// Voxels that are deposited in all blocks of the printed layer.
+struct Deposition<'a> {
+    births: Birth,
+    inverse_voxels: &'a [f32],
+    top: &'a mut [f32],
+    below: Option<&'a [f32]>,
+    deposited: &'a mut [f32],
+    counts: &'a mut [f32],
+}
+
+impl NullaryFnOnce for Deposition<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn step_row(&self, y: usize, state: &State, next: &mut State, known: &mut [f32]) {
-        let width = self.width;
-        for (number, level) in self.levels.iter().enumerate().rev() {
-            let (upper, lower) = known.split_at_mut((number + 1) * width);
-            let known = &mut upper[number * width..][..width];
-            let flow = Flow::new(&state.theta[number + 1], &level.sides, y, width);
-            for x in 1..width - 1 {
-                known[x] = flow.centre[x] + flow.at(x);
-            }
-            if let Some(source) = &level.source {
-                let source = source.row(y);
-                for x in 1..width - 1 {
-                    known[x] += source[x];
+    fn call(self) {
+        let Self { births, inverse_voxels, top, below, deposited, counts } = self;
+        let count = top.len();
+        let (inverse_voxels, deposited) = (&inverse_voxels[..count], &mut deposited[..count]);
+        let counts = &mut counts[..count];
+        match below {
+            Some(below) => {
+                let below = &below[..count];
+                for block in 0..count {
+                    let new = counts[block] * inverse_voxels[block];
+                    births.mix(&mut top[block], below[block], &mut deposited[block], new);
                 }
             }
-            if let Some(passed_up) = &level.passed_up {
-                let (passed_up, lower) = (passed_up.row(y), &lower[..width]);
-                for x in 1..width - 1 {
-                    known[x] += passed_up[x] * lower[x];
+            None => {
+                for block in 0..count {
+                    let new = counts[block] * inverse_voxels[block];
+                    births.mix(&mut top[block], births.plate, &mut deposited[block], new);
                 }
             }
         }
-        self.step_first(y, state, next, known);
-        for (number, level) in self.levels.iter().enumerate().skip(1) {
+        counts.fill(0.0);
+    }
+}
+
+impl Birth {
+    /// Adds the share `new` of its voxels to a block at `own` above a block at `below`, of which
+    /// the share `deposited` was there before.
+    #[inline(always)]
+    fn mix(self, own: &mut f32, below: f32, deposited: &mut f32, new: f32) {
+        *deposited += new;
+        let weight = new / deposited.max(f32::MIN_POSITIVE);
+        let born = self.theta + self.hold * (self.theta - below);
+        *own += weight * (born - *own);
+    }
+}
+
+/// A step of all rows.
+///
+/// It is a type because pulp compiles only implementations of [`WithSimd`] for the widest lanes of
+/// the machine.
+struct Sweep<'a> {
+    stepper: &'a Stepper,
+    state: &'a State,
+    next: &'a mut State,
+    /// Of each level but the first, a row of what is known before the first level is solved.
+    known: &'a mut [f32],
+}
+
+impl WithSimd for Sweep<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { stepper, state, next, known } = self;
+        for y in 1..stepper.height - 1 {
+            let row = Row { simd, y, width: stepper.width };
+            row.step(stepper, state, next, known);
+        }
+    }
+}
+
+/// A row of blocks.
+#[derive(Clone, Copy)]
+struct Row<S> {
+    simd: S,
+    y: usize,
+    /// Blocks in a row, with the border.
+    width: usize,
+}
+
+impl<S: Simd> Row<S> {
+    /// Values of the row `rows` rows further and `blocks` blocks further to the right, without the
+    /// border, as vectors.
+    #[inline(always)]
+    fn of(self, values: &[f32], rows: isize, blocks: isize) -> &[S::f32s] {
+        let first = (self.y.wrapping_add_signed(rows)) * self.width;
+        let first = (first + 1).wrapping_add_signed(blocks);
+        vectors::<S>(&values[first..][..self.width - 2])
+    }
+
+    #[inline(always)]
+    fn of_mut(self, values: &mut [f32]) -> &mut [S::f32s] {
+        let first = self.y * self.width + 1;
+        S::as_mut_simd_f32s(&mut values[first..][..self.width - 2]).0
+    }
+
+    #[inline(always)]
+    fn of_plane(self, plane: &Plane) -> &[S::f32s] {
+        vectors::<S>(plane.inside(self.y, self.width - 2))
+    }
+
+    #[inline(always)]
+    fn step(self, stepper: &Stepper, state: &State, next: &mut State, known: &mut [f32]) {
+        let known = S::as_mut_simd_f32s(known).0;
+        let count = known.len() / (stepper.levels.len() + 1);
+        for (number, level) in stepper.levels.iter().enumerate().rev() {
+            let (known, lower) = known[number * count..].split_at_mut(count);
+            let flow = Flow::new(self, &state.theta[number + 1], &level.sides);
+            self.explicit(known, &flow, level, lower);
+        }
+        self.upper_levels(stepper, state, next, &known[..count]);
+        for (number, level) in stepper.levels.iter().enumerate().skip(1) {
             let (upper, lower) = next.theta.split_at_mut(number + 1);
-            let up = &upper[number][y * width..][..width];
-            let out = &mut lower[0][y * width..][..width];
-            let (above, inverse) = (level.above.row(y), level.pivot.row(y));
-            let known = &known[number * width..][..width];
-            for x in 1..width - 1 {
-                out[x] = (known[x] + above[x] * up[x]) * inverse[x];
+            let (up, out) = (self.of(&upper[number], 0, 0), self.of_mut(&mut lower[0]));
+            self.back(out, level, &known[number * count..][..count], up);
+        }
+    }
+
+    /// What is known of a level from its sides and from the level below, `lower`.
+    #[inline(always)]
+    fn explicit(
+        self,
+        known: &mut [S::f32s],
+        flow: &Flow<'_, S>,
+        level: &LevelStepper,
+        lower: &[S::f32s],
+    ) {
+        let simd = self.simd;
+        let count = known.len();
+        let flow = flow.first(count);
+        for x in 0..count {
+            known[x] = simd.add_f32s(flow.centre[x], flow.sum(x));
+        }
+        if let Some(source) = &level.source {
+            let source = &self.of_plane(source)[..count];
+            for x in 0..count {
+                known[x] = simd.add_f32s(known[x], source[x]);
             }
+        }
+        if let Some(passed_up) = &level.passed_up {
+            let (passed_up, lower) = (&self.of_plane(passed_up)[..count], &lower[..count]);
+            for x in 0..count {
+                known[x] = simd.mul_add_f32s(passed_up[x], lower[x], known[x]);
+            }
+        }
+    }
+
+    /// Temperatures of a level from those of the level above, `up`.
+    #[inline(always)]
+    fn back(self, out: &mut [S::f32s], level: &LevelStepper, known: &[S::f32s], up: &[S::f32s]) {
+        let (simd, count) = (self.simd, out.len());
+        let above = &self.of_plane(&level.above)[..count];
+        let inverse = &self.of_plane(&level.pivot)[..count];
+        let (known, up) = (&known[..count], &up[..count]);
+        for x in 0..count {
+            let sum = simd.mul_add_f32s(above[x], up[x], known[x]);
+            out[x] = simd.mul_f32s(sum, inverse[x]);
         }
     }
 
     /// The upper two levels, between which heat flows only where the layer is printed.
     #[inline(always)]
-    fn step_first(&self, y: usize, state: &State, next: &mut State, known: &[f32]) {
-        let width = self.width;
-        let first = FirstRow::new(self, state, y);
+    fn upper_levels(self, stepper: &Stepper, state: &State, next: &mut State, known: &[S::f32s]) {
+        let simd = self.simd;
+        let one = simd.splat_f32s(1.0);
         let (out, rest) = next.theta.split_at_mut(1);
-        let out = &mut out[0][y * width..][..width];
-        let Some(second) = self.levels.first() else {
-            for x in 1..width - 1 {
-                out[x] = (first.flow.centre[x] + first.exchange(x)) / first.pivot(x);
+        let out = self.of_mut(&mut out[0]);
+        let count = out.len();
+        let first = FirstRow::new(self, stepper, state).first(count);
+        let Some(second) = stepper.levels.first() else {
+            for x in 0..count {
+                let sum = simd.add_f32s(first.flow.centre[x], first.exchange(x));
+                out[x] = simd.div_f32s(sum, first.pivot(x));
             }
             return;
         };
-        let second_out = &mut rest[0][y * width..][..width];
-        let second_theta = &state.theta[1][y * width..][..width];
-        let (above, pivot) = (second.above.row(y), second.pivot.row(y));
-        let (below, covered) = (self.first.below.row(y), self.first.covered.row(y));
-        let known = &known[..width];
-        for x in 1..width - 1 {
+        let second_out = &mut self.of_mut(&mut rest[0])[..count];
+        let theta = &self.of(&state.theta[1], 0, 0)[..count];
+        let above = &self.of_plane(&second.above)[..count];
+        let pivot = &self.of_plane(&second.pivot)[..count];
+        let below = &self.of_plane(&stepper.first.below)[..count];
+        let covered = &self.of_plane(&stepper.first.covered)[..count];
+        let known = &known[..count];
+        for x in 0..count {
             let share = first.share[x];
             // Of the second level, the share that is covered conducts to the first, and the rest
             // faces the air.
-            let up = above[x] * share;
-            let bare = covered[x] * (1.0 - share);
-            let inverse = 1.0 / (pivot[x] + up + bare * first.loss(second_theta[x]));
+            let up = simd.mul_f32s(above[x], share);
+            let bare = simd.mul_f32s(covered[x], simd.sub_f32s(one, share));
+            let conducted = simd.add_f32s(pivot[x], up);
+            let pivot = simd.mul_add_f32s(bare, first.loss(theta[x]), conducted);
+            let inverse = simd.div_f32s(one, pivot);
             // What is not deposited takes the temperature of what is below.
-            let passed = below[x] * inverse;
-            let new = (first.flow.centre[x] + first.exchange(x) + passed * known[x])
-                / (first.pivot(x) + below[x] - passed * up);
+            let passed = simd.mul_f32s(below[x], inverse);
+            let sum = simd.add_f32s(first.flow.centre[x], first.exchange(x));
+            let sum = simd.mul_add_f32s(passed, known[x], sum);
+            let first_pivot = simd.add_f32s(first.pivot(x), below[x]);
+            let first_pivot = simd.sub_f32s(first_pivot, simd.mul_f32s(passed, up));
+            let new = simd.div_f32s(sum, first_pivot);
             out[x] = new;
-            second_out[x] = (known[x] + up * new) * inverse;
+            second_out[x] = simd.mul_f32s(simd.mul_add_f32s(up, new, known[x]), inverse);
         }
     }
 }
 
-/// A row of blocks of the printed layer.
-struct FirstRow<'a> {
-    flow: Flow<'a>,
-    /// Shares that are deposited, of the blocks and of those at smaller and larger y.
-    share: &'a [f32],
-    north_share: &'a [f32],
-    south_share: &'a [f32],
-    source: &'a [f32],
-    plate: &'a [f32],
-    surface: &'a [f32],
-    loss: [f32; 4],
+#[inline(always)]
+fn vectors<S: Simd>(values: &[f32]) -> &[S::f32s] {
+    S::as_simd_f32s(values).0
 }
 
-impl<'a> FirstRow<'a> {
+/// A row of blocks of the printed layer, without the border.
+struct FirstRow<'a, S: Simd> {
+    simd: S,
+    flow: Flow<'a, S>,
+    /// Shares that are deposited, of the blocks and of their neighbours.
+    share: &'a [S::f32s],
+    east_share: &'a [S::f32s],
+    west_share: &'a [S::f32s],
+    south_share: &'a [S::f32s],
+    north_share: &'a [S::f32s],
+    source: &'a [S::f32s],
+    plate: &'a [S::f32s],
+    surface: &'a [S::f32s],
+    loss: [S::f32s; 4],
+}
+
+impl<'a, S: Simd> FirstRow<'a, S> {
     #[inline(always)]
-    fn new(stepper: &'a Stepper, state: &'a State, y: usize) -> Self {
-        let (first, width) = (&stepper.first, stepper.width);
-        let share = &state.deposited;
+    fn new(row: Row<S>, stepper: &'a Stepper, state: &'a State) -> Self {
+        let (first, share) = (&stepper.first, &state.deposited);
         Self {
-            flow: Flow::new(&state.theta[0], &first.sides, y, width),
-            share: &share[y * width..][..width],
-            north_share: &share[(y - 1) * width..][..width],
-            south_share: &share[(y + 1) * width..][..width],
-            source: first.source.row(y),
-            plate: first.plate.row(y),
-            surface: first.surface.row(y),
-            loss: stepper.loss,
+            simd: row.simd,
+            flow: Flow::new(row, &state.theta[0], &first.sides),
+            share: row.of(share, 0, 0),
+            east_share: row.of(share, 0, 1),
+            west_share: row.of(share, 0, -1),
+            south_share: row.of(share, 1, 0),
+            north_share: row.of(share, -1, 0),
+            source: row.of_plane(&first.source),
+            plate: row.of_plane(&first.plate),
+            surface: row.of_plane(&first.surface),
+            loss: stepper.loss.map(|coefficient| row.simd.splat_f32s(coefficient)),
+        }
+    }
+
+    /// The first `count` vectors.
+    ///
+    /// Slices of one length let the compiler drop the bounds checks of loops up to it.
+    #[inline(always)]
+    fn first(self, count: usize) -> Self {
+        Self {
+            flow: self.flow.first(count),
+            share: &self.share[..count],
+            east_share: &self.east_share[..count],
+            west_share: &self.west_share[..count],
+            south_share: &self.south_share[..count],
+            north_share: &self.north_share[..count],
+            source: &self.source[..count],
+            plate: &self.plate[..count],
+            surface: &self.surface[..count],
+            ..self
         }
     }
 
     /// What flows to a voxel from the sides and from the plate.
     #[inline(always)]
-    fn exchange(&self, x: usize) -> f32 {
-        let flow = &self.flow;
-        let own = flow.centre[x];
-        flow.right[x] * self.share[x + 1] * (flow.centre[x + 1] - own)
-            + flow.left[x] * self.share[x - 1] * (flow.centre[x - 1] - own)
-            + flow.down[x] * self.south_share[x] * (flow.south[x] - own)
-            + flow.up[x] * self.north_share[x] * (flow.north[x] - own)
-            + self.source[x]
+    fn exchange(&self, x: usize) -> S::f32s {
+        let (simd, flow) = (self.simd, &self.flow);
+        let side = |conductance: S::f32s, share: S::f32s, theta: S::f32s, sum: S::f32s| {
+            let difference = simd.sub_f32s(theta, flow.centre[x]);
+            simd.mul_add_f32s(simd.mul_f32s(conductance, share), difference, sum)
+        };
+        let sum = side(flow.right[x], self.east_share[x], flow.east[x], self.source[x]);
+        let sum = side(flow.left[x], self.west_share[x], flow.west[x], sum);
+        let sum = side(flow.down[x], self.south_share[x], flow.south[x], sum);
+        side(flow.up[x], self.north_share[x], flow.north[x], sum)
     }
 
     /// Pivot of a voxel without conduction to the level below.
     #[inline(always)]
-    fn pivot(&self, x: usize) -> f32 {
-        1.0 + self.surface[x] * self.loss(self.flow.centre[x]) + self.plate[x]
+    fn pivot(&self, x: usize) -> S::f32s {
+        let simd = self.simd;
+        let fixed = simd.add_f32s(simd.splat_f32s(1.0), self.plate[x]);
+        simd.mul_add_f32s(self.surface[x], self.loss(self.flow.centre[x]), fixed)
     }
 
     #[inline(always)]
-    fn loss(&self, theta: f32) -> f32 {
+    fn loss(&self, theta: S::f32s) -> S::f32s {
         let [a, b, c, d] = self.loss;
-        a + theta * (b + theta * (c + theta * d))
+        let simd = self.simd;
+        let slope = simd.mul_add_f32s(theta, simd.mul_add_f32s(theta, d, c), b);
+        simd.mul_add_f32s(theta, slope, a)
     }
 }
 
-/// A step of all rows, compiled for each instruction set.
-struct Sweep<'a> {
-    stepper: &'a Stepper,
-    state: &'a State,
-    next: &'a mut State,
-    known: &'a mut [f32],
+/// Temperatures of a row of blocks, without the border, and of their neighbours; and conductances.
+struct Flow<'a, S: Simd> {
+    simd: S,
+    centre: &'a [S::f32s],
+    east: &'a [S::f32s],
+    west: &'a [S::f32s],
+    south: &'a [S::f32s],
+    north: &'a [S::f32s],
+    right: &'a [S::f32s],
+    left: &'a [S::f32s],
+    down: &'a [S::f32s],
+    up: &'a [S::f32s],
 }
 
-impl NullaryFnOnce for Sweep<'_> {
-    type Output = ();
-
+impl<'a, S: Simd> Flow<'a, S> {
     #[inline(always)]
-    fn call(self) {
-        for y in 1..self.stepper.height - 1 {
-            self.stepper.step_row(y, self.state, self.next, self.known);
+    fn new(row: Row<S>, theta: &'a [f32], sides: &'a [Plane; 4]) -> Self {
+        let [right, left, down, up] = sides.each_ref().map(|side| row.of_plane(side));
+        Self {
+            simd: row.simd,
+            centre: row.of(theta, 0, 0),
+            east: row.of(theta, 0, 1),
+            west: row.of(theta, 0, -1),
+            south: row.of(theta, 1, 0),
+            north: row.of(theta, -1, 0),
+            right,
+            left,
+            down,
+            up,
         }
     }
-}
 
-/// What flows sideways between the blocks of a row and their neighbours.
-struct Flow<'a> {
-    centre: &'a [f32],
-    north: &'a [f32],
-    south: &'a [f32],
-    right: &'a [f32],
-    left: &'a [f32],
-    down: &'a [f32],
-    up: &'a [f32],
-}
-
-impl<'a> Flow<'a> {
+    /// The first `count` vectors, as those of [`FirstRow`].
     #[inline(always)]
-    fn new(theta: &'a [f32], sides: &'a [Plane; 4], y: usize, width: usize) -> Self {
-        let row = |y: usize| &theta[y * width..][..width];
-        let [right, left, down, up] = sides.each_ref().map(|side| side.row(y));
-        Self { centre: row(y), north: row(y - 1), south: row(y + 1), right, left, down, up }
+    fn first(&self, count: usize) -> Self {
+        Self {
+            simd: self.simd,
+            centre: &self.centre[..count],
+            east: &self.east[..count],
+            west: &self.west[..count],
+            south: &self.south[..count],
+            north: &self.north[..count],
+            right: &self.right[..count],
+            left: &self.left[..count],
+            down: &self.down[..count],
+            up: &self.up[..count],
+        }
     }
 
+    /// What flows to a voxel from all sides.
     #[inline(always)]
-    fn at(&self, x: usize) -> f32 {
-        let own = self.centre[x];
-        self.right[x] * (self.centre[x + 1] - own)
-            + self.left[x] * (self.centre[x - 1] - own)
-            + self.down[x] * (self.south[x] - own)
-            + self.up[x] * (self.north[x] - own)
+    fn sum(&self, x: usize) -> S::f32s {
+        let simd = self.simd;
+        let difference = |theta: S::f32s| simd.sub_f32s(theta, self.centre[x]);
+        let sum = simd.mul_f32s(self.right[x], difference(self.east[x]));
+        let sum = simd.mul_add_f32s(self.left[x], difference(self.west[x]), sum);
+        let sum = simd.mul_add_f32s(self.down[x], difference(self.south[x]), sum);
+        simd.mul_add_f32s(self.up[x], difference(self.north[x]), sum)
     }
 }
