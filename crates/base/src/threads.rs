@@ -81,6 +81,19 @@ impl<'a> Threads<'a> {
         self.either(serial, || (0..count).into_par_iter().map(&map).collect())
     }
 
+    /// Runs both, at the same time if there are several threads, and returns both results.
+    pub fn join<A: Send, B: Send>(
+        self,
+        a: impl FnOnce() -> A + Send,
+        b: impl FnOnce() -> B + Send,
+    ) -> (A, B) {
+        match self {
+            Self::One => (a(), b()),
+            Self::Current => rayon::join(a, b),
+            Self::Pool(pool) => pool.join(a, b),
+        }
+    }
+
     /// Runs `serial` if there is only the calling thread, otherwise `parallel` inside the pool.
     pub fn either<R: Send>(
         self,

@@ -223,6 +223,37 @@ impl Screen for ProxyScreen {
     }
 }
 
+/// Deviation of all temperatures, K.
+fn deviation(simulation: &Simulation) -> f64 {
+    simulation.statistics().map_or(0.0, |all| all.std_c)
+}
+
+/// Deposits a layer with the given share of the part's voxels, and returns what it costs.
+fn print_cost(
+    print: &mut Simulation,
+    meter: Option<&mut HeatMeter>,
+    cost: &LayerCost,
+    share: f64,
+    layer: u32,
+    order: &[Cell],
+    control: &Control<'_>,
+) -> Result<f64, DepositError> {
+    let mut over_time = 0.0;
+    match meter {
+        None => {
+            print.deposit(layer, order, control)?;
+        }
+        Some(meter) => {
+            let heat = meter.deposit(print, layer, order, control)?;
+            over_time += cost.factor(Objective::TimeAveraged) * heat.mean_std_c * share;
+            if layer > 0 {
+                over_time += cost.factor(Objective::Peak) * heat.max_std_c;
+            }
+        }
+    }
+    Ok(over_time + cost.factor(Objective::Reward) * deviation(print))
+}
+
 impl ThermalModel for Solver {
     type Screen = ProxyScreen;
 
@@ -244,27 +275,27 @@ impl ThermalModel for Solver {
         order: &[Cell],
         control: &Control<'_>,
     ) -> Result<f64, DepositError> {
-        use Objective::{NoTravel, Peak, Reward, TimeAveraged};
-        let deviation =
-            |simulation: &Simulation| simulation.statistics().map_or(0.0, |all| all.std_c);
-        let mut cost = 0.0;
-        if let Some(print) = &mut self.print {
-            if let Some(meter) = &mut self.meter {
-                let heat = meter.deposit(print, layer, order, control)?;
-                let share = order.len() as f64 / self.part.count() as f64;
-                cost += self.cost.factor(TimeAveraged) * heat.mean_std_c * share;
-                if layer > 0 {
-                    cost += self.cost.factor(Peak) * heat.max_std_c;
+        let share = order.len() as f64 / self.part.count() as f64;
+        let Self { print, no_travel, meter, cost, .. } = self;
+        let of_print = || -> Result<f64, DepositError> {
+            match print {
+                None => Ok(0.0),
+                Some(print) => {
+                    print_cost(print, meter.as_mut(), cost, share, layer, order, control)
                 }
-            } else {
-                print.deposit(layer, order, control)?;
             }
-            cost += self.cost.factor(Reward) * deviation(print);
-        }
-        if let Some(no_travel) = &mut self.no_travel {
-            no_travel.deposit(layer, order, &control.without_progress())?;
-            cost += self.cost.factor(NoTravel) * deviation(no_travel);
-        }
+        };
+        let of_no_travel = || -> Result<f64, DepositError> {
+            match no_travel {
+                None => Ok(0.0),
+                Some(no_travel) => {
+                    no_travel.deposit(layer, order, &control.without_progress())?;
+                    Ok(cost.factor(Objective::NoTravel) * deviation(no_travel))
+                }
+            }
+        };
+        let (of_print, of_no_travel) = control.threads.join(of_print, of_no_travel);
+        let cost = of_print? + of_no_travel?;
         self.last = order.last().copied().or(self.last);
         Ok(cost)
     }
