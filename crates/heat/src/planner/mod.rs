@@ -7,6 +7,7 @@ mod greedy;
 mod lines;
 mod refine;
 mod setup;
+mod shortlist;
 
 use beadwork_base::{Control, named_enum};
 use beadwork_part::Order;
@@ -55,7 +56,8 @@ pub struct Settings {
     pub max_seconds: f64,
     /// Sequences that [`Planner::Beam`] keeps, at least 1.
     pub beam_width: usize,
-    /// Orders of a layer that [`Planner::Lines`] tries on the model, at least 1.
+    /// Orders of a layer that [`Planner::Lines`] tries on the model beside the conventional one, at
+    /// least 1: the most promising by its screen.
     pub screened: usize,
     /// How [`Planner::Lines`] improves the order of the lines of each layer; `None` leaves it as it
     /// is.
@@ -72,7 +74,7 @@ impl Default for Settings {
             orders: OrderSet::All.orders(),
             max_seconds: f64::INFINITY,
             beam_width: 8,
-            screened: 10,
+            screened: 4,
             annealing: Some(Annealing::default()),
             seed: 0,
         }
