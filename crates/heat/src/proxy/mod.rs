@@ -122,15 +122,17 @@ impl LayerProxy {
             .iter()
             .map(|[count, sum]| if *count > 0.0 { sum / count } else { 0.0 })
             .collect();
-        let grid = |size: usize| {
-            let side = 1_u32 << size;
-            let blocks = Blocks::new(part, &extent, side);
-            let step_s = RATIO * f64::from(side * side) / coefficients.lateral;
+        let mut sizes = vec![Blocks::new(part, &extent, 1)];
+        for size in 1..SIZES {
+            sizes.push(sizes[size - 1].coarser(&extent));
+        }
+        let grid = |blocks: Blocks| {
+            let step_s = RATIO * f64::from(blocks.side * blocks.side) / coefficients.lateral;
             let stepper = Stepper::new(&blocks, &coefficients, &level_k, step_s);
             let start = start(&blocks, &extent, theta.view());
             Grid { blocks, stepper, start }
         };
-        let grids = (0..SIZES).map(grid).collect();
+        let grids = sizes.into_iter().map(grid).collect();
         Self { coefficients, level_k, grids, outside }
     }
 

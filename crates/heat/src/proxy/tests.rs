@@ -152,6 +152,8 @@ fn steps_solve_their_equations() {
         let coefficients = Coefficients::new(&part.frame, &ThermalMaterial::abs(), &process);
         let side = 1 << (rng.next_u64() % 3);
         let blocks = Blocks::new(&part, &extent, side);
+        let coarse = Blocks::new(&part, &extent, 2 * side);
+        assert_eq!(blocks.coarser(&extent).levels, coarse.levels);
         let step_s = (0.2 + unit(&mut rng)) * 0.16 * f64::from(side * side);
         let level_k: Vec<f64> =
             extent.levels.iter().map(|_| 40.0 + 60.0 * unit(&mut rng)).collect();
