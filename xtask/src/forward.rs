@@ -59,12 +59,16 @@ fn needs_libtorch(words: &[OsString]) -> bool {
         "train" => true,
         "eval" => word(1) == "fusion",
         "bench" => word(1) == "learn",
-        "zones" => {
-            words.windows(2).any(|pair| pair[0] == "--method" && pair[1] == "fusion")
-                || words.iter().any(|word| word == "--method=fusion")
-        }
+        "zones" => has_flag(words, "--method", "fusion"),
+        "plan" => has_flag(words, "--planner", "ppo"),
         _ => false,
     }
+}
+
+/// Whether a flag has a value, as one word or as two.
+fn has_flag(words: &[OsString], flag: &str, value: &str) -> bool {
+    words.windows(2).any(|pair| pair[0] == flag && pair[1] == value)
+        || words.iter().any(|word| *word == *format!("{flag}={value}"))
 }
 
 /// Replaces this process with cargo, which replaces itself with the binary.
@@ -101,6 +105,8 @@ mod tests {
             "bench learn",
             "zones --size 30x30 --method fusion",
             "zones --method=fusion",
+            "plan part.stl --objective heat --planner ppo --policy runs/general",
+            "plan part.stl --planner=ppo",
         ] {
             assert!(needs_libtorch(line), "{line}");
         }
@@ -111,6 +117,7 @@ mod tests {
             "zones --method anneal",
             "zones --svg fusion",
             "plan fusion",
+            "plan part.stl --objective heat --planner lines",
         ] {
             assert!(!needs_libtorch(line), "{line}");
         }

@@ -220,6 +220,11 @@ impl PartArgs {
         !self.parts.is_empty()
     }
 
+    /// The part, if only one is named.
+    pub fn only(&self) -> Option<&Path> {
+        if let [part] = self.parts.as_slice() { Some(part) } else { None }
+    }
+
     /// Reads, repairs, places and slices the part.
     pub fn load(&self, bed_mm: [f64; 3], pool: &ThreadPool) -> anyhow::Result<Part> {
         let part = self.cut(bed_mm, pool)?;

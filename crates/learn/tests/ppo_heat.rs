@@ -259,6 +259,7 @@ fn small() -> TrainingConfig {
             image: vec![4],
             pooled: 2,
             units: 32,
+            ..FieldsConfig::small()
         }),
         ..TrainingConfig::small()
     }

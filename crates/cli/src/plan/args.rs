@@ -1,10 +1,12 @@
 //! Flags of `plan`, and the files it writes.
 
+use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::bail;
+use beadwork_base::UnknownName;
 use beadwork_console::bead_args::BeadArgs;
 use beadwork_console::grid_choice::GridArgs;
 use beadwork_console::output;
@@ -44,6 +46,7 @@ Examples:
   beadwork plan plate.3mf --objective tools --lift-cost 50 --purge 90 --before 1:0 --json
   beadwork plan torus.3mf --objective tools --phases 4 --bead-range 10 --out torus.gcode
   beadwork plan example:u-shape --objective heat --max-time 1.05 --out u.gcode
+  beadwork plan example:u-shape --objective heat --planner ppo --out u.gcode
   beadwork plan part.obj --unit in --bead 0.45 --layer 0.2 --profile printer.toml \\
     --objective tools --out part.gcode")]
 pub(crate) struct Args {
@@ -119,9 +122,13 @@ pub(crate) struct Args {
 #[command(next_help_heading = "Even temperature (--objective heat)")]
 pub(super) struct HeatArgs {
     /// How the order of each layer is chosen: conventional, constant (the same order in every
-    /// layer), greedy, beam, or lines (orders of lines, annealed); lines by default.
+    /// layer), greedy, beam, lines (orders of lines, annealed), or ppo (a trained policy); lines by
+    /// default.
     #[arg(long, value_name = "NAME")]
-    planner: Option<Planner>,
+    planner: Option<PlannerName>,
+    /// Folder of the policy of --planner ppo; models/ppo-small by default.
+    #[arg(long, value_name = "DIR")]
+    policy: Option<PathBuf>,
     /// Maximum printing time, as a multiple of that of the conventional order; 1.02 by default.
     #[arg(long, value_name = "FACTOR", value_parser = factor, allow_hyphen_values = true)]
     max_time: Option<f64>,
@@ -139,6 +146,7 @@ impl HeatArgs {
     fn given(&self) -> Option<&'static str> {
         let flags = [
             (self.planner.is_some(), "--planner"),
+            (self.policy.is_some(), "--policy"),
             (self.max_time.is_some(), "--max-time"),
             (self.even.is_some(), "--even"),
             (self.thermal_material.is_some(), "--thermal-material"),
@@ -146,8 +154,24 @@ impl HeatArgs {
         flags.into_iter().find_map(|(is_given, flag)| is_given.then_some(flag))
     }
 
-    pub(super) fn planner(&self) -> Planner {
-        self.planner.unwrap_or(Planner::Lines)
+    /// How the part is planned.
+    pub(super) fn planner(&self) -> PlannerName {
+        self.planner.unwrap_or(PlannerName::Search(Planner::Lines))
+    }
+
+    /// Folder of the policy.
+    pub(super) fn policy(&self) -> &Path {
+        self.policy.as_deref().unwrap_or(Path::new("models/ppo-small"))
+    }
+
+    /// A flag that does not go together with the planner, and why.
+    fn misfit(&self) -> Option<&'static str> {
+        if self.planner() != PlannerName::Ppo {
+            return self.policy.is_some().then_some("--policy requires --planner ppo");
+        }
+        let why = "--even does not go together with --planner ppo: a policy minimises what it was \
+                   trained for";
+        self.even.is_some().then_some(why)
     }
 
     pub(super) fn max_time(&self) -> f64 {
@@ -161,6 +185,42 @@ impl HeatArgs {
 
     pub(super) fn material(&self) -> ThermalMaterial {
         self.thermal_material.unwrap_or(MaterialPreset::Abs).material()
+    }
+}
+
+/// Name of the planner that is a policy.
+const PPO: &str = "ppo";
+
+/// How the orders of the layers are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PlannerName {
+    /// By a planner that tries orders on the solver.
+    Search(Planner),
+    /// By a trained policy.
+    Ppo,
+}
+
+impl FromStr for PlannerName {
+    type Err = UnknownName;
+
+    fn from_str(text: &str) -> Result<Self, UnknownName> {
+        match text.parse().map(Self::Search) {
+            Err(_) if text == PPO => Ok(Self::Ppo),
+            Err(mut unknown) => {
+                unknown.expected.push(PPO);
+                Err(unknown)
+            }
+            planner => planner,
+        }
+    }
+}
+
+impl fmt::Display for PlannerName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Search(planner) => planner.fmt(f),
+            Self::Ppo => f.write_str(PPO),
+        }
     }
 }
 
@@ -256,6 +316,9 @@ impl Args {
         }
         if is_for_heat && self.fill == Some(FillName::Beads) {
             output::usage_error("--objective heat plans cells: use --fill cells");
+        }
+        if let Some(misfit) = self.heat.misfit() {
+            output::usage_error(misfit);
         }
         is_for_heat
     }

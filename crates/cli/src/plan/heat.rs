@@ -16,13 +16,14 @@ use beadwork_heat::planner::{self, Settings};
 use beadwork_part::print;
 use beadwork_part::slice::{Layers, Voxels};
 use beadwork_part::{Order, Panel, svg};
-use beadwork_thermal::objective::{self, HeatMeasures, Objective, measure_plan};
+use beadwork_thermal::objective::{self, HeatMeasures, Objective, Weighted, measure_plan};
 use beadwork_thermal::simulation::{Accuracy, Method};
 use beadwork_thermal::{ProcessParameters, ThermalMaterial};
 use rayon::ThreadPool;
 
-use super::args::{Args, Files};
+use super::args::{Args, Files, PlannerName};
 use super::heat_report::HeatReport;
+use super::policy::Policy;
 use super::totals::Seconds;
 
 /// Maximum number of layers drawn: two rows.
@@ -60,11 +61,26 @@ pub(super) fn run(
         process: process(&settings, tool),
         pool,
     };
+    let planner = args.heat.planner();
+    let policy =
+        (planner == PlannerName::Ppo).then(|| Policy::open(args.heat.policy())).transpose()?;
+    let objective = match &policy {
+        Some(policy) => Weighted::new(vec![(policy.objective(), 1.0)])?,
+        None => args.heat.objective(),
+    };
     let sliced = begin.elapsed().as_secs_f64();
     let conventional = heat.conventional()?;
     let baseline = heat.measure(&conventional)?;
     let planning = Instant::now();
-    let plan = heat.plan(args, &conventional, &baseline)?;
+    let max_seconds = args.heat.max_time() * conventional.seconds();
+    let plan = match (&policy, planner) {
+        (None, PlannerName::Search(planner)) => {
+            let settings =
+                Settings { planner, max_seconds, seed: args.seed, ..Settings::default() };
+            heat.plan(&objective, &baseline, &settings)?
+        }
+        _ => heat.plan_by(policy.as_ref().context("no policy")?, max_seconds)?,
+    };
     let planning_seconds = planning.elapsed().as_secs_f64();
     let measures = heat.measure(&plan)?;
     let planned = begin.elapsed().as_secs_f64();
@@ -75,8 +91,8 @@ pub(super) fn run(
     let report = HeatReport {
         part: &part,
         plan: &plan,
-        planner: args.heat.planner(),
-        objective: &args.heat.objective(),
+        planner,
+        objective: &objective,
         measures: &measures,
         baseline: &baseline,
         planning_seconds,
@@ -138,21 +154,23 @@ impl HeatPart<'_> {
         })?
     }
 
+    /// The plan of a policy.
+    fn plan_by(&self, policy: &Policy, max_seconds: f64) -> anyhow::Result<HeatPlan> {
+        let unprinted = self.solver(LayerCost::of(policy.objective())?)?;
+        control::with_bar("plan", Threads::Pool(self.pool), |control| {
+            policy.plan(&unprinted, max_seconds, control)
+        })?
+    }
+
     fn plan(
         &self,
-        args: &Args,
-        conventional: &HeatPlan,
+        objective: &Weighted,
         baseline: &HeatMeasures,
+        settings: &Settings,
     ) -> anyhow::Result<HeatPlan> {
-        let model = self.solver(LayerCost::relative(&args.heat.objective(), baseline)?)?;
-        let settings = Settings {
-            planner: args.heat.planner(),
-            max_seconds: args.heat.max_time() * conventional.seconds(),
-            seed: args.seed,
-            ..Settings::default()
-        };
+        let model = self.solver(LayerCost::relative(objective, baseline)?)?;
         let plan = control::with_bar("plan", Threads::Pool(self.pool), |control| {
-            planner::plan(&model, &settings, control)
+            planner::plan(&model, settings, control)
         })?;
         match plan {
             Err(error @ PlanError::TooSlow { .. }) => {

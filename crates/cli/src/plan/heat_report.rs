@@ -5,17 +5,16 @@ use std::fmt::Write;
 use beadwork_console::part::Part;
 use beadwork_console::plan::Printed;
 use beadwork_heat::plan::HeatPlan;
-use beadwork_heat::planner::Planner;
 use beadwork_thermal::objective::{HeatMeasures, Objective, Weighted};
 use serde_json::{Value, json};
 
-use super::args::Files;
+use super::args::{Files, PlannerName};
 use super::totals::{Seconds, with_totals, write_totals};
 
 pub(super) struct HeatReport<'a> {
     pub(super) part: &'a Part,
     pub(super) plan: &'a HeatPlan,
-    pub(super) planner: Planner,
+    pub(super) planner: PlannerName,
     pub(super) objective: &'a Weighted,
     /// Measures of the plan, and of the conventional order.
     pub(super) measures: &'a HeatMeasures,

@@ -7,6 +7,8 @@ mod beads;
 mod drawing;
 mod heat;
 mod heat_report;
+#[cfg_attr(not(feature = "learn"), path = "no_policy.rs")]
+mod policy;
 mod report;
 mod totals;
 

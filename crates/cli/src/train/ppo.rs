@@ -1,4 +1,4 @@
-//! `train ppo`: trains a policy that chooses the order of each layer of a part.
+//! `train ppo`: trains a policy that chooses the order of each layer of a part, or of any part.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,28 +10,34 @@ use beadwork_base::{Control, Threads};
 use beadwork_console::part::PartArgs;
 use beadwork_console::printer::PrinterArgs;
 use beadwork_console::{cancel, control, machine, output, progress};
+use beadwork_dataset::random_part;
 use beadwork_heat::candidates::OrderSet;
 use beadwork_heat::model::{LayerCost, Solver};
 use beadwork_learn::Device;
 use beadwork_learn::ppo::{
-    End, Environment, Event, HeatEnvironment, HeatSettings, HeatTask, Kept, Policy, Run,
-    TrainingConfig, last_checkpoint, train,
+    End, Environment, Event, HeatEnvironment, HeatSettings, HeatTask, Kept, Policy, PolicyTask,
+    RandomHeatEnvironment, RandomHeatTask, Run, TrainingConfig, last_checkpoint, train,
 };
 use beadwork_part::Order;
-use beadwork_part::slice::Voxels;
 use beadwork_thermal::objective::Objective;
 use beadwork_thermal::simulation::Method;
 use beadwork_thermal::{ProcessParameters, ThermalMaterial};
 use clap::ValueEnum;
+use rayon::ThreadPool;
 use serde_json::json;
 
 use super::ppo_log::Log;
+
+/// Prefix of the name of a preset of random parts.
+const RANDOM: &str = "random:";
 
 /// Train a policy that chooses the order of each layer of a part, for even temperatures.
 ///
 /// Proximal policy optimisation, as in Kim et al. 2026: a step prints a layer, and its reward is
 /// minus the standard deviation of all temperatures at the layer's end, relative to the
 /// conventional order's.
+/// The part random:policy stands for random parts of 15 to 32 layers, another one in every episode:
+/// the policy then acts on any part, with plan --objective heat --planner ppo.
 /// Writes to a folder: the policies (config.toml, space.toml, best.safetensors of the highest mean
 /// return of 100 episodes, greedy.safetensors of the best evaluation, last.safetensors), the state
 /// of the run (last.checkpoint), episodes.csv, updates.csv and evaluations.csv, and events for
@@ -41,7 +47,8 @@ use super::ppo_log::Log;
 Examples:
   beadwork train ppo example:rectangular --preset small --out runs/rectangular
   beadwork train ppo example:rectangular --preset small --out runs/rectangular --resume
-  beadwork train ppo example:u-shape --preset small --orders all --max-time 1.02 --out runs/u")]
+  beadwork train ppo example:u-shape --preset small --orders all --max-time 1.02 --out runs/u
+  beadwork train ppo random:policy --preset general --max-time 1.05 --out runs/general")]
 pub(crate) struct Args {
     #[command(flatten)]
     part: PartArgs,
@@ -58,6 +65,8 @@ pub(crate) struct Args {
     objective: Objective,
     /// Limit on the printing time as a ratio to that of the conventional order, at the end of each
     /// layer; none by default, and then the policy may gain by waiting.
+    /// For random parts it is the largest limit: half of the episodes have a random one from 1 to
+    /// RATIO, the others have none.
     #[arg(long, value_name = "RATIO")]
     max_time: Option<f64>,
     /// Folder to write to.
@@ -83,8 +92,8 @@ pub(crate) struct Args {
 #[derive(clap::Args)]
 #[group(required = true, multiple = false)]
 struct Source {
-    /// Built-in configuration: small (minutes), paper (each voxel is observed, a large network,
-    /// 500,000 steps; days).
+    /// Built-in configuration: small (minutes), general (for random parts, an hour), paper (each
+    /// voxel is observed, a large network, 500,000 steps; days).
     #[arg(long, value_name = "NAME")]
     preset: Option<Preset>,
     /// Configuration file.
@@ -95,6 +104,7 @@ struct Source {
 #[derive(Clone, Copy, ValueEnum)]
 enum Preset {
     Small,
+    General,
     Paper,
 }
 
@@ -103,6 +113,7 @@ impl Source {
         let Some(path) = &self.config else {
             return Ok(match self.preset {
                 Some(Preset::Paper) => TrainingConfig::paper(),
+                Some(Preset::General) => TrainingConfig::general(),
                 _ => TrainingConfig::small(),
             });
         };
@@ -136,22 +147,10 @@ fn check_folder(out: &Path, resume: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The task of printing a part in one of the given orders in each layer.
-fn task(
-    part: Voxels,
-    orders: &[Order],
-    objective: Objective,
-    settings: &HeatSettings,
-) -> anyhow::Result<Arc<HeatTask>> {
-    let cells = |layer| {
-        let region = part.region(layer)?;
-        Ok(orders.iter().map(|order| order.order(&region)).collect())
-    };
-    let cells = (0..part.depth).map(cells).collect::<anyhow::Result<Vec<_>>>()?;
-    let (material, process) = (ThermalMaterial::abs(), ProcessParameters::default());
-    let cost = LayerCost::of(objective)?;
-    let unprinted = Solver::new(Arc::new(part), &material, &process, Method::default(), cost)?;
-    Ok(Arc::new(HeatTask::new(unprinted, cells, settings)?))
+/// The preset of random parts that the part names; `None` if it is a part.
+fn random_parts(part: &PartArgs) -> anyhow::Result<Option<random_part::Preset>> {
+    let name = part.only().and_then(Path::to_str).and_then(|name| name.strip_prefix(RANDOM));
+    Ok(name.map(str::parse).transpose()?)
 }
 
 /// A plan of all layers.
@@ -188,30 +187,66 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     config.seed = args.seed.unwrap_or(config.seed);
     config.check()?;
     let pool = control::pool(args.threads)?;
-    let bed_mm = args.printer.load()?.printer.bed_mm;
-    let (name, part) = args.part.load(bed_mm, &pool)?.printed_voxels()?;
     let orders = args.orders.orders();
-    let observed = match args.source.preset {
-        Some(Preset::Paper) => HeatSettings::paper(),
-        _ => HeatSettings::default(),
-    };
-    let settings = HeatSettings { max_time_ratio: args.max_time, ..observed };
     // The conventional order is in each set.
-    let baseline = orders.iter().position(|&order| order == Order::CONVENTIONAL);
-    let settings = HeatSettings { baseline: baseline.unwrap_or(0), ..settings };
-    let task = task(part, &orders, args.objective, &settings)?;
-    check_folder(&args.out, args.resume)?;
-    fs::create_dir_all(&args.out)
-        .with_context(|| format!("cannot create '{}'", args.out.display()))?;
+    let baseline = orders.iter().position(|&order| order == Order::CONVENTIONAL).unwrap_or(0);
+    let cost = LayerCost::of(args.objective)?;
+    let random = random_parts(&args.part)?;
+    let observed = match (random, args.source.preset) {
+        (Some(_), _) => HeatSettings::general(),
+        (None, Some(Preset::Paper)) => HeatSettings::paper(),
+        (None, _) => HeatSettings::default(),
+    };
+    let settings = HeatSettings { baseline, max_time_ratio: args.max_time, ..observed };
+    let Some(preset) = random else {
+        let bed_mm = args.printer.load()?.printer.bed_mm;
+        let (name, part) = args.part.load(bed_mm, &pool)?.printed_voxels()?;
+        let (material, process) = (ThermalMaterial::abs(), ProcessParameters::default());
+        let method = Method::default();
+        let unprinted = Solver::new(Arc::new(part), &material, &process, method, cost)?;
+        let task = Arc::new(HeatTask::named(unprinted, &orders, &settings)?);
+        create_folder(args)?;
+        let make = || HeatEnvironment::new(task.clone());
+        let conventional = task.baseline_reward();
+        let done = train_in(args, &config, &make, &|gain| -100.0 * gain / conventional, &pool)?;
+        return report(args, &name, &task, &orders, &done);
+    };
+    let parts = random_part::Settings::preset(preset);
+    let task = RandomHeatTask { parts, ..RandomHeatTask::new(orders, cost, settings) };
+    let environment = RandomHeatEnvironment::new(Arc::new(task))?;
+    create_folder(args)?;
+    let task = PolicyTask {
+        orders: args.orders,
+        objective: args.objective,
+        depth: settings.depth,
+        window: settings.window.context("no window")?,
+    };
+    output::file(&PolicyTask::file(&args.out), task.to_toml())?;
+    // Returns are in percent already.
+    let done = train_in(args, &config, &|| environment.clone(), &|gain| gain, &pool)?;
+    report_random(args, preset, config.evaluation_episodes, &done)
+}
 
+/// Creates the folder to write to.
+fn create_folder(args: &Args) -> anyhow::Result<()> {
+    check_folder(&args.out, args.resume)?;
+    fs::create_dir_all(&args.out).with_context(|| format!("cannot create '{}'", args.out.display()))
+}
+
+/// Trains in an environment; `percent` converts a return to a gain over the conventional order.
+fn train_in<E: Environment>(
+    args: &Args,
+    config: &TrainingConfig,
+    make: &dyn Fn() -> E,
+    percent: &dyn Fn(f64) -> f64,
+    pool: &ThreadPool,
+) -> anyhow::Result<Done> {
     let begin = Instant::now();
-    let conventional = task.baseline_reward();
-    let percent = |gain: f64| -100.0 * gain / conventional;
     let mut log = Log::open(&args.out, args.resume)?;
     let bar = progress::bar(config.updates() * config.steps_per_update() as u64, "steps");
     let cancel = cancel::token()?;
     let mut failed = None;
-    let (mut steps, mut episodes) = (0, 0);
+    let (mut steps, mut episodes, mut best_gain) = (0, 0, None);
     let mut observer = |event: &Event| {
         match event {
             Event::Started { steps: made, episodes: of } => {
@@ -227,9 +262,12 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
                 bar.set_position(update.steps);
             }
             Event::Evaluated { steps, evaluation, best, .. } => bar.suspend(|| {
+                let gain = percent(evaluation.mean());
+                if *best {
+                    best_gain = Some(gain);
+                }
                 eprintln!(
-                    "beadwork: step {steps}: gain {:.2} %{}",
-                    percent(evaluation.mean()),
+                    "beadwork: step {steps}: gain {gain:.2} %{}",
                     if *best { ", the best so far" } else { "" },
                 );
             }),
@@ -242,30 +280,78 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         }
     };
     let run = Run { device: Device::Cpu, out: &args.out, observer: &mut observer };
-    let control = Control { cancel: Some(cancel), ..Control::on(Threads::Pool(&pool)) };
-    let end = train(&|| HeatEnvironment::new(task.clone()), &config, run, &control);
+    let control = Control { cancel: Some(cancel), ..Control::on(Threads::Pool(pool)) };
+    let end = train(make, config, run, &control);
     bar.finish_and_clear();
     if let Some(error) = failed {
         return Err(error.context(format!("cannot log to '{}'", args.out.display())));
     }
-    let end = end?;
-    let done = Done { name, end, steps, episodes, seconds: begin.elapsed().as_secs_f64() };
-    report(args, &task, &orders, &done)
+    let seconds = begin.elapsed().as_secs_f64();
+    Ok(Done { end: end?, steps, episodes, best_gain, seconds })
 }
 
 /// What a run did.
 struct Done {
-    /// Name of the part.
-    name: String,
     end: End,
     steps: u64,
     episodes: u64,
+    /// Mean gain of the best evaluation, in percent; `None` if no policy was kept since the run was
+    /// started or resumed.
+    best_gain: Option<f64>,
     seconds: f64,
 }
 
-/// Reports a run, and the plan of its best policy.
-fn report(args: &Args, task: &Arc<HeatTask>, orders: &[Order], done: &Done) -> anyhow::Result<()> {
-    let Done { name, end, steps, episodes, seconds } = done;
+impl Done {
+    /// Why the run ended, in words.
+    fn how(&self) -> &'static str {
+        match self.end {
+            End::Done => "all steps are made",
+            End::Cancelled | End::TimeUp => "stopped; --resume continues",
+        }
+    }
+}
+
+/// Reports a run on random parts.
+fn report_random(
+    args: &Args,
+    preset: random_part::Preset,
+    evaluated: usize,
+    done: &Done,
+) -> anyhow::Result<()> {
+    let Done { end, steps, episodes, best_gain, seconds } = done;
+    if args.json {
+        return output::json(&json!({
+            "network": "ppo",
+            "part": format!("{RANDOM}{preset}"),
+            "end": format!("{end:?}").to_lowercase(),
+            "steps": steps,
+            "episodes": episodes,
+            "evaluated_parts": evaluated,
+            "gain_percent": best_gain,
+            "seconds": seconds,
+            "machine": machine::facts(),
+        }));
+    }
+    let found = best_gain.map_or("no better policy was found".into(), |gain| {
+        format!("best policy: gain {gain:.2} % over the conventional order on {evaluated} parts")
+    });
+    let how = done.how();
+    output::text(&format!(
+        "{RANDOM}{preset}: {how}; {episodes} episodes in {seconds:.0} s\n{found}\n\
+         use it: beadwork plan PART --objective heat --planner ppo --policy {}\n",
+        args.out.display(),
+    ))
+}
+
+/// Reports a run on one part, and the plan of its best policy.
+fn report(
+    args: &Args,
+    name: &str,
+    task: &Arc<HeatTask>,
+    orders: &[Order],
+    done: &Done,
+) -> anyhow::Result<()> {
+    let Done { end, steps, episodes, seconds, .. } = done;
     let conventional = task.baseline_reward();
     let percent = |gain: f64| -100.0 * gain / conventional;
     let file = Policy::weights_file(&args.out, Kept::Evaluation);
@@ -295,10 +381,7 @@ fn report(args: &Args, task: &Arc<HeatTask>, orders: &[Order], done: &Done) -> a
             "machine": machine::facts(),
         }));
     }
-    let how = match end {
-        End::Done => "all steps are made",
-        End::Cancelled | End::TimeUp => "stopped; --resume continues",
-    };
+    let how = done.how();
     let found = plan.map_or("no policy was evaluated yet".into(), |plan| {
         format!(
             "best policy: reward {:.3}, {:+.2} % over the conventional order's {conventional:.3}; \

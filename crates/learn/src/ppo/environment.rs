@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Space {
-    /// Shape of each tensor of an observation: `[values]`, `[channel, y, x]` or
-    /// `[channel, z, y, x]`.
+    /// Shape of each tensor of an observation: `[values]`, `[action, values]`, `[channel, y, x]`
+    /// or `[channel, z, y, x]`.
     pub observation: Vec<Vec<i64>>,
     /// Number of actions, at least 1.
     pub actions: usize,

@@ -4,6 +4,8 @@
 //! The network of the paper on toolpaths for even temperature (Kim et al. 2026): a 3D extractor for
 //! temperatures and a 2D extractor for designs of layers, made of residual blocks that halve the
 //! size, with group norms; their features are concatenated for the branches of actor and critic.
+//! Beyond the paper, an observation may describe each action, and a small network then adds to the
+//! actor's logits what it makes of the description.
 //! The paper does not give channels, depths and branches: those of the presets are chosen here.
 
 use rand_chacha::ChaCha8Rng;
@@ -17,6 +19,8 @@ use super::network::{ActorCritic, Output, SpaceError};
 use super::range::{RangeError, require};
 
 /// Sizes of the network.
+///
+/// Construct it with `..FieldsConfig::default()`: fields may be added.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FieldsConfig {
@@ -32,6 +36,9 @@ pub struct FieldsConfig {
     pub pooled: i64,
     /// Units of the hidden layer of each branch.
     pub units: i64,
+    /// Units of the hidden layer that scores actions by what an observation says about each of
+    /// them; without effect if it says nothing.
+    pub action_units: i64,
 }
 
 impl FieldsConfig {
@@ -42,12 +49,19 @@ impl FieldsConfig {
             image: vec![16, 32, 64, 128, 128],
             pooled: 1,
             units: 256,
+            action_units: 64,
         }
     }
 
     /// For processors and cropped, coarse observations of up to some thousand voxels.
     pub fn small() -> Self {
-        Self { volume: vec![8, 16, 32], image: vec![8, 16, 32], pooled: 2, units: 64 }
+        Self {
+            volume: vec![8, 16, 32],
+            image: vec![8, 16, 32],
+            pooled: 2,
+            units: 64,
+            action_units: 32,
+        }
     }
 
     pub(super) fn check(&self) -> Result<(), RangeError> {
@@ -60,7 +74,9 @@ impl FieldsConfig {
             }
         }
         require((1..=64).contains(&self.pooled), "network.pooled", &self.pooled, "1 to 64")?;
-        require(self.units > 0, "network.units", &self.units, "at least 1")
+        require(self.units > 0, "network.units", &self.units, "at least 1")?;
+        let units = self.action_units;
+        require(units > 0, "network.action_units", &units, "at least 1")
     }
 }
 
@@ -140,7 +156,7 @@ impl Block {
 /// What turns one tensor of an observation into features.
 #[derive(Debug)]
 enum Extractor {
-    /// A vector is its own feature.
+    /// The numbers of a vector, or of all actions, are features themselves.
     Vector,
     /// Blocks, and an average over the cells that are pooled.
     Field { blocks: Vec<Block>, axes: usize, pooled: i64 },
@@ -153,13 +169,15 @@ impl Extractor {
         rng: &mut ChaCha8Rng,
         config: &FieldsConfig,
         shape: &[i64],
+        actions: usize,
     ) -> Result<(Self, i64), SpaceError> {
         let (channels, axes) = match *shape {
             [values] => return Ok((Self::Vector, values)),
+            [rows, values] if rows == actions as i64 => return Ok((Self::Vector, rows * values)),
             [_, _, _] => (&config.image, 2),
             [_, _, _, _] => (&config.volume, 3),
             _ => {
-                let expected = "[values], [channel, y, x] or [channel, z, y, x]";
+                let expected = "[values], [action, values], [channel, y, x] or [channel, z, y, x]";
                 return Err(SpaceError { shape: shape.to_vec(), expected });
             }
         };
@@ -175,7 +193,7 @@ impl Extractor {
 
     fn forward(&self, x: &Tensor) -> Tensor {
         let Self::Field { blocks, axes, pooled } = self else {
-            return x.shallow_clone();
+            return x.flatten(1, -1);
         };
         let x = blocks.iter().fold(x.shallow_clone(), |x, block| block.forward(&x));
         let x = if *axes == 3 { x.mean_dim([2_i64].as_slice(), false, Kind::Float) } else { x };
@@ -183,10 +201,35 @@ impl Extractor {
     }
 }
 
+/// What scores each action by the numbers that a tensor of the observation has for it.
+///
+/// The same weights score all actions, so what is learned of one holds for all.
+#[derive(Debug)]
+struct Scorer {
+    /// Index of the tensor.
+    tensor: usize,
+    /// Of the numbers of an action.
+    own: Linear,
+    /// Of the common features.
+    context: Linear,
+    last: Linear,
+}
+
+impl Scorer {
+    /// Scores, `[batch, action]`.
+    fn forward(&self, observation: &[Tensor], features: &Tensor) -> Tensor {
+        let own = self.own.forward(&observation[self.tensor]);
+        let hidden = (own + self.context.forward(features).unsqueeze(1)).relu();
+        self.last.forward(&hidden).squeeze_dim(2)
+    }
+}
+
 /// Extractors, and two branches.
 #[derive(Debug)]
 pub(super) struct Fields {
     extractors: Vec<Extractor>,
+    /// Adds to the actor's logits.
+    scorers: Vec<Scorer>,
     actor: [Linear; 2],
     critic: [Linear; 2],
 }
@@ -201,7 +244,8 @@ impl Fields {
         let mut features = 0;
         let mut extractors = Vec::new();
         for (index, shape) in space.observation.iter().enumerate() {
-            let (extractor, own) = Extractor::new(&(vs / "extractor" / index), rng, config, shape)?;
+            let vs = &(vs / "extractor" / index);
+            let (extractor, own) = Extractor::new(vs, rng, config, shape, space.actions)?;
             extractors.push(extractor);
             features += own;
         }
@@ -213,7 +257,19 @@ impl Fields {
             ]
         };
         let critic = branch("critic", 1, CRITIC);
-        Ok(Self { extractors, actor: branch("actor", space.actions as i64, ACTOR), critic })
+        let actor = branch("actor", space.actions as i64, ACTOR);
+        let mut scorers = Vec::new();
+        for (tensor, shape) in space.observation.iter().enumerate() {
+            let &[_, values] = shape.as_slice() else { continue };
+            let (vs, units) = (&(vs / "scorer" / tensor), config.action_units);
+            scorers.push(Scorer {
+                tensor,
+                own: linear(&(vs / "own"), rng, values, units, HIDDEN),
+                context: linear(&(vs / "context"), rng, features, units, HIDDEN),
+                last: linear(&(vs / "last"), rng, units, 1, ACTOR),
+            });
+        }
+        Ok(Self { extractors, scorers, actor, critic })
     }
 }
 
@@ -227,6 +283,9 @@ impl ActorCritic for Fields {
             .collect();
         let features = Tensor::cat(&features, 1);
         let branch = |[hidden, last]: &[Linear; 2]| last.forward(&hidden.forward(&features).relu());
-        Output { logits: branch(&self.actor), value: branch(&self.critic).squeeze_dim(1) }
+        let score =
+            |logits: Tensor, scorer: &Scorer| logits + scorer.forward(observation, &features);
+        let logits = self.scorers.iter().fold(branch(&self.actor), score);
+        Output { logits, value: branch(&self.critic).squeeze_dim(1) }
     }
 }

@@ -63,7 +63,10 @@ pub use self::categorical::Categorical;
 pub use self::environment::{Environment, EpisodeEnd, Observation, Space, Step};
 pub use self::evaluate::{Evaluation, evaluate};
 pub use self::fields::FieldsConfig;
-pub use self::heat::{HeatEnvironment, HeatError, HeatSettings, HeatTask};
+pub use self::heat::{
+    HeatEnvironment, HeatError, HeatPolicy, HeatPolicyError, HeatSettings, HeatTask, PolicyTask,
+    RandomHeatEnvironment, RandomHeatError, RandomHeatTask,
+};
 pub use self::network::{ActorCritic, NetworkConfig, Output, SpaceError};
 pub use self::perceptron::PerceptronConfig;
 pub use self::policy::{Kept, Policy, PolicyError};

@@ -168,6 +168,29 @@ impl TrainingConfig {
         }
     }
 
+    /// A policy that acts on parts it was not trained on, on a processor.
+    ///
+    /// Every episode has another part, so that more steps are needed than for one part, and an
+    /// evaluation takes several episodes.
+    /// The order of a layer hardly changes what later layers gain, so the discount is 0.
+    /// One thread of libtorch leaves the others to the solver.
+    pub fn general() -> Self {
+        Self {
+            steps: 160_000,
+            environments: 32,
+            rollout: 16,
+            gamma: 0.0,
+            learning_rate: 5e-4,
+            entropy: 0.005,
+            evaluate_every: 500,
+            evaluation_episodes: 32,
+            window: 400,
+            threads: 1,
+            network: NetworkConfig::Fields(FieldsConfig { units: 128, ..FieldsConfig::small() }),
+            ..Self::small()
+        }
+    }
+
     /// Reads and checks a configuration.
     /// Missing keys have their defaults.
     pub fn from_toml(text: &str) -> Result<Self, TrainingConfigError> {
