@@ -4,7 +4,8 @@
 //!   (threads and progress of long calls), [`text`].
 //! - [`machine`]: facts about the machine, recorded with measured figures; [`memory`]: an allocator
 //!   setting that keeps freed memory between training steps.
-//! - [`chart`]: line charts and heat maps as SVG.
+//! - [`chart`]: line charts and heat maps as SVG; [`temperature_map`]: temperatures on planes
+//!   through a part, as SVG and PNG.
 //! - [`part`] and [`printer`]: flags that name a part and a printer, and what they load;
 //!   [`plan`]: planned layers as checked G-code; [`beads`] and [`bead_args`]: the same for beads;
 //!   [`grid_choice`]: the cell grid that needs the
@@ -38,4 +39,5 @@ pub mod progress;
 pub mod remarks;
 mod row;
 pub mod search;
+pub mod temperature_map;
 pub mod text;

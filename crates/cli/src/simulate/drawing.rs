@@ -1,10 +1,10 @@
 //! Charts of temperatures by layer, and maps of some layers.
 
 use beadwork_console::chart::{Axis, BLUE, Chart, GREEN, GREY, LineStyle, ORANGE, Series, charts};
+use beadwork_console::temperature_map::{self, Map, Row, Scale};
 use beadwork_thermal::Simulation;
 use beadwork_thermal::section::Plane;
 
-use super::map::{self, Map, Scale};
 use super::measures::LayerMeasures;
 
 /// Maximum number of layers drawn: two rows.
@@ -64,12 +64,13 @@ pub(super) fn draw(title: &str, layers: &[LayerMeasures], maps: &[Map]) -> anyho
             ),
         ],
         COLUMNS,
-        (map::WIDTH / COLUMNS as u32, HEIGHT),
+        (temperature_map::WIDTH / COLUMNS as u32, HEIGHT),
     )?;
-    let below = map::svg(maps, COLUMNS, Scale::of(maps.iter().flat_map(Map::celsius)));
+    let rows: Vec<Row<'_>> = Row::under(None, maps, COLUMNS).collect();
+    let below = temperature_map::svg(&rows, Scale::of(maps.iter().flat_map(Map::celsius)));
     let begin = HEADER + height(&above);
-    let (width, whole) = (map::WIDTH, begin + height(&below));
-    let title = map::escaped(title);
+    let (width, whole) = (temperature_map::WIDTH, begin + height(&below));
+    let title = temperature_map::escaped(title);
     Ok(format!(
         r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{whole}"
 viewBox="0 0 {width} {whole}">

@@ -1,11 +1,8 @@
 //! `simulate`: the temperatures of a part while it is printed.
 
 mod args;
-mod canvas;
-mod colours;
 mod drawing;
 mod heat;
-mod map;
 mod measures;
 mod position;
 mod probe;

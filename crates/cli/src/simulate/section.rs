@@ -6,10 +6,10 @@ use std::str::FromStr;
 
 use anyhow::bail;
 use beadwork_console::output;
+use beadwork_console::temperature_map::{Map, Row, Scale, png, svg};
 use beadwork_thermal::Simulation;
 use beadwork_thermal::section::Plane;
 
-use super::map::{Map, Scale, png, svg};
 use super::position::voxel_at;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,20 +119,18 @@ impl Target {
     pub(super) fn write(&self, sections: &[(Section, Map)]) -> anyhow::Result<()> {
         let scale = Scale::of(sections.iter().flat_map(|(_, map)| map.celsius()));
         for (section, map) in sections {
+            let row = Row { heading: None, maps: std::slice::from_ref(map) };
             match self {
                 Self::File(path) if has_extension(path, "png") => {
                     output::file(path, png(map, scale))?;
                 }
                 Self::File(path) => {
-                    output::file(path, svg(std::slice::from_ref(map), 1, scale))?;
+                    output::file(path, svg(&[row], scale))?;
                 }
                 Self::Folder(folder) => {
                     std::fs::create_dir_all(folder)?;
                     let name = format!("section-{}", section.to_string().replace('=', ""));
-                    output::file(
-                        &folder.join(format!("{name}.svg")),
-                        svg(std::slice::from_ref(map), 1, scale),
-                    )?;
+                    output::file(&folder.join(format!("{name}.svg")), svg(&[row], scale))?;
                     output::file(&folder.join(format!("{name}.png")), png(map, scale))?;
                 }
             }

@@ -26,18 +26,18 @@ const STRETCH: f64 = 1.3;
 
 /// The range of temperatures of a colour scale, in °C.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Scale {
+pub struct Scale {
     /// Temperature of the first colour.
-    pub(super) low_c: f64,
+    pub low_c: f64,
     /// Temperature of the last colour.
-    pub(super) high_c: f64,
+    pub high_c: f64,
     /// Whether some voxels are hotter; they have the last colour.
-    pub(super) is_exceeded: bool,
+    pub is_exceeded: bool,
 }
 
 impl Scale {
     /// A scale for all of these temperatures in °C.
-    pub(super) fn of(celsius: impl Iterator<Item = f32>) -> Self {
+    pub fn of(celsius: impl Iterator<Item = f32>) -> Self {
         let mut all: Vec<f32> = celsius.collect();
         all.sort_unstable_by(f32::total_cmp);
         let (Some(&low), Some(&last)) = (all.first(), all.last()) else {
@@ -52,7 +52,7 @@ impl Scale {
     }
 
     /// The colour of a temperature.
-    pub(super) fn colour(&self, celsius: f64) -> [u8; 3] {
+    pub fn colour(&self, celsius: f64) -> [u8; 3] {
         colour((celsius - self.low_c) / (self.high_c - self.low_c))
     }
 

@@ -1,4 +1,7 @@
-//! Pictures of the temperatures on a plane.
+//! Pictures of the temperatures on planes, as SVG and as PNG.
+
+mod canvas;
+mod scale;
 
 use std::fmt::Write;
 
@@ -6,12 +9,12 @@ use beadwork_part::Frame;
 use beadwork_thermal::section::{Plane, Section};
 use png::{BitDepth, ColorType, Encoder};
 
-use super::canvas::{self, Canvas};
-pub(super) use super::colours::Scale;
-use super::colours::{colour, ticks};
+use self::canvas::Canvas;
+pub use self::scale::Scale;
+use self::scale::{colour, ticks};
 
 /// The temperatures of a plane of voxels, as seen from one side.
-pub(super) struct Map {
+pub struct Map {
     title: String,
     /// Names of the axes to the right and upwards.
     axes: [&'static str; 2],
@@ -24,7 +27,7 @@ pub(super) struct Map {
 
 impl Map {
     /// The map of a section of a part, as seen from the right, from the front, or from above.
-    pub(super) fn of(section: &Section, frame: &Frame, title: String) -> Self {
+    pub fn of(section: &Section, frame: &Frame, title: String) -> Self {
         let (axes, high_mm) = match section.plane {
             Plane::X(_) => (["y", "z"], frame.layer_mm),
             Plane::Y(_) => (["x", "z"], frame.layer_mm),
@@ -44,7 +47,7 @@ impl Map {
     }
 
     /// All temperatures of the map in °C, without NaN.
-    pub(super) fn celsius(&self) -> impl Iterator<Item = f32> {
+    pub fn celsius(&self) -> impl Iterator<Item = f32> {
         self.values.iter().copied().filter(|celsius| celsius.is_finite())
     }
 
@@ -64,7 +67,7 @@ impl Map {
 }
 
 /// Width of a drawing, in pixels.
-pub(super) const WIDTH: u32 = 1080;
+pub const WIDTH: u32 = 1080;
 
 /// Space for the colour scale beside the maps, in pixels.
 const SCALE_WIDTH: f64 = 90.0;
@@ -76,34 +79,83 @@ const TOP: f64 = 30.0;
 const BELOW: f64 = 40.0;
 const RIGHT: f64 = 14.0;
 
+/// Height of a heading, in pixels.
+const HEADING: f64 = 28.0;
+
 /// Maximum height of a map, in pixels.
 const MAX_HEIGHT: f64 = 640.0;
 
-/// Draws maps row by row, with one colour scale beside them; returns the text of an SVG.
-pub(super) fn svg(maps: &[Map], columns: usize, scale: Scale) -> String {
+/// Maps side by side.
+#[derive(Clone, Copy)]
+pub struct Row<'a> {
+    /// Text above them.
+    pub heading: Option<&'a str>,
+    /// The maps, from left to right.
+    pub maps: &'a [Map],
+}
+
+impl<'a> Row<'a> {
+    /// Rows of up to `columns` maps, the first one below a heading.
+    ///
+    /// # Panics
+    /// If `columns` is 0.
+    pub fn under(
+        heading: Option<&'a str>,
+        maps: &'a [Map],
+        columns: usize,
+    ) -> impl Iterator<Item = Self> {
+        let heading = move |number| heading.filter(|_| number == 0);
+        maps.chunks(columns)
+            .enumerate()
+            .map(move |(number, maps)| Self { heading: heading(number), maps })
+    }
+
+    fn heading_height(&self) -> f64 {
+        if self.heading.is_some() { HEADING } else { 0.0 }
+    }
+}
+
+/// Draws rows of maps, with one colour scale beside them; returns the text of an SVG.
+///
+/// All maps are drawn to the same scale; a row is as high as its highest map.
+pub fn svg(rows: &[Row<'_>], scale: Scale) -> String {
     let mut text = String::new();
-    write(&mut text, maps, columns, scale).expect("writing to a string succeeds");
+    write(&mut text, rows, scale).expect("writing to a string succeeds");
     text
 }
 
-fn write(text: &mut String, maps: &[Map], columns: usize, scale: Scale) -> std::fmt::Result {
-    let columns = columns.min(maps.len()).max(1);
+fn write(text: &mut String, rows: &[Row<'_>], scale: Scale) -> std::fmt::Result {
+    let columns = rows.iter().map(|row| row.maps.len()).max().unwrap_or(0).max(1);
     let panel = (f64::from(WIDTH) - SCALE_WIDTH) / columns as f64;
-    let max_mm = |axis: usize| maps.iter().map(|map| map.size_mm()[axis]).fold(1e-9, f64::max);
+    let sizes_mm = || rows.iter().flat_map(|row| row.maps).map(Map::size_mm);
+    let max_mm = |axis: usize| sizes_mm().map(|size_mm| size_mm[axis]).fold(1e-9, f64::max);
     let per_mm = ((panel - LEFT - RIGHT) / max_mm(0)).min(MAX_HEIGHT / max_mm(1));
-    let height = TOP + max_mm(1) * per_mm + BELOW;
-    let rows = maps.len().div_ceil(columns);
-    let total = (rows as f64 * height).max(SCALE_HEIGHT + 70.0);
+    let height = |row: &Row<'_>| {
+        let max_mm = row.maps.iter().map(|map| map.size_mm()[1]).fold(0.0, f64::max);
+        row.heading_height() + TOP + max_mm * per_mm + BELOW
+    };
+    let total = rows.iter().map(height).sum::<f64>().max(SCALE_HEIGHT + 70.0);
     writeln!(
         text,
         r#"<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{total:.0}"
 viewBox="0 0 {WIDTH} {total:.0}" font-family="sans-serif" font-size="12" fill="black">"#
     )?;
     writeln!(text, r#"<rect width="{WIDTH}" height="{total:.0}" fill="white"/>"#)?;
-    for (number, map) in maps.iter().enumerate() {
-        let (column, row) = (number % columns, number / columns);
-        let corner = [column as f64 * panel + LEFT, row as f64 * height + TOP];
-        panel_of(text, map, scale, corner, per_mm)?;
+    let mut above = 0.0;
+    for row in rows {
+        if let Some(heading) = row.heading {
+            writeln!(
+                text,
+                r#"<text x="14" y="{:.1}" font-size="16">{}</text>"#,
+                above + 22.0,
+                escaped(heading)
+            )?;
+        }
+        for (column, map) in row.maps.iter().enumerate() {
+            let corner = [column as f64 * panel + LEFT, above + row.heading_height() + TOP];
+            panel_of(text, map, scale, corner, per_mm)?;
+        }
+        above += height(row);
     }
     let corner = [f64::from(WIDTH) - SCALE_WIDTH + 8.0, TOP + 14.0];
     scale_of(text, scale, corner)?;
@@ -224,7 +276,7 @@ const PIXELS: f64 = 900.0;
 const MIN_SCALE: usize = 150;
 
 /// A map with its colour scale as a PNG picture, several pixels per voxel.
-pub(super) fn png(map: &Map, scale: Scale) -> Vec<u8> {
+pub fn png(map: &Map, scale: Scale) -> Vec<u8> {
     const MARGIN: usize = 14;
     const GAP: usize = 18;
     const BAR: usize = 20;
@@ -277,7 +329,8 @@ fn encode([width, height]: [u32; 2], pixels: &[u8]) -> Vec<u8> {
     bytes
 }
 
-pub(super) fn escaped(text: &str) -> String {
+/// Text with the characters escaped that have a meaning in XML elements.
+pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
@@ -352,9 +405,26 @@ mod tests {
     #[test]
     fn drawings_are_whole() {
         let maps = [map(), map(), map()];
-        let text = svg(&maps, 2, Scale::of(maps.iter().flat_map(Map::celsius)));
+        let rows: Vec<Row<'_>> = Row::under(Some("a & b"), &maps, 2).collect();
+        assert_eq!(rows.iter().map(|row| row.maps.len()).collect::<Vec<_>>(), [2, 1]);
+        let text = svg(&rows, Scale::of(maps.iter().flat_map(Map::celsius)));
         assert!(text.starts_with("<svg") && text.ends_with("</svg>\n"));
+        assert_eq!(text.matches("a &amp; b").count(), 1);
         assert!(text.contains("a &lt; b") && text.matches("<image").count() == 3);
-        assert!(svg(&[], 3, Scale::of([].into_iter())).ends_with("</svg>\n"));
+        assert!(svg(&[], Scale::of([].into_iter())).ends_with("</svg>\n"));
+    }
+
+    #[test]
+    fn rows_are_as_high_as_their_highest_map() {
+        let flat = || Map { size: [30, 6], values: vec![80.0; 180], ..map() };
+        let height = |maps: &[Map]| {
+            let rows: Vec<Row<'_>> = Row::under(None, maps, 1).collect();
+            let text = svg(&rows, Scale::of(maps.iter().flat_map(Map::celsius)));
+            let (_, rest) = text.split_once(" height=\"").unwrap();
+            rest.split_once('"').unwrap().0.parse::<f64>().unwrap()
+        };
+        let (high, low) = (height(&[map(), map()]), height(&[map(), flat()]));
+        let per_mm = (f64::from(WIDTH) - SCALE_WIDTH - LEFT - RIGHT) / 15.0;
+        assert!((high - low - 1.5 * per_mm).abs() < 1.0, "{high} {low}");
     }
 }
