@@ -25,7 +25,7 @@ const EXAMPLE: &str = "example:";
 const MAX_TOOLS: usize = Zones::MAX as usize;
 
 /// Flags that name a part and set how it is placed and sliced.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct PartArgs {
     /// Mesh files (STL, 3MF or OBJ) in one coordinate system, or built-in examples:
     /// example:rectangular, example:u-shape, example:pyramid, example:logo-plate, example:palette.
@@ -223,6 +223,16 @@ impl PartArgs {
     /// The part, if only one is named.
     pub fn only(&self) -> Option<&Path> {
         if let [part] = self.parts.as_slice() { Some(part) } else { None }
+    }
+
+    /// The same flags for each file on its own, all bodies of one material.
+    pub fn of_each_file(&self) -> Vec<Self> {
+        let one = |part: &PathBuf| Self {
+            parts: vec![part.clone()],
+            materials: Rule::One,
+            ..self.clone()
+        };
+        self.parts.iter().map(one).collect()
     }
 
     /// Reads, repairs, places and slices the part.

@@ -1,17 +1,26 @@
 //! `eval heat`: planners for even temperature, on parts like the paper's (Kim et al. 2026) and
 //! others.
 
+mod fields;
+mod pictures;
 mod plans;
+mod subject;
 mod tables;
 
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
 use beadwork_console::accuracy::AccuracyName;
+use beadwork_console::part::PartArgs;
 use beadwork_console::{control, machine, output};
 use beadwork_heat::planner::{Annealing, Planner};
 use beadwork_thermal::objective::Weighted;
 use beadwork_thermal::simulation::Method;
+use rayon::ThreadPool;
 use serde_json::json;
 
-use self::plans::Setup;
+use self::plans::{PartRow, Setup};
+use self::subject::Subject;
 use crate::heat_parts::HeatPart;
 
 /// Compare planners for even temperature with the conventional order.
@@ -23,13 +32,28 @@ use crate::heat_parts::HeatPart;
 /// time.
 /// The last is given for the whole print and without its first layer, whose deviation while its
 /// first voxels are deposited is the same for all orders.
+///
+/// The parts are generated, or files that are sliced as `plan` does; each file is one part, and all
+/// of its bodies are of one material.
 #[derive(clap::Args)]
-#[command(after_help = "\
+#[command(
+    mut_arg("parts", |parts| {
+        parts.required(false).help("Mesh files (STL, 3MF or OBJ) or built-in examples, each a part")
+    }),
+    // Files are parts of one material.
+    mut_arg("materials", |materials| materials.hide(true)),
+    after_help = "\
 Examples:
   beadwork eval heat
-  beadwork eval heat --part u --planner greedy --planner lines --max-time 1.05 --json > u.json")]
+  beadwork eval heat --part u --planner greedy --planner lines --max-time 1.05 --json > u.json
+  beadwork eval heat torus.3mf Bearing.3mf --bead 0.8 --layer 0.4 --planner lines
+  beadwork eval heat --part rectangular --pictures pictures"
+)]
 pub(super) struct HeatArgs {
-    /// Part to print; may be repeated; the paper's three, the L and the blob by default.
+    #[command(flatten)]
+    files: PartArgs,
+    /// Generated part to print; may be repeated; without any and without files, the paper's three,
+    /// the L and the blob.
     #[arg(long, value_name = "PART")]
     part: Vec<HeatPart>,
     /// Planner: conventional, constant, greedy, beam, lines; may be repeated; all by default.
@@ -57,6 +81,10 @@ pub(super) struct HeatArgs {
     /// Threads; 0 for one per core.
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
+    /// Draw the temperatures at the ends of the middle and the last layer, in all plans side by
+    /// side, as one SVG per part in this folder.
+    #[arg(long, value_name = "DIR")]
+    pictures: Option<PathBuf>,
     /// Print one JSON document instead of tables.
     #[arg(long)]
     json: bool,
@@ -64,7 +92,6 @@ pub(super) struct HeatArgs {
 
 /// Plans all parts, and writes the tables to stdout.
 pub(super) fn run(args: &HeatArgs) -> anyhow::Result<()> {
-    let parts = if args.part.is_empty() { &HeatPart::PLANNED[..] } else { &args.part };
     let planners = if args.planner.is_empty() { &Planner::ALL[..] } else { &args.planner };
     let pool = control::pool(args.threads)?;
     let setup = Setup {
@@ -80,8 +107,13 @@ pub(super) fn run(args: &HeatArgs) -> anyhow::Result<()> {
         seed: args.seed,
         pool: &pool,
     };
-    let rows =
-        parts.iter().map(|&part| setup.part_row(part)).collect::<anyhow::Result<Vec<_>>>()?;
+    let rows = subjects(args, &pool)?
+        .into_iter()
+        .map(|part| setup.part_row(part))
+        .collect::<anyhow::Result<Vec<_>>>()?;
+    if let Some(folder) = &args.pictures {
+        rows.iter().try_for_each(|row| draw(row, folder))?;
+    }
     if args.json {
         return output::json(&json!({
             "machine": machine::facts(),
@@ -93,4 +125,24 @@ pub(super) fn run(args: &HeatArgs) -> anyhow::Result<()> {
         }));
     }
     output::text(&tables::text(&rows, args.max_time)?)
+}
+
+/// The parts that the arguments name.
+fn subjects(args: &HeatArgs, pool: &ThreadPool) -> anyhow::Result<Vec<Subject>> {
+    let mut parts: Vec<Subject> = args.part.iter().copied().map(Subject::generated).collect();
+    parts.extend(Subject::from_files(&args.files, pool)?);
+    if parts.is_empty() {
+        parts = HeatPart::PLANNED.map(Subject::generated).into();
+    }
+    Ok(parts)
+}
+
+/// Draws the plans of a part, named for it, into a folder.
+fn draw(row: &PartRow, folder: &Path) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot create '{}'", folder.display()))?;
+    output::file(
+        &folder.join(format!("{}.svg", row.part)),
+        pictures::draw(&row.frame, &row.fields()),
+    )
 }

@@ -7,18 +7,19 @@ use anyhow::bail;
 use beadwork_base::Threads;
 use beadwork_console::control;
 use beadwork_heat::candidates::OrderSet;
-use beadwork_heat::model::{LayerCost, Solver};
+use beadwork_heat::model::{LayerCost, Solver, ThermalModel};
 use beadwork_heat::plan::{HeatPlan, same_order};
 use beadwork_heat::planner::{Annealing, Planner, Settings, plan};
-use beadwork_part::Order;
 use beadwork_part::slice::Voxels;
+use beadwork_part::{Frame, Order};
 use beadwork_thermal::objective::{self, HeatMeasures, Objective, Weighted, measure_plan};
 use beadwork_thermal::simulation::{Accuracy, Method};
 use beadwork_thermal::{ProcessParameters, ThermalMaterial};
 use rayon::ThreadPool;
 use serde::Serialize;
 
-use crate::heat_parts::HeatPart;
+use super::fields::{Fields, PlaneDeviations, drawn};
+use super::subject::Subject;
 
 /// Time between samples of the final measures, s.
 const SAMPLE_S: f64 = 0.1;
@@ -56,32 +57,59 @@ pub(super) struct PlanRow {
     pub(super) deposited_layers: usize,
     /// Travel moves in the middle of a layer.
     pub(super) travel_moves: usize,
+    /// Maximum thermal deviations on vertical planes.
+    pub(super) plane_deviations: PlaneDeviations,
     /// Order of each layer; `annealed` if it has no name.
     orders: Vec<String>,
+    #[serde(skip)]
+    pub(super) fields: Fields,
 }
 
 /// All plans of one part.
 #[derive(Serialize)]
 pub(super) struct PartRow {
-    pub(super) part: &'static str,
+    pub(super) part: String,
+    /// Side and height of a voxel.
+    pub(super) voxel_mm: [f64; 2],
     pub(super) voxels: usize,
     pub(super) layers: usize,
+    /// Maximum number of connected components of a layer.
+    pub(super) max_components: u32,
     /// Measures of the conventional order.
     pub(super) reward: f64,
     pub(super) warpage_mm: f64,
     pub(super) print_seconds: f64,
+    pub(super) plane_deviations: PlaneDeviations,
     pub(super) plans: Vec<PlanRow>,
+    #[serde(skip)]
+    pub(super) frame: Frame,
+    #[serde(skip)]
+    pub(super) fields: Fields,
+}
+
+impl PartRow {
+    /// Name and fields of the conventional order, followed by those of all other plans.
+    pub(super) fn fields(&self) -> Vec<(&str, &Fields)> {
+        let conventional = Planner::Conventional.to_string();
+        let others = self.plans.iter().filter(|plan| plan.planner != conventional);
+        [("conventional", &self.fields)]
+            .into_iter()
+            .chain(others.map(|plan| (&plan.planner[..], &plan.fields)))
+            .collect()
+    }
 }
 
 impl Setup<'_> {
     /// Plans a part with each planner.
-    pub(super) fn part_row(&self, part: HeatPart) -> anyhow::Result<PartRow> {
-        let voxels = Arc::new(part.voxels());
+    pub(super) fn part_row(&self, part: Subject) -> anyhow::Result<PartRow> {
+        let max_components = part.max_components()?;
+        let voxels = Arc::new(part.voxels);
         let reward = self.solver(&voxels, LayerCost::of(Objective::Reward)?)?;
         let conventional = self.with_bar("conventional", |control| {
             Ok(same_order(&reward, Order::CONVENTIONAL, control)?)
         })?;
         let baseline = self.measure(&voxels, &conventional)?;
+        let fields = self.fields(&voxels, &conventional)?;
         let objective = LayerCost::relative(self.objective, &baseline)?;
         let weighted = self.solver(&voxels, objective)?;
         let mut plans = Vec::new();
@@ -105,13 +133,18 @@ impl Setup<'_> {
             }
         }
         Ok(PartRow {
-            part: part.name(),
+            part: part.name,
+            voxel_mm: [voxels.frame.cell_mm, voxels.frame.layer_mm],
             voxels: voxels.count(),
             layers: voxels.depth,
+            max_components,
             reward: baseline.reward(),
             warpage_mm: baseline.warpage_mm.unwrap_or(f64::NAN),
             print_seconds: baseline.print_seconds(),
+            plane_deviations: fields.planes,
             plans,
+            frame: voxels.frame,
+            fields,
         })
     }
 
@@ -133,8 +166,9 @@ impl Setup<'_> {
         if plan.stop.is_interrupted() {
             bail!("stopped");
         }
-        let part = model.simulation().part().clone();
-        let measures = self.measure(&Arc::new(part), &plan)?;
+        let part = Arc::new(model.part().clone());
+        let measures = self.measure(&part, &plan)?;
+        let fields = self.fields(&part, &plan)?;
         let gain =
             |objective: Objective| objective.gain_percent(&measures, baseline).unwrap_or(f64::NAN);
         Ok(PlanRow {
@@ -151,13 +185,19 @@ impl Setup<'_> {
             print_seconds: measures.print_seconds(),
             planning_seconds,
             deposited_layers: plan.deposited_layers,
-            travel_moves: travel_moves(&plan, model.simulation().part()),
+            travel_moves: travel_moves(&plan, &part),
+            plane_deviations: fields.planes,
             orders: plan
                 .layers
                 .iter()
                 .map(|layer| layer.order.map_or("annealed".to_owned(), |order| order.to_string()))
                 .collect(),
+            fields,
         })
+    }
+
+    fn fields(&self, part: &Arc<Voxels>, plan: &HeatPlan) -> anyhow::Result<Fields> {
+        self.with_bar("fields", |control| Fields::of(part, plan, &drawn(part.depth), control))
     }
 
     /// Measures by a simulation of high accuracy.

@@ -2,10 +2,25 @@
 
 use std::fmt::Write;
 
+use beadwork_console::text::count;
+
+use super::fields::PlaneDeviations;
 use super::plans::PartRow;
 
-/// Gains of the paper's agent in percent of the reward (Kim et al. 2026), by part.
-const PAPER: [(&str, f64); 3] = [("rectangular", 20.8), ("U", 25.9), ("pyramid", 5.1)];
+/// Figures of Kim et al. 2026 for a part.
+struct Paper {
+    part: &'static str,
+    /// Gain of the agent in percent of the reward.
+    gain_percent: f64,
+    /// Maximum thermal deviations on a section, K (figure 10): conventional, and the agent's.
+    deviations_k: [f64; 2],
+}
+
+const PAPER: [Paper; 3] = [
+    Paper { part: "rectangular", gain_percent: 20.8, deviations_k: [7.27, 3.97] },
+    Paper { part: "U", gain_percent: 25.9, deviations_k: [8.79, 3.03] },
+    Paper { part: "pyramid", gain_percent: 5.1, deviations_k: [4.87, 4.06] },
+];
 
 /// One table per part.
 pub(super) fn text(rows: &[PartRow], max_time: f64) -> anyhow::Result<String> {
@@ -18,13 +33,21 @@ pub(super) fn text(rows: &[PartRow], max_time: f64) -> anyhow::Result<String> {
         100.0 * (max_time - 1.0)
     )?;
     for row in rows {
-        let paper = PAPER.iter().find(|(part, _)| *part == row.part);
-        let paper = paper.map_or(String::new(), |(_, gain)| format!("; paper's agent: {gain} %"));
+        let paper = PAPER.iter().find(|paper| paper.part == row.part);
+        let paper_gain = paper
+            .map_or(String::new(), |paper| format!("; paper's agent: {} %", paper.gain_percent));
         writeln!(
             text,
-            "\n{}: {} voxels, {} layers; conventional: reward {:.2} K, {:.0} s, lift {:.3} \
-             mm{paper}",
-            row.part, row.voxels, row.layers, row.reward, row.print_seconds, row.warpage_mm
+            "\n{}: {} voxels of {} mm, {} layers of up to {}; conventional: reward {:.2} K, \
+             {:.0} s, lift {:.3} mm{paper_gain}",
+            row.part,
+            row.voxels,
+            row.voxel_mm.map(|mm| mm.to_string()).join(" x "),
+            row.layers,
+            count(row.max_components.into(), "component"),
+            row.reward,
+            row.print_seconds,
+            row.warpage_mm
         )?;
         writeln!(
             text,
@@ -54,6 +77,35 @@ pub(super) fn text(rows: &[PartRow], max_time: f64) -> anyhow::Result<String> {
                 plan.travel_moves,
                 plan.deposited_layers,
                 plan.planning_seconds
+            )?;
+        }
+    }
+    text += &planes(rows)?;
+    Ok(text)
+}
+
+/// The thermal deviations on vertical planes.
+fn planes(rows: &[PartRow]) -> Result<String, std::fmt::Error> {
+    let mut text = String::from(
+        "\nMaximum thermal deviation on vertical planes one second after the end, K\n\
+         (centre: on the plane through the centre; mean: over all parallel planes)\n",
+    );
+    for row in rows {
+        let paper = PAPER.iter().find(|paper| paper.part == row.part);
+        let paper = paper.map_or(String::new(), |Paper { deviations_k: [from, to], .. }| {
+            format!("; paper: conventional {from} K, agent {to} K")
+        });
+        writeln!(
+            text,
+            "\n{}{paper}\n{:20} {:>10} {:>10} {:>10} {:>10}",
+            row.part, "planner", "y: centre", "mean", "x: centre", "mean"
+        )?;
+        for (planner, fields) in row.fields() {
+            let PlaneDeviations { central_y_k, mean_y_k, central_x_k, mean_x_k } = fields.planes;
+            writeln!(
+                text,
+                "{planner:20} {central_y_k:>10.2} {mean_y_k:>10.2} {central_x_k:>10.2} \
+                 {mean_x_k:>10.2}"
             )?;
         }
     }
