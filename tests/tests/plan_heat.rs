@@ -62,7 +62,9 @@ fn an_even_plan_is_checked_gcode_within_its_time() {
     ] {
         assert!(number(heat, key).is_finite());
     }
-    assert_eq!(heat["bound_percent"], Value::Null);
+    let [lines, any] = ["whole_lines_bound_percent", "bound_percent"].map(|key| number(heat, key));
+    let gain = number(heat, "no_travel_gain_percent");
+    assert!(gain < lines && lines < any && any < 100.0, "{gain} {lines} {any}");
 
     // The program is the same on one thread.
     let again = folder.path().join("again.gcode");

@@ -12,6 +12,7 @@
 //!   what a layer costs.
 //! - [`trials`]: many orders of one layer, tried from one state.
 //! - [`candidates`]: sets of named orders.
+//! - [`bound`]: a limit on how even any order can be, by an argument.
 //! - [`proxy`]: a fast estimate of how even an order leaves a layer, to rank many orders by.
 //!
 //! # Example
@@ -56,6 +57,7 @@
 //! The planners print whole lines, or patterns; they do not cut lines into pieces.
 
 mod allotment;
+pub mod bound;
 pub mod candidates;
 pub mod model;
 pub mod plan;

@@ -10,6 +10,7 @@ use beadwork_console::plan::print_paths;
 use beadwork_console::printer::Profile;
 use beadwork_console::{control, output};
 use beadwork_grid::Path;
+use beadwork_heat::bound::{HeatBound, heat_bound};
 use beadwork_heat::model::{LayerCost, Solver};
 use beadwork_heat::plan::{HeatPlan, PlanError, same_order};
 use beadwork_heat::planner::{self, Settings};
@@ -83,6 +84,7 @@ pub(super) fn run(
     };
     let planning_seconds = planning.elapsed().as_secs_f64();
     let measures = heat.measure(&plan)?;
+    let bound = heat.bound()?;
     let planned = begin.elapsed().as_secs_f64();
     let paths = paths(&heat.voxels, &plan)?;
     let printed = print_paths(&part, paths.iter(), profile, settings, threads)?;
@@ -95,6 +97,7 @@ pub(super) fn run(
         objective: &objective,
         measures: &measures,
         baseline: &baseline,
+        bound: &bound,
         planning_seconds,
         printed: &printed,
         seconds: Seconds { slice: sliced, plan: planned - sliced, print: done - planned },
@@ -178,6 +181,14 @@ impl HeatPart<'_> {
             }
             plan => Ok(plan?),
         }
+    }
+
+    fn bound(&self) -> anyhow::Result<HeatBound> {
+        let Self { voxels, material, process, pool } = self;
+        let method = Method::Fast(Accuracy::Draft);
+        control::with_bar("limit", Threads::Pool(pool), |control| {
+            Ok(heat_bound(voxels, material, process, method, control)?)
+        })?
     }
 
     /// Measures by a simulation of high accuracy.

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use beadwork_console::part::Part;
 use beadwork_console::plan::Printed;
+use beadwork_heat::bound::HeatBound;
 use beadwork_heat::plan::HeatPlan;
 use beadwork_thermal::objective::{HeatMeasures, Objective, Weighted};
 use serde_json::{Value, json};
@@ -19,6 +20,7 @@ pub(super) struct HeatReport<'a> {
     /// Measures of the plan, and of the conventional order.
     pub(super) measures: &'a HeatMeasures,
     pub(super) baseline: &'a HeatMeasures,
+    pub(super) bound: &'a HeatBound,
     /// Wall-clock time of the planner alone.
     pub(super) planning_seconds: f64,
     pub(super) printed: &'a Printed,
@@ -47,8 +49,9 @@ impl HeatReport<'_> {
             "print_seconds": measures.print_seconds(),
             "conventional_print_seconds": baseline.print_seconds(),
             "planning_seconds": self.planning_seconds,
-            // Nothing is proven about the best order.
-            "bound_percent": Value::Null,
+            // Of the gain if travel takes no time; by an argument, not a proof.
+            "bound_percent": self.bound.any_order_percent(),
+            "whole_lines_bound_percent": self.bound.whole_lines_percent(),
             "orders": (0..plan.layers.len()).map(|at| self.order_name(at)).collect::<Vec<_>>(),
         });
         let more = json!({
@@ -108,6 +111,12 @@ impl HeatReport<'_> {
             percent(self.gain(Objective::Reward)),
             percent(self.gain(Objective::NoTravel)),
             percent(self.gain(Objective::TimeAveraged)),
+        )?;
+        writeln!(
+            text,
+            "expected limit if travel took no time: {} for orders of whole lines, {} for any order",
+            percent(self.bound.whole_lines_percent()),
+            percent(self.bound.any_order_percent()),
         )?;
         let longer = 100.0 * (measures.print_seconds() / baseline.print_seconds() - 1.0);
         write!(text, "printing time of the cells: {longer:+.1} %")?;
