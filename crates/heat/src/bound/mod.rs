@@ -5,9 +5,9 @@
 //!
 //! 1. **Layer means hardly depend on the order**, as the same heat is brought in the same time.
 //!    So the deviation between layers is that of the conventional order.
-//! 2. **Every line is at least as warm as a lone one** of the same age, in a layer that is otherwise
-//!    complete and everywhere as cold as its coldest voxel: by superposition, the heat of the other
-//!    lines only adds to it.
+//! 2. **Every line is at least as warm as a lone one** of the same age, in a layer that is
+//!    otherwise complete and everywhere as cold as its coldest voxel: by superposition, the heat of
+//!    the other lines only adds to it.
 //!    Whatever the order, some line was printed last, one before it, and so on, so the ages are
 //!    known.
 //! 3. **All other heat is taken as spread evenly**: the smallest deviation of the layer's

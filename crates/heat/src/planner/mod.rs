@@ -56,8 +56,9 @@ pub struct Settings {
     pub max_seconds: f64,
     /// Sequences that [`Planner::Beam`] keeps, at least 1.
     pub beam_width: usize,
-    /// Orders of a layer that [`Planner::Lines`] tries on the model beside the conventional one: the
-    /// most promising by its screen; at least 1.
+    /// Orders of a layer that [`Planner::Lines`] tries on the model beside the conventional one:
+    /// the most promising by its screen.
+    /// At least 1.
     pub screened: usize,
     /// How [`Planner::Lines`] improves the order of the lines of each layer; `None` leaves it as it
     /// is.
