@@ -3,8 +3,10 @@
 use std::collections::HashSet;
 
 use beadwork_base::named_enum;
-use beadwork_grid::{Cell, Region};
+use beadwork_grid::Region;
 use beadwork_part::{LineOrder, Order, Pattern, Sequence, Stride};
+
+use crate::plan::Draft;
 
 /// Strides of the interleaved and scattered orders of lines.
 const STRIDES: std::ops::RangeInclusive<u32> = 2..=15;
@@ -47,19 +49,12 @@ impl OrderSet {
     }
 }
 
-/// A named order of one layer.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Candidate {
-    pub(crate) order: Order,
-    pub(crate) cells: Vec<Cell>,
-}
-
 /// The distinct orders of a layer's cells, each under the first name that it has; the conventional
 /// one comes first.
-pub(crate) fn candidates(orders: &[Order], region: &Region) -> Vec<Candidate> {
+pub(crate) fn candidates(orders: &[Order], region: &Region) -> Vec<Draft> {
     let mut seen = HashSet::new();
     let all = [Order::CONVENTIONAL].into_iter().chain(orders.iter().copied());
-    all.map(|order| Candidate { order, cells: order.order(region) })
+    all.map(|order| Draft { cells: order.order(region), order: Some(order) })
         .filter(|candidate| seen.insert(candidate.cells.clone()))
         .collect()
 }

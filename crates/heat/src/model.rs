@@ -12,7 +12,7 @@ use beadwork_thermal::simulation::{DepositError, Method, SetupError};
 use beadwork_thermal::{ProcessParameters, Simulation, ThermalMaterial};
 use thiserror::Error;
 
-use crate::proxy::LayerProxy;
+use crate::proxy::{LayerProxy, LinearLayer};
 
 /// A print that advances by one layer at a time, and what each layer costs.
 ///
@@ -49,6 +49,11 @@ pub trait ThermalModel: Clone + Send + Sync {
     /// A fast estimate of the cost of orders of a layer, from the present state; `None` if there is
     /// none for these costs.
     fn screen(&self, layer: u32) -> Option<Self::Screen>;
+
+    /// A linear model of a layer, from the present state; `None` if there is none.
+    fn linear_layer(&self, _layer: u32) -> Option<LinearLayer> {
+        None
+    }
 
     /// Time that depositing a layer in the given order would take now, travel included, s.
     ///
@@ -298,6 +303,10 @@ impl ThermalModel for Solver {
         let cost = of_print? + of_no_travel?;
         self.last = order.last().copied().or(self.last);
         Ok(cost)
+    }
+
+    fn linear_layer(&self, layer: u32) -> Option<LinearLayer> {
+        Some(LinearLayer::new(self.simulation(), layer, &self.material))
     }
 
     fn screen(&self, layer: u32) -> Option<ProxyScreen> {

@@ -52,6 +52,9 @@ pub enum PlanError {
     /// The planner needs a fast estimate of costs, which the model does not have.
     #[error("planner lines estimates the reward only: plan for reward or no_travel, or use greedy")]
     NoScreen,
+    /// The planner needs a linear model of a layer, which the model does not have.
+    #[error("planner smart-scan needs a linear model of each layer: use lines or greedy")]
+    NotLinear,
     /// No orders meet the limit on the printing time.
     #[error(
         "printing time limit of {limit:.1} s is too short: the fastest plan that was found takes \

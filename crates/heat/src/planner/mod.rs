@@ -8,6 +8,7 @@ mod lines;
 mod refine;
 mod setup;
 mod shortlist;
+mod smart_scan;
 
 use beadwork_base::{Control, named_enum};
 use beadwork_part::Order;
@@ -29,6 +30,12 @@ pub enum Planner {
     Greedy,
     /// The best of several sequences of orders, which are extended layer by layer.
     Beam,
+    /// Whole lines, of which each next one is that after which a reduced linear model of the layer
+    /// is most even: SmartScan (Ramani et al. 2022), for comparison.
+    ///
+    /// Both axes are tried, and the conventional order takes the layers for which the limit on the
+    /// printing time leaves no more.
+    SmartScan,
     /// Orders of lines: a proxy picks candidates, the model decides, and the order of the lines is
     /// annealed.
     Lines,
@@ -40,6 +47,7 @@ named_enum! {
     Constant = "constant",
     Greedy = "greedy",
     Beam = "beam",
+    SmartScan = "smart-scan",
     Lines = "lines",
 }
 
@@ -111,6 +119,7 @@ pub fn plan<M: ThermalModel>(
         Planner::Constant => constant::solve(model, settings, control),
         Planner::Greedy => greedy::solve(model, settings, control),
         Planner::Beam => beam::solve(model, settings, control),
+        Planner::SmartScan => smart_scan::solve(model, settings, control),
         Planner::Lines => lines::solve(model, settings, control),
     }
 }

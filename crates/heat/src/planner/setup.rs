@@ -6,7 +6,7 @@ use beadwork_part::Order;
 use beadwork_search::Stop;
 
 use crate::allotment::{Allotment, Choice, allot};
-use crate::candidates::{Candidate, candidates};
+use crate::candidates::candidates;
 use crate::model::ThermalModel;
 use crate::plan::{Draft, HeatPlan, PlanError, drafts_seconds, follow, same_order_drafts};
 
@@ -15,13 +15,13 @@ const BISECTIONS: usize = 16;
 
 /// Options of a layer, with what the model or the proxy says about them.
 pub(super) struct Options {
-    pub(super) candidates: Vec<Candidate>,
+    pub(super) candidates: Vec<Draft>,
     /// In the order of the candidates; the cost is infinite for those that were not tried.
     pub(super) choices: Vec<Choice>,
 }
 
 impl Options {
-    /// The distinct candidates of a layer, with their times.
+    /// The distinct named orders of a layer, with their times.
     pub(super) fn new<M: ThermalModel>(
         model: &M,
         layer: u32,
@@ -29,8 +29,17 @@ impl Options {
         orders: &[Order],
         control: &Control<'_>,
     ) -> Self {
-        let candidates = candidates(orders, region);
-        let seconds = |candidate: &Candidate| model.order_seconds(layer, &candidate.cells);
+        Self::of(model, layer, candidates(orders, region), control)
+    }
+
+    /// The given candidates, with their times.
+    pub(super) fn of<M: ThermalModel>(
+        model: &M,
+        layer: u32,
+        candidates: Vec<Draft>,
+        control: &Control<'_>,
+    ) -> Self {
+        let seconds = |candidate: &Draft| model.order_seconds(layer, &candidate.cells);
         let seconds = control.threads.map(&candidates, seconds);
         let choices =
             seconds.into_iter().map(|seconds| Choice { cost: f64::INFINITY, seconds }).collect();
@@ -44,8 +53,7 @@ impl Options {
 
     /// The draft of a candidate.
     pub(super) fn draft(&self, index: usize) -> Draft {
-        let Candidate { order, cells } = &self.candidates[index];
-        Draft { cells: cells.clone(), order: Some(*order) }
+        self.candidates[index].clone()
     }
 }
 

@@ -74,7 +74,7 @@ pub(super) fn shortlist<M: ThermalModel>(
         let next = cheapest_within(&options.choices, ratio * options.choices[0].seconds);
         let uninterrupted = Control { cancel: None, time_is_up: None, ..*control };
         state.deposit(layer, &options.candidates[next].cells, &uninterrupted)?;
-        let orders = options.candidates.iter().map(|candidate| candidate.order).collect();
+        let orders = options.candidates.iter().filter_map(|candidate| candidate.order).collect();
         layers.push(Some(Estimates { orders, choices: options.choices }));
     }
     let tables: Vec<Vec<Choice>> =

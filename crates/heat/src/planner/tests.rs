@@ -15,8 +15,14 @@ use crate::model::{LayerCost, Solver};
 use crate::plan::same_order;
 use crate::testing::{part, solver, stairs};
 
-const PLANNERS: [Planner; 5] =
-    [Planner::Conventional, Planner::Constant, Planner::Greedy, Planner::Beam, Planner::Lines];
+const PLANNERS: [Planner; 6] = [
+    Planner::Conventional,
+    Planner::Constant,
+    Planner::Greedy,
+    Planner::Beam,
+    Planner::SmartScan,
+    Planner::Lines,
+];
 
 /// Few candidates and little annealing, for short tests.
 fn settings(planner: Planner) -> Settings {
@@ -111,6 +117,7 @@ fn no_planner_is_worse_than_the_one_before() {
     let costs = PLANNERS.map(cost);
     assert!(costs[1] <= costs[0], "{costs:?}");
     assert!(costs[3] <= costs[2], "{costs:?}");
+    assert!(costs[4] <= costs[0], "{costs:?}");
     let mut unrefined = settings(Planner::Lines);
     unrefined.annealing = None;
     let unrefined = plan(&model, &unrefined, &Control::default()).unwrap();
@@ -179,7 +186,7 @@ fn threads_do_not_change_plans() {
 fn interrupted_planners_return_a_whole_plan() {
     let part = stairs();
     let model = solver(&part, Objective::Reward);
-    for planner in [Planner::Constant, Planner::Greedy, Planner::Beam, Planner::Lines] {
+    for &planner in &PLANNERS[1..] {
         for polls in [0, 1, 5, 40, 200, 900] {
             let left = AtomicUsize::new(polls);
             let is_up = || {

@@ -60,6 +60,11 @@ impl Coefficients {
         }
     }
 
+    /// The same, with the heat transfer coefficient of surfaces at θ everywhere.
+    pub(super) fn linear(&self, theta: f64) -> Self {
+        Self { loss: [self.loss_at(theta) as f32, 0.0, 0.0, 0.0], ..self.clone() }
+    }
+
     /// Heat transfer coefficient of a surface at θ, W/(m² K).
     pub(super) fn loss_at(&self, theta: f64) -> f64 {
         let [a, b, c, d] = self.loss.map(f64::from);

@@ -19,6 +19,7 @@
 mod assembly;
 mod coefficients;
 mod geometry;
+mod linear;
 mod moments;
 mod plane;
 mod stepper;
@@ -27,6 +28,7 @@ use beadwork_thermal::{DepositionEvent, Simulation, ThermalMaterial};
 
 use self::coefficients::Coefficients;
 use self::geometry::{Blocks, Extent};
+pub use self::linear::LinearLayer;
 use self::moments::moments;
 use self::stepper::{State, Stepper};
 

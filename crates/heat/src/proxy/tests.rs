@@ -19,7 +19,7 @@ use super::*;
 use crate::testing::{part, unit};
 
 /// A part of random columns, some of them hollow.
-fn random_part(rng: &mut Xoshiro256PlusPlus) -> Arc<Voxels> {
+pub(super) fn random_part(rng: &mut Xoshiro256PlusPlus) -> Arc<Voxels> {
     let size = [3 + rng.next_u64() as u32 % 9, 3 + rng.next_u64() as u32 % 7, 6];
     let heights: Vec<u32> = (0..size[0] * size[1]).map(|_| rng.next_u64() as u32 % 7).collect();
     let hollow = rng.next_u64() as u32 % 6;
