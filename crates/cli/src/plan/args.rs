@@ -122,8 +122,8 @@ pub(crate) struct Args {
 #[command(next_help_heading = "Even temperature (--objective heat)")]
 pub(super) struct HeatArgs {
     /// How the order of each layer is chosen: conventional, constant (the same order in every
-    /// layer), greedy, beam, lines (orders of lines, annealed), or ppo (a trained policy); lines by
-    /// default.
+    /// layer), greedy, beam, smart-scan (a published method, for comparison), lines (orders of
+    /// lines, annealed), or ppo (a trained policy); lines by default.
     #[arg(long, value_name = "NAME")]
     planner: Option<PlannerName>,
     /// Folder of the policy of --planner ppo; models/ppo-small by default.

@@ -56,7 +56,8 @@ pub(super) struct HeatArgs {
     /// the L and the blob.
     #[arg(long, value_name = "PART")]
     part: Vec<HeatPart>,
-    /// Planner: conventional, constant, greedy, beam, lines; may be repeated; all by default.
+    /// Planner: conventional, constant, greedy, beam, smart-scan, lines; may be repeated; all by
+    /// default.
     #[arg(long, value_name = "NAME")]
     planner: Vec<Planner>,
     /// Maximum printing time, as a multiple of that of the conventional order.

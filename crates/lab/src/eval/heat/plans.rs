@@ -6,6 +6,7 @@ use std::time::Instant;
 use anyhow::bail;
 use beadwork_base::Threads;
 use beadwork_console::control;
+use beadwork_heat::bound::{HeatBound, heat_bound};
 use beadwork_heat::candidates::OrderSet;
 use beadwork_heat::model::{LayerCost, Solver, ThermalModel};
 use beadwork_heat::plan::{HeatPlan, same_order};
@@ -80,6 +81,11 @@ pub(super) struct PartRow {
     pub(super) warpage_mm: f64,
     pub(super) print_seconds: f64,
     pub(super) plane_deviations: PlaneDeviations,
+    /// Limits on the gain without travel, by an argument: orders of whole lines, and any order.
+    pub(super) whole_lines_bound_percent: f64,
+    pub(super) bound_percent: f64,
+    /// Wall-clock time that they take.
+    pub(super) bound_seconds: f64,
     pub(super) plans: Vec<PlanRow>,
     #[serde(skip)]
     pub(super) frame: Frame,
@@ -110,6 +116,9 @@ impl Setup<'_> {
         })?;
         let baseline = self.measure(&voxels, &conventional)?;
         let fields = self.fields(&voxels, &conventional)?;
+        let begin = Instant::now();
+        let bound = self.bound(&voxels)?;
+        let bound_seconds = begin.elapsed().as_secs_f64();
         let objective = LayerCost::relative(self.objective, &baseline)?;
         let weighted = self.solver(&voxels, objective)?;
         let mut plans = Vec::new();
@@ -142,9 +151,19 @@ impl Setup<'_> {
             warpage_mm: baseline.warpage_mm.unwrap_or(f64::NAN),
             print_seconds: baseline.print_seconds(),
             plane_deviations: fields.planes,
+            whole_lines_bound_percent: bound.whole_lines_percent().unwrap_or(f64::NAN),
+            bound_percent: bound.any_order_percent().unwrap_or(f64::NAN),
+            bound_seconds,
             plans,
             frame: voxels.frame,
             fields,
+        })
+    }
+
+    fn bound(&self, part: &Arc<Voxels>) -> anyhow::Result<HeatBound> {
+        let (material, process) = (ThermalMaterial::abs(), ProcessParameters::default());
+        self.with_bar("limit", |control| {
+            Ok(heat_bound(part, &material, &process, self.method, control)?)
         })
     }
 

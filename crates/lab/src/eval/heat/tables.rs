@@ -51,6 +51,11 @@ pub(super) fn text(rows: &[PartRow], max_time: f64) -> anyhow::Result<String> {
         )?;
         writeln!(
             text,
+            "expected limit of 'no travel': {:.1} for orders of whole lines, {:.1} for any order",
+            row.whole_lines_bound_percent, row.bound_percent
+        )?;
+        writeln!(
+            text,
             "{:20} {:>7} {:>10} {:>7} {:>7} {:>8} {:>8} {:>7} {:>9} {:>10}",
             "planner",
             "end",
