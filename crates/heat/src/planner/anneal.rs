@@ -26,7 +26,7 @@ pub struct Annealing {
 
 impl Default for Annealing {
     fn default() -> Self {
-        Self { runs: 2, trials: 400, tail_s: 15.0, start: 0.01, end: 0.0005 }
+        Self { runs: 2, trials: 200, tail_s: 15.0, start: 0.01, end: 0.0005 }
     }
 }
 

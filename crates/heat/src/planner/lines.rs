@@ -4,11 +4,10 @@ use beadwork_base::Control;
 
 use super::Settings;
 use super::refine::Refinement;
-use super::setup::{Options, check_time, chosen, complete_interrupted, finish};
+use super::setup::{Options, check_time, chosen, complete_interrupted, try_layers};
 use super::shortlist::shortlist;
 use crate::model::ThermalModel;
 use crate::plan::{HeatPlan, PlanError, regions};
-use crate::trials::try_orders;
 
 /// Plans with named orders first, then anneals the lines of each layer within the time that is
 /// left.
@@ -29,45 +28,30 @@ pub(super) fn solve<M: ThermalModel>(
             return complete_interrupted(model, &[], &regions, settings.max_seconds, reason);
         }
     };
-    let mut deposited_layers = regions.iter().flatten().count();
-    let mut state = model.clone();
-    let mut layers: Vec<Option<Options>> = Vec::new();
-    let mut interrupted = None;
-    for ((layer, region), orders) in (0..).zip(&regions).zip(&shortlist.orders) {
-        report(regions.len() + layers.len());
-        let Some(region) = region else {
-            layers.push(None);
-            continue;
-        };
-        let mut options = Options::new(&state, layer, region, orders, &own);
-        let score = |index: usize, cost: f64| shortlist.score(cost, options.choices[index].seconds);
-        let trials = try_orders(&state, layer, &options.cells(), 1, score, &own)?;
-        interrupted = trials.interrupted.or_else(|| control.interrupted());
-        if interrupted.is_some() {
-            break;
-        }
-        deposited_layers += trials.costs.len();
-        for (choice, cost) in options.choices.iter_mut().zip(&trials.costs) {
-            choice.cost = cost.unwrap_or(f64::INFINITY);
-        }
-        if let Some(best) = trials.best.into_iter().next() {
-            state = best.model;
-        }
-        layers.push(Some(options));
-    }
-    if let Some(reason) = interrupted {
-        return complete_interrupted(model, &layers, &regions, settings.max_seconds, reason);
-    }
-    let (drafts, price) = chosen(model, &layers, &regions, settings.max_seconds);
+    let limit = settings.max_seconds;
+    let options = |state: &M, layer: u32, region: &_| {
+        let orders = &shortlist.orders[layer as usize];
+        Ok(Options::new(state, layer, region, orders, &own))
+    };
+    let score = |cost: f64, seconds: f64| shortlist.score(cost, seconds);
+    let report_tried = |done: usize| report(regions.len() + done);
+    let tried = match try_layers(model, &regions, limit, options, score, (report_tried, &own))? {
+        Err(plan) => return Ok(plan),
+        Ok(tried) => tried,
+    };
     let mut plan = match &settings.annealing {
-        None => finish(model, drafts, &own)?,
+        None => tried.plan(model, &regions, limit, &own)?.0,
         Some(annealing) => {
-            let Settings { max_seconds, seed, .. } = *settings;
+            let (drafts, price) = chosen(model, &tried.layers, &regions, limit);
+            let seed = settings.seed;
             let refinement =
-                Refinement { model, annealing, regions: &regions, price, max_seconds, seed };
-            refinement.run(&drafts, |done| report(2 * regions.len() + done), &own)?
+                Refinement { model, annealing, regions: &regions, price, max_seconds: limit, seed };
+            let report_refined = |done: usize| report(2 * regions.len() + done);
+            let mut plan = check_time(refinement.run(&drafts, report_refined, &own)?, limit)?;
+            plan.deposited_layers += tried.deposited_layers;
+            plan
         }
     };
-    plan.deposited_layers += deposited_layers;
-    check_time(plan, settings.max_seconds)
+    plan.deposited_layers += regions.iter().flatten().count();
+    Ok(plan)
 }

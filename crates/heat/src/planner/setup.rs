@@ -9,6 +9,7 @@ use crate::allotment::{Allotment, Choice, allot};
 use crate::candidates::candidates;
 use crate::model::ThermalModel;
 use crate::plan::{Draft, HeatPlan, PlanError, drafts_seconds, follow, same_order_drafts};
+use crate::trials::try_orders;
 
 /// Steps of the bisection that brings the printing time below its limit.
 const BISECTIONS: usize = 16;
@@ -54,6 +55,75 @@ impl Options {
     /// The draft of a candidate.
     pub(super) fn draft(&self, index: usize) -> Draft {
         self.candidates[index].clone()
+    }
+}
+
+/// The options of all layers, each tried from the state that the best ones before leave.
+pub(super) struct Tried {
+    pub(super) layers: Vec<Option<Options>>,
+    /// Layers that the model deposited.
+    pub(super) deposited_layers: usize,
+}
+
+/// Lists the options of each layer, tries them on the model, and goes on from the one with the
+/// lowest score.
+///
+/// `options` gets the state before a layer; `score` gets the cost and the time of an option.
+/// Progress counts layers.
+///
+/// An interrupted call returns the whole plan that [`complete_interrupted`] makes of what was tried
+/// by then.
+pub(super) fn try_layers<M: ThermalModel>(
+    model: &M,
+    regions: &[Option<Region>],
+    limit: f64,
+    options: impl Fn(&M, u32, &Region) -> Result<Options, PlanError>,
+    score: impl Fn(f64, f64) -> f64 + Sync,
+    (report, control): (impl Fn(usize), &Control<'_>),
+) -> Result<Result<Tried, HeatPlan>, PlanError> {
+    let mut state = model.clone();
+    let mut layers: Vec<Option<Options>> = Vec::with_capacity(regions.len());
+    let mut deposited_layers = 0;
+    for (layer, region) in (0..).zip(regions) {
+        report(layers.len());
+        let Some(region) = region else {
+            layers.push(None);
+            continue;
+        };
+        let mut options = options(&state, layer, region)?;
+        let score = |index: usize, cost: f64| score(cost, options.choices[index].seconds);
+        let trials = try_orders(&state, layer, &options.cells(), 1, score, control)?;
+        if let Some(reason) = trials.interrupted.or_else(|| control.interrupted()) {
+            return complete_interrupted(model, &layers, regions, limit, reason).map(Err);
+        }
+        deposited_layers += trials.costs.len();
+        for (choice, cost) in options.choices.iter_mut().zip(&trials.costs) {
+            choice.cost = cost.unwrap_or(f64::INFINITY);
+        }
+        if let Some(best) = trials.best.into_iter().next() {
+            state = best.model;
+        }
+        layers.push(Some(options));
+    }
+    Ok(Ok(Tried { layers, deposited_layers }))
+}
+
+impl Tried {
+    /// The plan of the options that are printed within `limit`, with the price of time.
+    ///
+    /// Layers hardly influence one another, so the costs found on the way decide which layers get
+    /// faster options if the cheapest ones together take longer.
+    pub(super) fn plan<M: ThermalModel>(
+        &self,
+        model: &M,
+        regions: &[Option<Region>],
+        limit: f64,
+        control: &Control<'_>,
+    ) -> Result<(HeatPlan, f64), PlanError> {
+        let (drafts, price) = chosen(model, &self.layers, regions, limit);
+        let mut plan = check_time(finish(model, drafts, control)?, limit)?;
+        plan.deposited_layers += self.deposited_layers;
+        Ok((plan, price))
     }
 }
 

@@ -5,10 +5,9 @@ use beadwork_grid::Region;
 use beadwork_part::{Axis, Corner, Ends, LineOrder, Order, Sequence};
 
 use super::Settings;
-use super::setup::{Options, check_time, chosen, complete_interrupted, finish};
+use super::setup::{Options, try_layers};
 use crate::model::ThermalModel;
 use crate::plan::{Draft, HeatPlan, PlanError, regions};
-use crate::trials::try_orders;
 
 /// Tries the sequences of the linear model along both axes, and goes on from the cheapest order.
 pub(super) fn solve<M: ThermalModel>(
@@ -17,36 +16,17 @@ pub(super) fn solve<M: ThermalModel>(
     control: &Control<'_>,
 ) -> Result<HeatPlan, PlanError> {
     let regions = regions(model.part())?;
+    let limit = settings.max_seconds;
     let own = control.without_progress();
-    let mut state = model.clone();
-    let mut layers: Vec<Option<Options>> = Vec::new();
-    let mut deposited_layers = 0;
-    for (layer, region) in (0..).zip(&regions) {
-        control.report(layers.len(), regions.len());
-        let Some(region) = region else {
-            layers.push(None);
-            continue;
-        };
-        let drafts = sequences(&state, layer, region, &own)?;
-        let mut options = Options::of(&state, layer, drafts, &own);
-        let trials = try_orders(&state, layer, &options.cells(), 1, |_, cost| cost, &own)?;
-        if let Some(reason) = trials.interrupted.or_else(|| control.interrupted()) {
-            let limit = settings.max_seconds;
-            return complete_interrupted(model, &layers, &regions, limit, reason);
-        }
-        deposited_layers += trials.costs.len();
-        for (choice, cost) in options.choices.iter_mut().zip(&trials.costs) {
-            choice.cost = cost.unwrap_or(f64::INFINITY);
-        }
-        if let Some(best) = trials.best.into_iter().next() {
-            state = best.model;
-        }
-        layers.push(Some(options));
+    let options = |state: &M, layer: u32, region: &_| {
+        let drafts = sequences(state, layer, region, &own)?;
+        Ok(Options::of(state, layer, drafts, &own))
+    };
+    let report = |done: usize| control.report(done, regions.len());
+    match try_layers(model, &regions, limit, options, |cost, _| cost, (report, &own))? {
+        Err(plan) => Ok(plan),
+        Ok(tried) => tried.plan(model, &regions, limit, &own).map(|(plan, _)| plan),
     }
-    let (drafts, _) = chosen(model, &layers, &regions, settings.max_seconds);
-    let mut plan = check_time(finish(model, drafts, &own)?, settings.max_seconds)?;
-    plan.deposited_layers += deposited_layers;
-    Ok(plan)
 }
 
 /// The conventional order, and the sequences of the lines along x and along y.
