@@ -1,4 +1,4 @@
-//! `plan --objective heat` as a user runs it.
+//! `plan --objective heat` and `eval heat` as a user runs them.
 
 #![allow(clippy::unwrap_used, reason = "a panic fails the test")]
 
@@ -112,4 +112,28 @@ fn what_cannot_be_planned_is_an_error() {
     assert!(message.contains("--fill cells"), "{message}");
     let message = misused(&with(&["--planner", "best"]));
     assert!(message.contains("best"), "{message}");
+}
+
+#[test]
+fn planners_are_compared_on_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let part = small_box(folder.path());
+    let pictures = folder.path().join("pictures");
+    let eval = ["eval", "heat", text(&part), "--bead", "0.6", "--planner", "conventional"];
+    let more = ["--planner", "greedy", "--max-time", "1.1", "--json"];
+    let output = run(&[&eval[..], &more, &["--pictures", text(&pictures)]].concat());
+    let json: Value = serde_json::from_str(&output).unwrap();
+    let part = &json["parts"][0];
+    assert_eq!((&part["part"], &part["layers"]), (&Value::from("box"), &Value::from(4)));
+    assert_eq!((&part["voxels"], &part["max_components"]), (&Value::from(960), &Value::from(1)));
+    let plans = part["plans"].as_array().unwrap();
+    assert_eq!(plans.len(), 2);
+    // The plan of the conventional order is measured as the baseline is.
+    let deviations = |row: &Value| number(&row["plane_deviations"][1]["along_x"], "central_k");
+    assert!((deviations(&plans[0]) - deviations(part)).abs() < 1e-9 && deviations(part) > 0.0);
+    assert!(number(&plans[1], "reward") >= number(part, "reward"));
+    let svg = fs::read_to_string(pictures.join("box.svg")).unwrap();
+    assert!(svg.contains("End of layer 4") && svg.contains("greedy: "), "{svg}");
+    // The middle and the last layer, of two plans.
+    assert_eq!(svg.matches("<image").count(), 4);
 }

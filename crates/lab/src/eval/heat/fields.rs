@@ -10,17 +10,21 @@ use beadwork_thermal::simulation::{Accuracy, Method};
 use beadwork_thermal::{ProcessParameters, Simulation, ThermalMaterial};
 use serde::Serialize;
 
-/// Seconds between the end of a print and the measurement of its vertical planes.
+use crate::statistics::mean;
+
+/// Moments after the end of a print at which deviations on planes are measured, s.
 ///
-/// At the moment of the last deposition, deviations would mostly measure how close the last voxel
-/// is to the plane.
-const REST_S: f64 = 1.0;
+/// At the end itself, they would mostly measure how close the last voxel is to the plane; one
+/// second later, how close the last lines are; half a minute later, the temperatures of the whole
+/// part.
+pub(super) const MOMENTS_S: [f64; 2] = [1.0, 30.0];
 
 /// Temperatures of a print.
 pub(super) struct Fields {
     /// The drawn layers, at their ends.
     pub(super) layers: Vec<DrawnLayer>,
-    pub(super) planes: PlaneDeviations,
+    /// Deviations at each of the [`MOMENTS_S`].
+    pub(super) planes: Vec<PlaneDeviations>,
 }
 
 /// One layer at its end.
@@ -31,35 +35,45 @@ pub(super) struct DrawnLayer {
     pub(super) std_k: f64,
 }
 
-/// Maximum thermal deviations on vertical planes one second after the end of a print, K: the
-/// difference between a voxel's temperature and the mean of the plane (Kim et al. 2026, figure 10).
+/// Maximum thermal deviations on planes after the end of a print, K: the difference between a
+/// voxel's temperature and the mean of the plane (Kim et al. 2026, figure 10).
 #[derive(Clone, Copy, Serialize)]
-#[expect(clippy::struct_field_names, reason = "keys of JSON end with their unit")]
 pub(super) struct PlaneDeviations {
-    /// On the plane through the centre with the normal y: x to the right, z upwards.
-    pub(super) central_y_k: f64,
-    /// Mean over all planes with the normal y.
-    pub(super) mean_y_k: f64,
-    /// On the plane through the centre with the normal x.
-    pub(super) central_x_k: f64,
-    /// Mean over all planes with the normal x.
-    pub(super) mean_x_k: f64,
+    /// Time since the end of the print, s.
+    pub(super) after_s: f64,
+    /// On vertical planes along x.
+    pub(super) along_x: Deviations,
+    /// On vertical planes along y.
+    pub(super) along_y: Deviations,
+    /// On layers.
+    pub(super) layers: Deviations,
+}
+
+/// Maximum deviations on parallel planes, K.
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct Deviations {
+    /// On the plane through the centre.
+    pub(super) central_k: f64,
+    /// Mean over all planes.
+    pub(super) mean_k: f64,
+}
+
+impl Deviations {
+    fn of(simulation: &Simulation, count: u32, plane: fn(u32) -> Plane) -> Self {
+        let deviation = |at: u32| simulation.section(plane(at)).max_deviation_k();
+        let all: Vec<f64> = (0..count).filter_map(deviation).collect();
+        Self { central_k: deviation(count / 2).unwrap_or(f64::NAN), mean_k: mean(all.into_iter()) }
+    }
 }
 
 impl PlaneDeviations {
-    fn of(simulation: &Simulation) -> Self {
-        let frame = simulation.part().frame;
-        let deviation = |plane: Plane| simulation.section(plane).max_deviation_k();
-        let mean = |planes: &mut dyn Iterator<Item = Plane>| {
-            let deviations: Vec<f64> = planes.filter_map(deviation).collect();
-            deviations.iter().sum::<f64>() / deviations.len() as f64
-        };
-        let central = |plane: Plane| deviation(plane).unwrap_or(f64::NAN);
+    fn of(simulation: &Simulation, after_s: f64) -> Self {
+        let (frame, depth) = (simulation.part().frame, simulation.part().depth as u32);
         Self {
-            central_y_k: central(Plane::Y(frame.height / 2)),
-            mean_y_k: mean(&mut (0..frame.height).map(Plane::Y)),
-            central_x_k: central(Plane::X(frame.width / 2)),
-            mean_x_k: mean(&mut (0..frame.width).map(Plane::X)),
+            after_s,
+            along_x: Deviations::of(simulation, frame.height, Plane::Y),
+            along_y: Deviations::of(simulation, frame.width, Plane::X),
+            layers: Deviations::of(simulation, depth, Plane::Layer),
         }
     }
 }
@@ -89,14 +103,25 @@ impl Fields {
             }
             control.report(layer + 1, plan.layers.len());
         }
-        simulation.pause(REST_S, &own)?;
-        Ok(Self { layers, planes: PlaneDeviations::of(&simulation) })
+        let mut planes = Vec::new();
+        let mut now_s = 0.0;
+        for after_s in MOMENTS_S {
+            simulation.pause(after_s - now_s, &own)?;
+            now_s = after_s;
+            planes.push(PlaneDeviations::of(&simulation, after_s));
+        }
+        Ok(Self { layers, planes })
     }
 }
 
-/// The layers to draw: the middle one and the last.
-pub(super) fn drawn(depth: usize) -> Vec<usize> {
-    let mut layers = vec![depth.saturating_sub(1) / 2, depth.saturating_sub(1)];
+/// The layers to draw: the middle one and the last, without the tips of parts that taper off: at
+/// least a tenth of the cells of the largest layer.
+pub(super) fn drawn(part: &Voxels) -> Vec<usize> {
+    let cells: Vec<usize> = (0..part.depth).map(|layer| part.cells(layer).count()).collect();
+    let max = cells.iter().copied().max().unwrap_or(0);
+    let last = cells.iter().rposition(|&cells| 10 * cells >= max).unwrap_or(0);
+    let middle = part.depth.saturating_sub(1) / 2;
+    let mut layers = vec![middle.min(last), last];
     layers.dedup();
     layers
 }
@@ -109,7 +134,7 @@ mod tests {
     use beadwork_thermal::objective::Objective;
 
     use super::*;
-    use crate::heat_parts::cuboid;
+    use crate::heat_parts::{HeatPart, cuboid};
 
     #[test]
     fn fields_are_those_of_the_plan() {
@@ -120,16 +145,26 @@ mod tests {
         let model = Solver::new(part.clone(), &material, &process, method, cost).unwrap();
         let control = Control::default();
         let plan = same_order(&model, Order::CONVENTIONAL, &control).unwrap();
-        let fields = Fields::of(&part, &plan, &drawn(part.depth), &control).unwrap();
+        let fields = Fields::of(&part, &plan, &drawn(&part), &control).unwrap();
         assert_eq!(fields.layers.iter().map(|drawn| drawn.layer).collect::<Vec<_>>(), [1, 2]);
         for drawn in &fields.layers {
             assert!((drawn.std_k - plan.layers[drawn.layer].cost).abs() < 1e-9);
             assert!(drawn.section.temperatures_c.iter().all(|celsius| celsius.is_finite()));
         }
-        let PlaneDeviations { central_y_k, mean_y_k, central_x_k, mean_x_k } = fields.planes;
-        for deviation in [central_y_k, mean_y_k, central_x_k, mean_x_k] {
-            assert!(deviation > 0.0 && deviation < 205.0, "{deviation}");
+        let of = |planes: &PlaneDeviations| [planes.along_x, planes.along_y, planes.layers];
+        let [early, late] = [0, 1].map(|moment| of(&fields.planes[moment]));
+        for (early, late) in early.into_iter().zip(late) {
+            for (early, late) in [(early.central_k, late.central_k), (early.mean_k, late.mean_k)] {
+                assert!(0.0 < late && late < early && early < 205.0, "{early} {late}");
+            }
         }
-        assert_eq!((drawn(0), drawn(1), drawn(2)), (vec![0], vec![0], vec![0, 1]));
+    }
+
+    #[test]
+    fn tips_are_not_drawn() {
+        assert_eq!(drawn(&cuboid([4, 4, 1])), [0]);
+        assert_eq!(drawn(&cuboid([4, 4, 2])), [0, 1]);
+        // Layers of the pyramid have 60 cells along a side and fewer, 19 or more up to layer 56.
+        assert_eq!(drawn(&HeatPart::Pyramid.voxels()), [38, 56]);
     }
 }

@@ -84,6 +84,7 @@ pub(super) struct HeatArgs {
     threads: usize,
     /// Draw the temperatures at the ends of the middle and the last layer, in all plans side by
     /// side, as one SVG per part in this folder.
+    /// The tip of a part that tapers off is left out.
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
     /// Print one JSON document instead of tables.

@@ -48,7 +48,7 @@ mod tests {
     use beadwork_thermal::section::{Plane, Section};
     use ndarray::Array2;
 
-    use super::super::fields::{DrawnLayer, PlaneDeviations};
+    use super::super::fields::DrawnLayer;
     use super::*;
 
     #[test]
@@ -61,12 +61,7 @@ mod tests {
         };
         let fields = |celsius: f64| Fields {
             layers: vec![DrawnLayer { layer: 6, section: section(celsius), std_k: 2.345 }],
-            planes: PlaneDeviations {
-                central_y_k: 0.0,
-                mean_y_k: 0.0,
-                central_x_k: 0.0,
-                mean_x_k: 0.0,
-            },
+            planes: Vec::new(),
         };
         let (cold, warm) = (fields(80.0), fields(90.0));
         let (left_mm, back_mm, cell_mm, layer_mm) = (0.0, 0.0, 0.5, 0.25);

@@ -58,8 +58,8 @@ pub(super) struct PlanRow {
     pub(super) deposited_layers: usize,
     /// Travel moves in the middle of a layer.
     pub(super) travel_moves: usize,
-    /// Maximum thermal deviations on vertical planes.
-    pub(super) plane_deviations: PlaneDeviations,
+    /// Maximum thermal deviations on planes after the end, by the time since then.
+    pub(super) plane_deviations: Vec<PlaneDeviations>,
     /// Order of each layer; `annealed` if it has no name.
     orders: Vec<String>,
     #[serde(skip)]
@@ -80,7 +80,7 @@ pub(super) struct PartRow {
     pub(super) reward: f64,
     pub(super) warpage_mm: f64,
     pub(super) print_seconds: f64,
-    pub(super) plane_deviations: PlaneDeviations,
+    pub(super) plane_deviations: Vec<PlaneDeviations>,
     /// Limits on the gain without travel, by an argument: orders of whole lines, and any order.
     pub(super) whole_lines_bound_percent: f64,
     pub(super) bound_percent: f64,
@@ -150,7 +150,7 @@ impl Setup<'_> {
             reward: baseline.reward(),
             warpage_mm: baseline.warpage_mm.unwrap_or(f64::NAN),
             print_seconds: baseline.print_seconds(),
-            plane_deviations: fields.planes,
+            plane_deviations: fields.planes.clone(),
             whole_lines_bound_percent: bound.whole_lines_percent().unwrap_or(f64::NAN),
             bound_percent: bound.any_order_percent().unwrap_or(f64::NAN),
             bound_seconds,
@@ -205,7 +205,7 @@ impl Setup<'_> {
             planning_seconds,
             deposited_layers: plan.deposited_layers,
             travel_moves: travel_moves(&plan, &part),
-            plane_deviations: fields.planes,
+            plane_deviations: fields.planes.clone(),
             orders: plan
                 .layers
                 .iter()
@@ -216,7 +216,7 @@ impl Setup<'_> {
     }
 
     fn fields(&self, part: &Arc<Voxels>, plan: &HeatPlan) -> anyhow::Result<Fields> {
-        self.with_bar("fields", |control| Fields::of(part, plan, &drawn(part.depth), control))
+        self.with_bar("fields", |control| Fields::of(part, plan, &drawn(part), control))
     }
 
     /// Measures by a simulation of high accuracy.

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use beadwork_console::text::count;
 
-use super::fields::PlaneDeviations;
+use super::fields::Deviations;
 use super::plans::PartRow;
 
 /// Figures of Kim et al. 2026 for a part.
@@ -89,11 +89,12 @@ pub(super) fn text(rows: &[PartRow], max_time: f64) -> anyhow::Result<String> {
     Ok(text)
 }
 
-/// The thermal deviations on vertical planes.
+/// The thermal deviations on planes.
 fn planes(rows: &[PartRow]) -> Result<String, std::fmt::Error> {
     let mut text = String::from(
-        "\nMaximum thermal deviation on vertical planes one second after the end, K\n\
-         (centre: on the plane through the centre; mean: over all parallel planes)\n",
+        "\nMaximum thermal deviation on planes after the end, K\n\
+         (along x and y: vertical planes; centre: on the plane through the centre; mean: over all \
+         parallel planes)\n",
     );
     for row in rows {
         let paper = PAPER.iter().find(|paper| paper.part == row.part);
@@ -102,16 +103,27 @@ fn planes(rows: &[PartRow]) -> Result<String, std::fmt::Error> {
         });
         writeln!(
             text,
-            "\n{}{paper}\n{:20} {:>10} {:>10} {:>10} {:>10}",
-            row.part, "planner", "y: centre", "mean", "x: centre", "mean"
+            "\n{}{paper}\n{:20} {:>7} {:>15} {:>7} {:>15} {:>7} {:>15} {:>7}",
+            row.part,
+            "planner",
+            "after s",
+            "along x: centre",
+            "mean",
+            "along y: centre",
+            "mean",
+            "layers: centre",
+            "mean"
         )?;
         for (planner, fields) in row.fields() {
-            let PlaneDeviations { central_y_k, mean_y_k, central_x_k, mean_x_k } = fields.planes;
-            writeln!(
-                text,
-                "{planner:20} {central_y_k:>10.2} {mean_y_k:>10.2} {central_x_k:>10.2} \
-                 {mean_x_k:>10.2}"
-            )?;
+            for planes in &fields.planes {
+                write!(text, "{planner:20} {:>7}", planes.after_s)?;
+                for Deviations { central_k, mean_k } in
+                    [planes.along_x, planes.along_y, planes.layers]
+                {
+                    write!(text, " {central_k:>15.2} {mean_k:>7.2}")?;
+                }
+                writeln!(text)?;
+            }
         }
     }
     Ok(text)
