@@ -25,7 +25,7 @@ use crate::statistics::{mean, median, rank_correlation};
 /// Number of layers that are ranked by default.
 const LAYERS: u32 = 5;
 
-/// Orders that the proxy picks, as the planner `lines` does by default.
+/// Orders that the proxy picks, of which the solver decides on one.
 const PICKED: usize = 10;
 
 /// Ranks of one layer's orders.

@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 
+use beadwork_console::machine;
 use beadwork_console::text::count;
 
-use super::fields::Deviations;
+use super::fields::{MOMENTS_S, PlaneDeviations};
 use super::plans::PartRow;
 
 /// Figures of Kim et al. 2026 for a part.
@@ -22,24 +23,33 @@ const PAPER: [Paper; 3] = [
     Paper { part: "pyramid", gain_percent: 5.1, deviations_k: [4.87, 4.06] },
 ];
 
-/// One table per part.
-pub(super) fn text(rows: &[PartRow], max_time: f64) -> anyhow::Result<String> {
-    let mut text = String::new();
+/// All tables in Markdown.
+pub(super) fn text(rows: &[PartRow], max_time: f64) -> Result<String, std::fmt::Error> {
+    let mut text = format!("Machine: {}.\n", machine::line());
+    gains(&mut text, rows, max_time)?;
+    planes(&mut text, rows)?;
+    Ok(text)
+}
+
+/// The gains of all plans, one table per part.
+fn gains(text: &mut String, rows: &[PartRow], max_time: f64) -> std::fmt::Result {
     writeln!(
         text,
         "Gains over the conventional order, in %, within {:+.1} % of its printing time\n\
          (end: the paper's reward; no travel: the same if travel took no time;\n\
-         time: deviation averaged over time; later: without the first layer)",
+         time: deviation averaged over time; later: without the first layer).",
         100.0 * (max_time - 1.0)
     )?;
     for row in rows {
         let paper = PAPER.iter().find(|paper| paper.part == row.part);
-        let paper_gain = paper
-            .map_or(String::new(), |paper| format!("; paper's agent: {} %", paper.gain_percent));
+        let paper = paper.map_or(String::new(), |paper| {
+            format!("; the paper's agent gained {} %", paper.gain_percent)
+        });
         writeln!(
             text,
-            "\n{}: {} voxels of {} mm, {} layers of up to {}; conventional: reward {:.2} K, \
-             {:.0} s, lift {:.3} mm{paper_gain}",
+            "\n**{}**: {} voxels of {} mm, {} layers of up to {}; conventional: reward {:.2} K, \
+             {:.0} s, lift {:.3} mm{paper}; expected limit of *no travel*: {:.1} % for orders of \
+             whole lines, {:.1} % for any order.\n",
             row.part,
             row.voxels,
             row.voxel_mm.map(|mm| mm.to_string()).join(" x "),
@@ -47,31 +57,17 @@ pub(super) fn text(rows: &[PartRow], max_time: f64) -> anyhow::Result<String> {
             count(row.max_components.into(), "component"),
             row.reward,
             row.print_seconds,
-            row.warpage_mm
+            row.warpage_mm,
+            row.whole_lines_bound_percent,
+            row.bound_percent
         )?;
-        writeln!(
-            text,
-            "expected limit of 'no travel': {:.1} for orders of whole lines, {:.1} for any order",
-            row.whole_lines_bound_percent, row.bound_percent
-        )?;
-        writeln!(
-            text,
-            "{:20} {:>7} {:>10} {:>7} {:>7} {:>8} {:>8} {:>7} {:>9} {:>10}",
-            "planner",
-            "end",
-            "no travel",
-            "time",
-            "later",
-            "print %",
-            "lift mm",
-            "travels",
-            "layers",
-            "planning s"
-        )?;
+        *text += "| planner | end | no travel | time | later | printing time % | lift mm \
+                  | travel moves | layers solved | planning s |\n\
+                  |---|---|---|---|---|---|---|---|---|---|\n";
         for plan in &row.plans {
             writeln!(
                 text,
-                "{:20} {:>7.1} {:>10.1} {:>7.1} {:>7.1} {:>+8.2} {:>8.3} {:>7} {:>9} {:>10.2}",
+                "| {} | {:.1} | {:.1} | {:.1} | {:.1} | {:+.2} | {:.3} | {} | {} | {:.1} |",
                 plan.planner,
                 plan.reward_gain_percent,
                 plan.no_travel_gain_percent,
@@ -85,46 +81,47 @@ pub(super) fn text(rows: &[PartRow], max_time: f64) -> anyhow::Result<String> {
             )?;
         }
     }
-    text += &planes(rows)?;
-    Ok(text)
+    Ok(())
 }
 
-/// The thermal deviations on planes.
-fn planes(rows: &[PartRow]) -> Result<String, std::fmt::Error> {
-    let mut text = String::from(
-        "\nMaximum thermal deviation on planes after the end, K\n\
-         (along x and y: vertical planes; centre: on the plane through the centre; mean: over all \
-         parallel planes)\n",
-    );
+/// The thermal deviations on planes, one table for all parts.
+fn planes(text: &mut String, rows: &[PartRow]) -> std::fmt::Result {
+    write!(
+        text,
+        "\nMaximum thermal deviation on planes, K, {} after the end\n\
+         (planes along x and y are vertical; centre: the plane through the centre; mean: over all \
+         parallel planes).\n\n\
+         | part | planner | paper | along x: centre | mean | along y: centre | mean \
+         | layers: centre | mean |\n\
+         |---|---|---|---|---|---|---|---|---|\n",
+        MOMENTS_S.map(|seconds| format!("{seconds} s")).join(" / ")
+    )?;
     for row in rows {
         let paper = PAPER.iter().find(|paper| paper.part == row.part);
-        let paper = paper.map_or(String::new(), |Paper { deviations_k: [from, to], .. }| {
-            format!("; paper: conventional {from} K, agent {to} K")
-        });
-        writeln!(
-            text,
-            "\n{}{paper}\n{:20} {:>7} {:>15} {:>7} {:>15} {:>7} {:>15} {:>7}",
-            row.part,
-            "planner",
-            "after s",
-            "along x: centre",
-            "mean",
-            "along y: centre",
-            "mean",
-            "layers: centre",
-            "mean"
-        )?;
         for (planner, fields) in row.fields() {
-            for planes in &fields.planes {
-                write!(text, "{planner:20} {:>7}", planes.after_s)?;
-                for Deviations { central_k, mean_k } in
-                    [planes.along_x, planes.along_y, planes.layers]
-                {
-                    write!(text, " {central_k:>15.2} {mean_k:>7.2}")?;
-                }
-                writeln!(text)?;
+            let paper = match (paper, planner) {
+                (Some(paper), "conventional") => paper.deviations_k[0].to_string(),
+                _ => String::new(),
+            };
+            write!(text, "| {} | {planner} | {paper} |", row.part)?;
+            let columns: [fn(&PlaneDeviations) -> f64; 6] = [
+                |planes| planes.along_x.central_k,
+                |planes| planes.along_x.mean_k,
+                |planes| planes.along_y.central_k,
+                |planes| planes.along_y.mean_k,
+                |planes| planes.layers.central_k,
+                |planes| planes.layers.mean_k,
+            ];
+            for column in columns {
+                let moments: Vec<String> =
+                    fields.planes.iter().map(|planes| format!("{:.2}", column(planes))).collect();
+                write!(text, " {} |", moments.join(" / "))?;
             }
+            writeln!(text)?;
+        }
+        if let Some(paper) = paper {
+            writeln!(text, "| {} | paper's agent | {} |||||||", row.part, paper.deviations_k[1])?;
         }
     }
-    Ok(text)
+    Ok(())
 }
