@@ -114,8 +114,8 @@ impl Fields {
     }
 }
 
-/// The layers to draw: the middle one and the last, without the tips of parts that taper off: at
-/// least a tenth of the cells of the largest layer.
+/// The layers to draw: the middle one, and the last that has a tenth of the cells of the largest
+/// layer or more, so that tips are left out.
 pub(super) fn drawn(part: &Voxels) -> Vec<usize> {
     let cells: Vec<usize> = (0..part.depth).map(|layer| part.cells(layer).count()).collect();
     let max = cells.iter().copied().max().unwrap_or(0);
