@@ -55,6 +55,19 @@ impl Bead {
         self.moves.last().map_or(self.start_mm, |last| last.to_mm)
     }
 
+    /// The same bead printed from its end to its beginning.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        let mut moves: Vec<ExtrusionMove> = Vec::with_capacity(self.moves.len());
+        let mut from_mm = self.start_mm;
+        for step in &self.moves {
+            moves.push(ExtrusionMove { to_mm: from_mm, ..*step });
+            from_mm = step.to_mm;
+        }
+        moves.reverse();
+        Self { tool: self.tool, start_mm: from_mm, moves }
+    }
+
     /// Both ends and the width of each move, in mm.
     pub fn lines(&self) -> impl Iterator<Item = ([f64; 2], [f64; 2], f64)> {
         let mut from = self.start_mm;

@@ -6,6 +6,7 @@
 //! - [`Pattern`]: the 38 named deposition orders, for any region; [`pattern_sheet`] draws them all.
 //! - [`LineOrder`]: named orders of the whole lines of a layer, and [`Lines`], which callers may
 //!   permute; [`Sequence`]: the orders behind them, for beads or anything else that is numbered.
+//! - [`BeadRows`]: the same orders for parallel beads, such as infill lines.
 //! - [`Order`]: a pattern or an order of lines.
 //! - [`mod@print`]: writes planned layers, of cells or of beads, as G-code for Marlin or Klipper,
 //!   and checks such a program from its text.
@@ -108,8 +109,8 @@ pub use bead::{Bead, BeadLayer, ExtrusionMove};
 pub use bead_svg::{BeadPanel, bead_svg};
 pub use frame::Frame;
 pub use order::{
-    Axis, Corner, Ends, InvalidStride, LineOrder, LineOrderError, Lines, Order, PermutationError,
-    Sequence, SequenceError, Stride, UnknownOrder,
+    Axis, BeadRows, Corner, Ends, InvalidStride, LineOrder, LineOrderError, Lines, Order,
+    PermutationError, Sequence, SequenceError, Stride, UnknownOrder,
 };
 pub use pattern::{Pattern, UnknownPattern, pattern_sheet};
 pub use picture::{Picture, PictureError};

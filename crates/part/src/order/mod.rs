@@ -1,5 +1,6 @@
 //! Orders of whole lines, and what they have in common with patterns.
 
+mod bead_rows;
 mod layer_order;
 mod line_order;
 mod lines;
@@ -7,6 +8,7 @@ mod sequence;
 #[cfg(test)]
 mod tests;
 
+pub use bead_rows::BeadRows;
 pub use layer_order::{Order, UnknownOrder};
 pub use line_order::{Axis, Corner, LineOrder, LineOrderError};
 pub use lines::{Ends, Lines, PermutationError};
