@@ -27,8 +27,8 @@ mod lone_line;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use beadwork_base::{Control, Interrupted};
-use beadwork_grid::RegionError;
+use beadwork_base::Control;
+use beadwork_grid::Region;
 use beadwork_part::slice::Voxels;
 use beadwork_part::{Axis, Order};
 use beadwork_thermal::simulation::{DepositError, Method, SetupError};
@@ -37,6 +37,7 @@ use thiserror::Error;
 
 use self::floor::min_squares;
 use self::lone_line::{LoneLine, Pedestal};
+use crate::plan::{PlanError, regions};
 
 /// Maximum number of layers below a lone line: 2 mm of layers of 0.25 mm.
 const MAX_PEDESTAL: u32 = 8;
@@ -59,22 +60,14 @@ pub enum BoundError {
     /// The print cannot be simulated.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// A layer cannot be deposited, or the call was interrupted.
+    /// A layer cannot be printed, or the call was interrupted.
     #[error(transparent)]
-    Deposit(#[from] DepositError),
-    /// The cells of a layer are not a region.
-    #[error("layer {layer}: {source}")]
-    Region {
-        /// The layer, from 0.
-        layer: usize,
-        /// What is wrong with it.
-        source: RegionError,
-    },
+    Plan(#[from] PlanError),
 }
 
-impl From<Interrupted> for BoundError {
-    fn from(reason: Interrupted) -> Self {
-        Self::Deposit(reason.into())
+impl From<DepositError> for BoundError {
+    fn from(error: DepositError) -> Self {
+        Self::Plan(error.into())
     }
 }
 
@@ -129,9 +122,10 @@ pub fn heat_bound(
     let own = control.without_progress();
     let mut print = Simulation::new(part.clone(), material, &process, method)?;
     let mut ends = Vec::with_capacity(part.depth);
-    for layer in 0..part.depth {
+    for (layer, region) in regions(part)?.into_iter().enumerate() {
         control.report(layer, part.depth);
-        ends.push(conventional_end(&mut print, layer, &own)?);
+        let end = region.map(|region| conventional_end(&mut print, layer, &region, &own));
+        ends.push(end.transpose()?);
     }
     let floors: Vec<f64> = ends.iter().flatten().map(|end| end.floor_c).collect();
     let celsius = floors.iter().sum::<f64>() / (floors.len() as f64).max(1.0);
@@ -188,17 +182,13 @@ pub fn heat_bound(
     })
 }
 
-/// Deposits a layer in the conventional order; `None` without cells.
+/// Deposits a layer in the conventional order.
 fn conventional_end(
     print: &mut Simulation,
     layer: usize,
+    region: &Region,
     control: &Control<'_>,
-) -> Result<Option<LayerEnd>, BoundError> {
-    if print.part().cells(layer).next().is_none() {
-        return Ok(None);
-    }
-    let region =
-        print.part().region(layer).map_err(|source| BoundError::Region { layer, source })?;
+) -> Result<LayerEnd, DepositError> {
     let plate_c = print.process().plate_c.unwrap_or(print.process().ambient_c);
     let below = layer.checked_sub(1).map(|below| below as u32);
     let lower = if layer == 0 { plate_c } else { f64::INFINITY };
@@ -208,7 +198,7 @@ fn conventional_end(
         statistics.map(|layer| layer.min_c).fold(lower, f64::min)
     };
     let before = coldest(print);
-    print.deposit(layer as u32, &Order::CONVENTIONAL.order(&region), control)?;
+    print.deposit(layer as u32, &Order::CONVENTIONAL.order(region), control)?;
     let floor_c = before.min(coldest(print));
     let all = print.statistics().expect("the layer has cells");
     let of = |layer: usize| print.layer_statistics(layer as u32);
@@ -216,13 +206,13 @@ fn conventional_end(
         of(layer).map_or(0.0, |own| own.count as f64 * (own.mean_c - all.mean_c).powi(2))
     };
     let own = of(layer).expect("the layer has cells");
-    Ok(Some(LayerEnd {
+    Ok(LayerEnd {
         own: (own.count as f64, own.mean_c),
         mean_c: all.mean_c,
         squares_below: (0..layer).map(squares).sum(),
         floor_c,
         std_c: all.std_c,
-    }))
+    })
 }
 
 /// Mean length of the lines of a layer along an axis, in cells, at least 1.
