@@ -110,6 +110,14 @@ fn what_cannot_be_planned_is_an_error() {
     assert!(message.contains("--max-time"), "{message}");
     let message = misused(&with(&["--fill", "beads"]));
     assert!(message.contains("--fill cells"), "{message}");
+    let message = misused(&with(&["--policy", "runs/general"]));
+    assert!(message.contains("--policy requires --planner ppo"), "{message}");
+    let message = misused(&with(&["--planner", "ppo", "--even", "peak"]));
+    assert!(message.contains("--even does not go together with --planner ppo"), "{message}");
+    // A build with networks misses the policy, one without misses networks.
+    let message = fail(&with(&["--planner", "ppo"]));
+    let helps = ["no policy in 'models/ppo-small'", "cargo xtask plan ... --planner ppo"];
+    assert!(helps.iter().any(|help| message.contains(help)), "{message}");
     let message = misused(&with(&["--planner", "best"]));
     assert!(message.contains("best"), "{message}");
 }

@@ -107,7 +107,8 @@ fn items() -> Vec<Item> {
         Item {
             name: "libtorch 2.13.0",
             found: libtorch(),
-            needed_for: "train, eval fusion, bench learn, zones --method fusion",
+            needed_for: "train, eval fusion, bench learn, zones --method fusion, plan --planner \
+                         ppo",
             install: "cargo xtask setup (540 MB); --cuda for graphics cards (2.4 GB)",
         },
         Item {
@@ -115,6 +116,12 @@ fn items() -> Vec<Item> {
             found: file(Path::new("models/fusion-small/best.safetensors")),
             needed_for: "zones --method fusion without --model, in the current folder",
             install: "run in a checkout, or train one: cargo xtask train fusion --help",
+        },
+        Item {
+            name: "trained policy",
+            found: file(Path::new("models/ppo-small/greedy.safetensors")),
+            needed_for: "plan --planner ppo without --policy, in the current folder",
+            install: "run in a checkout, or train one: cargo xtask train ppo --help",
         },
         Item {
             name: "PrusaSlicer",

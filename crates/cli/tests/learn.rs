@@ -224,3 +224,40 @@ fn policy_is_trained_for_a_part_and_continued() {
     let error = fail(&[&words("8")[..], &["--out", text(&folder.path().join("other"))]].concat());
     assert!(error.contains("steps is 8"), "{error}");
 }
+
+#[test]
+fn policy_is_trained_on_random_parts_and_plans_a_part() {
+    let folder = tempdir().unwrap();
+    let config = folder.path().join("ppo.toml");
+    let text_of = "steps = 32\nenvironments = 4\nrollout = 8\nevaluation_episodes = 2\n\
+                   [network]\nkind = \"fields\"\nvolume = [4]\nimage = [4]\nunits = 8\n";
+    fs::write(&config, text_of).unwrap();
+    let out = folder.path().join("general");
+    let train = ["train", "ppo", "random:grid32", "--config", text(&config), "--out", text(&out)];
+    let done = json(&train);
+    assert_eq!((&done["end"], &done["part"]), (&"done".into(), &"random:grid32".into()), "{done}");
+    assert!(done["gain_percent"].is_number(), "{done}");
+    let error = fail(&["train", "ppo", "random:tiny", "--preset", "general"]);
+    assert!(error.contains("unknown preset 'tiny'"), "{error}");
+
+    let plan = ["plan", "example:u-shape", "--scale", "0.3", "--objective", "heat"];
+    let plan = [&plan[..], &["--planner", "ppo", "--policy", text(&out)]].concat();
+    for limit in ["1", "1.02", "1.5"] {
+        let heat = json(&[&plan[..], &["--max-time", limit]].concat())["heat"].clone();
+        assert_eq!((&heat["planner"], &heat["objective"]), (&"ppo".into(), &"reward=1".into()));
+        let seconds = |key: &str| heat[key].as_f64().unwrap();
+        let ratio = seconds("print_seconds") / seconds("conventional_print_seconds");
+        assert!(ratio <= limit.parse::<f64>().unwrap() + 1e-9, "{heat}");
+        assert!(heat["gain_percent"].is_number() && heat["no_travel_gain_percent"].is_number());
+    }
+    let refined = json(&[&plan[..], &["--refine"]].concat())["heat"].clone();
+    let ratio = refined["print_seconds"].as_f64().unwrap()
+        / refined["conventional_print_seconds"].as_f64().unwrap();
+    assert!(ratio <= 1.02 + 1e-9, "{refined}");
+    let error = fail(&[&plan[..], &["--max-time", "0.9"]].concat());
+    assert!(error.contains("--max-time cannot be met"), "{error}");
+    let error = misused(&[&plan[..], &["--even", "peak"]].concat());
+    assert!(error.contains("--even does not go together with --planner ppo"), "{error}");
+    let error = fail(&["plan", "example:u-shape", "--objective", "heat", "--planner", "ppo"]);
+    assert!(error.contains("no policy in 'models/ppo-small'"), "{error}");
+}

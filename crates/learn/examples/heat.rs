@@ -8,7 +8,9 @@
 //!
 //! The arguments are the part (rect, u or pyramid), the seed and the folder to write to.
 //! Optional arguments are the candidates (`patterns`, `lines` or `all`), the limit on the printing
-//! time as a ratio to the conventional one (`-` for none), and a configuration file.
+//! time as a ratio to the conventional one (`-` for none), a configuration file (`-` for `small`),
+//! and the word `described`, with which observations describe each candidate, as for random parts.
+//! With orders of lines, it also plans by `lines`, and anneals the lines of the policy's plan.
 
 #![allow(clippy::print_stdout, reason = "an example reports on the terminal")]
 
@@ -19,13 +21,16 @@ use std::time::Instant;
 
 use beadwork_base::{Control, Threads};
 use beadwork_heat::candidates::OrderSet;
-use beadwork_heat::model::{LayerCost, Solver};
+use beadwork_heat::model::{LayerCost, Solver, ThermalModel};
+use beadwork_heat::plan::{HeatPlan, PlannedLayer};
+use beadwork_heat::planner;
 use beadwork_learn::Device;
 use beadwork_learn::ppo::{
     self, Environment, Event, HeatEnvironment, HeatSettings, HeatTask, TrainingConfig,
 };
 use beadwork_part::slice::Voxels;
-use beadwork_part::{Frame, Order};
+use beadwork_part::{Frame, Order, Pattern};
+use beadwork_search::Stop;
 use beadwork_thermal::objective::Objective;
 use beadwork_thermal::simulation::Method;
 use beadwork_thermal::{ProcessParameters, ThermalMaterial};
@@ -90,6 +95,23 @@ fn seconds(task: &Arc<HeatTask>, actions: &[usize]) -> f64 {
     environment.seconds()
 }
 
+/// The plan with these actions, so that its lines can be annealed.
+fn named_plan(
+    solver: &Solver,
+    names: &[Order],
+    actions: &[usize],
+) -> Result<HeatPlan, Box<dyn Error>> {
+    let mut solver = solver.clone();
+    let mut layers = Vec::new();
+    for (layer, &action) in (0..).zip(actions) {
+        let cells = names[action].order(&solver.part().region(layer as usize)?);
+        let seconds = solver.order_seconds(layer, &cells);
+        let cost = solver.deposit(layer, &cells, &Control::default())?;
+        layers.push(PlannedLayer { cells, order: Some(names[action]), seconds, cost });
+    }
+    Ok(HeatPlan { deposited_layers: layers.len(), layers, stop: Stop::Done })
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [name, seed, out, rest @ ..] = arguments.as_slice() else {
@@ -98,7 +120,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let names = rest.first().map_or("patterns", String::as_str).parse::<OrderSet>()?.orders();
     let limit = rest.get(1).filter(|limit| *limit != "-");
     let max_time_ratio = limit.map(|limit| limit.parse()).transpose()?;
-    let mut config = match rest.get(2) {
+    let mut config = match rest.get(2).filter(|file| *file != "-") {
         Some(file) => TrainingConfig::from_toml(&std::fs::read_to_string(file)?)?,
         None => TrainingConfig::small(),
     };
@@ -114,10 +136,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let orders = (0..part.depth).map(orders).collect::<Result<Vec<_>, Box<dyn Error>>>()?;
     let (material, process) = (ThermalMaterial::abs(), ProcessParameters::default());
     let cost = LayerCost::of(Objective::Reward)?;
-    let unprinted = Solver::new(part.clone(), &material, &process, Method::default(), cost)?;
+    let solver = Solver::new(part.clone(), &material, &process, Method::default(), cost)?;
     let baseline = names.iter().position(|&order| order == Order::CONVENTIONAL).unwrap_or(0);
-    let settings = HeatSettings { baseline, max_time_ratio, ..HeatSettings::default() };
-    let task = Arc::new(HeatTask::new(unprinted, orders, &settings)?);
+    let window = rest.get(3).map(|_| 16);
+    let settings = HeatSettings { baseline, max_time_ratio, window, ..HeatSettings::default() };
+    let task = Arc::new(HeatTask::new(solver.clone(), orders, &settings)?);
     let baseline = task.baseline_reward();
     let begin = Instant::now();
     let (greedy_gain, greedy_actions) = greedy(&task);
@@ -135,6 +158,23 @@ fn main() -> Result<(), Box<dyn Error>> {
         begin.elapsed().as_secs_f64(),
         named(&greedy_actions),
     );
+
+    let limit = max_time_ratio.unwrap_or(f64::INFINITY) * task.baseline_seconds();
+    let report = |what: &str, plan: &HeatPlan| {
+        println!(
+            "{what}: {:+.2} %, time {:+.2} %",
+            100.0 * (1.0 + plan.cost() / baseline),
+            100.0 * (plan.seconds() / task.baseline_seconds() - 1.0),
+        );
+    };
+    let has_lines = names.len() > Pattern::ALL.len();
+    let annealed = planner::Settings { max_seconds: limit, ..planner::Settings::default() };
+    if has_lines {
+        let unannealed = planner::Settings { annealing: None, ..annealed.clone() };
+        for (what, settings) in [("lines, not annealed", &unannealed), ("lines", &annealed)] {
+            report(what, &planner::plan(&solver, settings, &Control::on(Threads::Current))?);
+        }
+    }
 
     // A return is what a plan gains over the conventional one.
     let share = |gain: f64| 100.0 * gain / greedy_gain;
@@ -181,5 +221,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         begin.elapsed().as_secs_f64(),
         named(&best_actions),
     );
+    if has_lines {
+        let plan = named_plan(&solver, &names, &best_actions)?;
+        report("policy", &plan);
+        let control = Control::on(Threads::Current);
+        report("policy, lines annealed", &planner::refine(&solver, &plan, &annealed, &control)?);
+    }
     Ok(())
 }

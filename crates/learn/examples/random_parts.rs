@@ -5,7 +5,8 @@
 //! cargo run --release -p beadwork-learn --example random_parts -- models/ppo-small 20
 //! ```
 //!
-//! The arguments are the folder of the policy and the number of parts.
+//! The arguments are the folder of the policy and the number of parts; a third one limits the
+//! planners, as in `greedy,policy`.
 //! All plan for the policy's objective; plans are measured by a simulation of high accuracy.
 //! Prints one row for each plan, and the means.
 
@@ -43,7 +44,7 @@ fn ways() -> [Way; 5] {
         ("constant", patterns(Planner::Constant)),
         ("greedy", patterns(Planner::Greedy)),
         ("policy", None),
-        ("lines, not annealed", lines(None)),
+        ("lines-not-annealed", lines(None)),
         ("lines", lines(Some(Annealing::default()))),
     ]
 }
@@ -63,9 +64,11 @@ impl Column {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [folder, count] = arguments.as_slice() else {
+    let [folder, count, rest @ ..] = arguments.as_slice() else {
         return Err("expected: folder of the policy, number of parts".into());
     };
+    let chosen: Option<Vec<&str>> = rest.first().map(|names| names.split(',').collect());
+    let is_chosen = |name: &str| chosen.as_ref().is_none_or(|chosen| chosen.contains(&name));
     let policy = HeatPolicy::open(Path::new(folder), Device::Cpu)?;
     let cost = LayerCost::of(policy.task.objective)?;
     let task =
@@ -88,6 +91,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         let baseline = measure(&conventional)?;
         let both = LIMITS.iter().flat_map(|limit| ways().map(|way| (limit, way)));
         for ((limit, (name, way)), column) in both.zip(&mut columns) {
+            // Without a limit, orders of lines have no reason not to travel.
+            let is_lines = name.starts_with("lines");
+            if !is_chosen(name) || is_lines && limit.is_infinite() {
+                continue;
+            }
             let max_seconds = limit * conventional.seconds();
             let begin = Instant::now();
             let plan = match way {
@@ -111,11 +119,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     let both = LIMITS.iter().flat_map(|limit| ways().map(|(name, _)| (limit, name)));
-    for ((limit, name), column) in both.zip(&columns) {
+    for ((limit, name), column) in both.zip(&columns).filter(|(_, column)| !column.rows.is_empty())
+    {
         print_row("mean", *limit, name, [0, 1, 2, 3].map(|index| column.mean(index)));
     }
     for (limit, columns) in LIMITS.iter().zip(columns.chunks(ways().len())) {
         let (greedy, policy) = (&columns[1], &columns[2]);
+        if greedy.rows.is_empty() || policy.rows.is_empty() {
+            continue;
+        }
         let shares: Vec<f64> =
             policy.rows.iter().zip(&greedy.rows).map(|(p, g)| 100.0 * p[0] / g[0]).collect();
         println!(

@@ -8,6 +8,8 @@
 //! ([`fusion::propose`]) and walks that follow them ([`fusion::walk`]).
 //!
 //! [`ppo`] is proximal policy optimisation, which trains a policy by acting in environments.
+//! [`ppo::HeatPolicy`] opens `models/ppo-small`, which chooses the order of each layer of a part
+//! for even temperatures.
 //!
 //! [`weights`] reads and writes parameters under their PyTorch names, [`checkpoint`] whole runs,
 //! and [`adamw`] is the optimiser.

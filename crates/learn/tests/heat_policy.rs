@@ -246,3 +246,23 @@ fn policies_that_do_not_fit_their_task_are_refused() {
     assert!(error.starts_with("cannot read"), "{error}");
     assert!(Policy::open(folder.path(), Kept::Last, Device::Cpu).is_ok());
 }
+
+#[test]
+fn the_committed_policy_gains_on_a_small_part() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/ppo-small");
+    let policy = HeatPolicy::open(&folder, Device::Cpu).unwrap();
+    assert_eq!(policy.policy.config.resolved(), {
+        let text = std::fs::read_to_string(Policy::config_file(&folder)).unwrap();
+        TrainingConfig::from_toml(&text).unwrap().resolved()
+    });
+    let part = part([30, 24, 4], |[x, y, z]| !(x > 20 && y > 12 && z > 1));
+    let solver = unprinted(&part);
+    let conventional = same_order(&solver, Order::CONVENTIONAL, &Control::default()).unwrap();
+    for (ratio, minimum) in [(f64::INFINITY, 2.0), (1.02, 0.0)] {
+        let limit = ratio * conventional.seconds();
+        let plan = policy.plan(&solver, limit, &Control::default()).unwrap();
+        check(&plan, &part);
+        let gain = 100.0 * (1.0 - plan.cost() / conventional.cost());
+        assert!(gain > minimum, "{gain} %");
+    }
+}

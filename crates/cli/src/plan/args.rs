@@ -129,6 +129,10 @@ pub(super) struct HeatArgs {
     /// Folder of the policy of --planner ppo; models/ppo-small by default.
     #[arg(long, value_name = "DIR")]
     policy: Option<PathBuf>,
+    /// With --planner ppo: anneal the order of the lines of each layer after the policy, as lines
+    /// does.
+    #[arg(long)]
+    refine: bool,
     /// Maximum printing time, as a multiple of that of the conventional order; 1.02 by default.
     #[arg(long, value_name = "FACTOR", value_parser = factor, allow_hyphen_values = true)]
     max_time: Option<f64>,
@@ -147,6 +151,7 @@ impl HeatArgs {
         let flags = [
             (self.planner.is_some(), "--planner"),
             (self.policy.is_some(), "--policy"),
+            (self.refine, "--refine"),
             (self.max_time.is_some(), "--max-time"),
             (self.even.is_some(), "--even"),
             (self.thermal_material.is_some(), "--thermal-material"),
@@ -164,9 +169,17 @@ impl HeatArgs {
         self.policy.as_deref().unwrap_or(Path::new("models/ppo-small"))
     }
 
+    /// Whether the lines of a policy's plan are annealed.
+    pub(super) fn refine(&self) -> bool {
+        self.refine
+    }
+
     /// A flag that does not go together with the planner, and why.
     fn misfit(&self) -> Option<&'static str> {
         if self.planner() != PlannerName::Ppo {
+            if self.refine {
+                return Some("--refine requires --planner ppo");
+            }
             return self.policy.is_some().then_some("--policy requires --planner ppo");
         }
         let why = "--even does not go together with --planner ppo: a policy minimises what it was \

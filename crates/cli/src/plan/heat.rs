@@ -74,13 +74,16 @@ pub(super) fn run(
     let baseline = heat.measure(&conventional)?;
     let planning = Instant::now();
     let max_seconds = args.heat.max_time() * conventional.seconds();
+    let search = Settings { max_seconds, seed: args.seed, ..Settings::default() };
     let plan = match (&policy, planner) {
         (None, PlannerName::Search(planner)) => {
-            let settings =
-                Settings { planner, max_seconds, seed: args.seed, ..Settings::default() };
-            heat.plan(&objective, &baseline, &settings)?
+            heat.plan(&objective, &baseline, &Settings { planner, ..search })?
         }
-        _ => heat.plan_by(policy.as_ref().context("no policy")?, max_seconds)?,
+        _ => {
+            let annealing = search.annealing.clone().filter(|_| args.heat.refine());
+            let search = Settings { annealing, ..search };
+            heat.plan_by(policy.as_ref().context("no policy")?, &search)?
+        }
     };
     let planning_seconds = planning.elapsed().as_secs_f64();
     let measures = heat.measure(&plan)?;
@@ -157,11 +160,12 @@ impl HeatPart<'_> {
         })?
     }
 
-    /// The plan of a policy.
-    fn plan_by(&self, policy: &Policy, max_seconds: f64) -> anyhow::Result<HeatPlan> {
+    /// The plan of a policy, with annealed lines if the settings have an annealing.
+    fn plan_by(&self, policy: &Policy, settings: &Settings) -> anyhow::Result<HeatPlan> {
         let unprinted = self.solver(LayerCost::of(policy.objective())?)?;
         control::with_bar("plan", Threads::Pool(self.pool), |control| {
-            policy.plan(&unprinted, max_seconds, control)
+            let plan = policy.plan(&unprinted, settings.max_seconds, control)?;
+            Ok(planner::refine(&unprinted, &plan, settings, control)?)
         })?
     }
 

@@ -15,9 +15,10 @@ use beadwork_part::Order;
 
 use crate::candidates::OrderSet;
 use crate::model::ThermalModel;
-use crate::plan::{HeatPlan, PlanError, regions};
+use crate::plan::{Draft, HeatPlan, PlanError, PlannedLayer, regions};
 
 pub use self::anneal::Annealing;
+use self::refine::Refinement;
 
 /// How the orders of the layers are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -122,6 +123,39 @@ pub fn plan<M: ThermalModel>(
         Planner::SmartScan => smart_scan::solve(model, settings, control),
         Planner::Lines => lines::solve(model, settings, control),
     }
+}
+
+/// Anneals the lines of each layer of a plan of the same part, as [`Planner::Lines`] does last.
+///
+/// Layers with a named order of lines begin from it, others from a golden order; a layer keeps its
+/// order if nothing cheaper is found, and so does the plan, whose costs must be the model's.
+/// Lower layers may use all the time that the plan leaves of the limit.
+/// Of the settings it uses the limit, the annealing and the seed; without annealing, it returns the
+/// plan.
+///
+/// # Errors
+/// [`PlanError::TooSlow`] if the plan exceeds the limit, and [`PlanError::NoScreen`] if the model
+/// has no fast estimate of costs.
+pub fn refine<M: ThermalModel>(
+    model: &M,
+    plan: &HeatPlan,
+    settings: &Settings,
+    control: &Control<'_>,
+) -> Result<HeatPlan, PlanError> {
+    let Settings { max_seconds, seed, .. } = *settings;
+    setup::check_time(plan.clone(), max_seconds)?;
+    let Some(annealing) = &settings.annealing else { return Ok(plan.clone()) };
+    let regions = regions(model.part())?;
+    let draft = |layer: &PlannedLayer| Draft { cells: layer.cells.clone(), order: layer.order };
+    let drafts: Vec<Draft> = plan.layers.iter().map(draft).collect();
+    let refinement =
+        Refinement { model, annealing, regions: &regions, price: 0.0, max_seconds, seed };
+    let report = |done: usize| control.report(done, regions.len());
+    let refined = refinement.run(&drafts, report, &control.without_progress())?;
+    // What is cheaper in a layer may cost more above it, and times that are summed in another order
+    // are rounded differently.
+    let is_better = refined.cost() <= plan.cost() && refined.seconds() <= max_seconds;
+    Ok(if is_better { refined } else { HeatPlan { stop: refined.stop, ..plan.clone() } })
 }
 
 #[cfg(test)]

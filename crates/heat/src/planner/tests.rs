@@ -227,3 +227,35 @@ fn layers_without_cells_stay_empty() {
         assert_eq!(plan.layers.len(), 3);
     }
 }
+
+#[test]
+fn refined_plans_cost_no_more_and_keep_to_the_limit() {
+    let part = stairs();
+    let model = solver(&part, Objective::Reward);
+    let control = Control::default();
+    for name in ["contour-zigzag-x-0", "lines-x-scattered-3-0"] {
+        let first = same_order(&model, name.parse().unwrap(), &control).unwrap();
+        for ratio in [1.0, 1.03, f64::INFINITY] {
+            let max_seconds = ratio * first.seconds();
+            let settings = Settings { max_seconds, ..settings(Planner::Lines) };
+            let refined = refine(&model, &first, &settings, &control).unwrap();
+            assert!(refined.seconds() <= max_seconds);
+            for (z, layer) in refined.layers.iter().enumerate() {
+                let mut cells = layer.cells.clone();
+                cells.sort_unstable();
+                assert_eq!(cells, part.cells(z).collect::<Vec<_>>());
+            }
+            let measures = measures(&part, &refined);
+            assert!((refined.cost() + measures.reward()).abs() < 1e-9);
+            assert!(refined.cost() <= first.cost(), "{name} {ratio}");
+            if ratio.is_infinite() {
+                assert!(refined.cost() < first.cost(), "{name}");
+            }
+            let kept = Settings { annealing: None, ..settings.clone() };
+            assert_eq!(refine(&model, &first, &kept, &control).unwrap(), first);
+        }
+        let short = Settings { max_seconds: 0.9 * first.seconds(), ..settings(Planner::Lines) };
+        let error = refine(&model, &first, &short, &control);
+        assert!(matches!(error, Err(PlanError::TooSlow { .. })));
+    }
+}

@@ -10,6 +10,9 @@
 //! - [`ActorCritic`] and [`NetworkConfig`]: the networks, of which [`FieldsConfig`] describes the
 //!   paper's;
 //! - [`HeatTask`] and [`HeatEnvironment`]: the paper's task, in which a step prints a layer;
+//! - [`RandomHeatTask`] and [`RandomHeatEnvironment`]: the same with another random part in every
+//!   episode, so that a policy learns to act on any part;
+//! - [`HeatPolicy`]: plans of such a policy, within a limit on the printing time;
 //! - [`tasks`]: small tasks with known results.
 //!
 //! # Example

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use beadwork_base::Control;
 use beadwork_heat::candidates::OrderSet;
-use beadwork_heat::model::Solver;
+use beadwork_heat::model::{Solver, ThermalModel};
 use beadwork_heat::plan::{HeatPlan, PlannedLayer};
 use beadwork_part::Order;
 use beadwork_search::Stop;
@@ -146,8 +146,7 @@ impl HeatPolicy {
     ///
     /// `unprinted` is a print of which nothing is deposited yet; costs in the plan are its costs,
     /// but the policy minimises what it was trained for.
-    /// Deposits each layer twice, once in the conventional order, with which the policy compares
-    /// its candidates.
+    /// Deposits each layer once.
     ///
     /// The plan takes at most `max_seconds`: a candidate is chosen only if the conventional order
     /// of the layers above keeps to the limit then.
@@ -167,7 +166,9 @@ impl HeatPolicy {
     ) -> Result<HeatPlan, HeatPolicyError> {
         let orders = self.task.orders.orders();
         let settings = self.task.settings(None);
-        let mut task = HeatTask::named(unprinted.clone(), &orders, &settings)?;
+        // Nothing that is observed depends on the baseline's costs, so it is not simulated.
+        let unknown = vec![0.0; unprinted.part().depth];
+        let mut task = HeatTask::named_with(unprinted.clone(), &orders, &settings, Some(&unknown))?;
         let conventional = task.baseline_seconds();
         if conventional > max_seconds {
             return Err(HeatPolicyError::TooSlow { limit: max_seconds, conventional });
@@ -232,5 +233,5 @@ fn follow(
         observation = step.observation;
         control.report(layers.len(), task.layers.len());
     }
-    HeatPlan { layers, stop, deposited_layers: 2 * task.layers.len() }
+    HeatPlan { layers, stop, deposited_layers: task.layers.len() }
 }
