@@ -112,6 +112,7 @@ fn named_plan(
     Ok(HeatPlan { deposited_layers: layers.len(), layers, stop: Stop::Done })
 }
 
+#[allow(clippy::too_many_lines, reason = "the example is read from top to bottom")]
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [name, seed, out, rest @ ..] = arguments.as_slice() else {

@@ -75,15 +75,12 @@ pub(super) fn run(
     let planning = Instant::now();
     let max_seconds = args.heat.max_time() * conventional.seconds();
     let search = Settings { max_seconds, seed: args.seed, ..Settings::default() };
-    let plan = match (&policy, planner) {
-        (None, PlannerName::Search(planner)) => {
-            heat.plan(&objective, &baseline, &Settings { planner, ..search })?
-        }
-        _ => {
-            let annealing = search.annealing.clone().filter(|_| args.heat.refine());
-            let search = Settings { annealing, ..search };
-            heat.plan_by(policy.as_ref().context("no policy")?, &search)?
-        }
+    let plan = if let PlannerName::Search(planner) = planner {
+        heat.plan(&objective, &baseline, &Settings { planner, ..search })?
+    } else {
+        let annealing = search.annealing.clone().filter(|_| args.heat.refine());
+        let search = Settings { annealing, ..search };
+        heat.plan_by(policy.as_ref().context("no policy")?, &search)?
     };
     let planning_seconds = planning.elapsed().as_secs_f64();
     let measures = heat.measure(&plan)?;
