@@ -144,4 +144,10 @@ fn planners_are_compared_on_files() {
     assert!(svg.contains("End of layer 4") && svg.contains("greedy: "), "{svg}");
     // The middle and the last layer, of two plans.
     assert_eq!(svg.matches("<image").count(), 4);
+    // Two files of one name would have one picture.
+    let twin = folder.path().join("twin");
+    fs::create_dir(&twin).unwrap();
+    let twin = small_box(&twin);
+    let message = fail(&[&eval[..], &[text(&twin), "--pictures", text(&pictures)]].concat());
+    assert!(message.contains("two parts are named 'box'"), "{message}");
 }

@@ -9,7 +9,7 @@ mod tables;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use beadwork_console::accuracy::AccuracyName;
 use beadwork_console::part::PartArgs;
 use beadwork_console::{control, machine, output};
@@ -109,10 +109,12 @@ pub(super) fn run(args: &HeatArgs) -> anyhow::Result<()> {
         seed: args.seed,
         pool: &pool,
     };
-    let rows = subjects(args, &pool)?
-        .into_iter()
-        .map(|part| setup.part_row(part))
-        .collect::<anyhow::Result<Vec<_>>>()?;
+    let parts = subjects(args, &pool)?;
+    if args.pictures.is_some() {
+        check_names(&parts)?;
+    }
+    let rows =
+        parts.into_iter().map(|part| setup.part_row(part)).collect::<anyhow::Result<Vec<_>>>()?;
     if let Some(folder) = &args.pictures {
         rows.iter().try_for_each(|row| draw(row, folder))?;
     }
@@ -137,6 +139,20 @@ fn subjects(args: &HeatArgs, pool: &ThreadPool) -> anyhow::Result<Vec<Subject>> 
         parts = HeatPart::PLANNED.map(Subject::generated).into();
     }
     Ok(parts)
+}
+
+/// Refuses parts of the same name, whose pictures would overwrite each other.
+fn check_names(parts: &[Subject]) -> anyhow::Result<()> {
+    let mut names: Vec<&str> = parts.iter().map(|part| &part.name[..]).collect();
+    names.sort_unstable();
+    match names.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => bail!(
+            "two parts are named '{}', and their pictures would overwrite each other: rename a \
+             file, or draw them one at a time",
+            pair[0]
+        ),
+        None => Ok(()),
+    }
 }
 
 /// Draws the plans of a part, named for it, into a folder.
