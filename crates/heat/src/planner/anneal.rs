@@ -13,7 +13,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 pub struct Annealing {
     /// Independent runs per layer, at least 1; the model decides between their results.
     pub runs: usize,
-    /// Orders that each run tries.
+    /// Orders to try in the whole part, once per run: the same number in each layer, from 20 to
+    /// 1,000.
     pub trials: usize,
     /// Time before the end of a layer in which lines are permuted, s: earlier ones hardly matter
     /// for the temperatures at its end, but for those on the way.
@@ -26,7 +27,14 @@ pub struct Annealing {
 
 impl Default for Annealing {
     fn default() -> Self {
-        Self { runs: 2, trials: 200, tail_s: 15.0, start: 0.01, end: 0.0005 }
+        Self { runs: 2, trials: 9000, tail_s: 15.0, start: 0.01, end: 0.0005 }
+    }
+}
+
+impl Annealing {
+    /// Trials of a run in each of a number of layers.
+    pub(super) fn trials_per_layer(&self, layers: usize) -> usize {
+        (self.trials / layers.max(1)).clamp(20, 1000)
     }
 }
 
@@ -38,6 +46,8 @@ pub(super) struct Problem<'a, C> {
     /// Number of lines at its end that may be permuted.
     pub(super) tail: usize,
     pub(super) ends: Ends,
+    /// Orders to try.
+    pub(super) trials: usize,
     /// Cost of an order of cells.
     pub(super) cost: &'a C,
 }
@@ -51,7 +61,7 @@ pub(super) fn anneal<C: Fn(&[Cell]) -> f64>(
     seed: u64,
     control: &Control<'_>,
 ) -> Vec<usize> {
-    let Problem { lines, start, tail, ends, cost } = *problem;
+    let Problem { lines, start, tail, ends, trials, cost } = *problem;
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut current = start.to_vec();
     let first = current.len() - tail;
@@ -62,11 +72,11 @@ pub(super) fn anneal<C: Fn(&[Cell]) -> f64>(
     let (mut best, mut best_cost) = (current.clone(), current_cost);
     let mut next = current.clone();
     let scale = current_cost;
-    for trial in 0..settings.trials {
+    for trial in 0..trials {
         if control.interrupted().is_some() {
             break;
         }
-        let progress = trial as f64 / settings.trials as f64;
+        let progress = trial as f64 / trials as f64;
         let share = settings.start * libm::pow(settings.end / settings.start, progress);
         next.copy_from_slice(&current);
         mutate(&mut next[first..], &mut rng);

@@ -123,6 +123,7 @@ impl<M: ThermalModel> Refinement<'_, M> {
             start: &start,
             tail: self.tail(&lines, &start),
             ends,
+            trials: self.annealing.trials_per_layer(self.regions.iter().flatten().count()),
             cost: &cost,
         };
         let seed = self.seed ^ u64::from(layer).wrapping_mul(LAYER_SEED);

@@ -70,7 +70,7 @@ pub(super) struct HeatArgs {
     /// Accuracy of the solver while planning; plans are measured by high accuracy.
     #[arg(long, value_name = "NAME", default_value = "draft")]
     accuracy: AccuracyName,
-    /// Orders that each annealing run of a layer tries.
+    /// Orders that annealing tries in all layers together, at most 1,000 in each.
     #[arg(long, value_name = "N", default_value_t = Annealing::default().trials)]
     anneal_trials: usize,
     /// Seconds at the end of each layer whose lines are annealed.
