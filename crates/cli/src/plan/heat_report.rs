@@ -114,7 +114,8 @@ impl HeatReport<'_> {
         )?;
         writeln!(
             text,
-            "expected limit if travel took no time: {} for orders of whole lines, {} for any order",
+            "expected limit of the gain if travel took no time: {} for orders of whole lines, {} \
+             for any order",
             percent(self.bound.whole_lines_percent()),
             percent(self.bound.any_order_percent()),
         )?;
