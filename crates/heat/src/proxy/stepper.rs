@@ -215,7 +215,8 @@ impl WithSimd for Sweep<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { stepper, state, next, known } = self;
         for y in 1..stepper.height - 1 {
-            let row = Row { simd, y, width: stepper.width };
+            let width = stepper.width;
+            let row = Row { simd, y, width, count: (width - 2) / S::F32_LANES };
             row.step(stepper, state, next, known);
         }
     }
@@ -228,6 +229,11 @@ struct Row<S> {
     y: usize,
     /// Blocks in a row, with the border.
     width: usize,
+    /// Vectors in a row, without the border.
+    ///
+    /// All slices of a row are cut to this length, so that the compiler can drop the bounds checks
+    /// of loops up to it.
+    count: usize,
 }
 
 impl<S: Simd> Row<S> {
@@ -237,24 +243,29 @@ impl<S: Simd> Row<S> {
     fn of(self, values: &[f32], rows: isize, blocks: isize) -> &[S::f32s] {
         let first = (self.y.wrapping_add_signed(rows)) * self.width;
         let first = (first + 1).wrapping_add_signed(blocks);
-        vectors::<S>(&values[first..][..self.width - 2])
+        self.vectors(&values[first..][..self.width - 2])
     }
 
     #[inline(always)]
     fn of_mut(self, values: &mut [f32]) -> &mut [S::f32s] {
         let first = self.y * self.width + 1;
-        S::as_mut_simd_f32s(&mut values[first..][..self.width - 2]).0
+        &mut S::as_mut_simd_f32s(&mut values[first..][..self.width - 2]).0[..self.count]
     }
 
     #[inline(always)]
     fn of_plane(self, plane: &Plane) -> &[S::f32s] {
-        vectors::<S>(plane.inside(self.y, self.width - 2))
+        self.vectors(plane.inside(self.y, self.width - 2))
+    }
+
+    #[inline(always)]
+    fn vectors(self, values: &[f32]) -> &[S::f32s] {
+        &S::as_simd_f32s(values).0[..self.count]
     }
 
     #[inline(always)]
     fn step(self, stepper: &Stepper, state: &State, next: &mut State, known: &mut [f32]) {
         let known = S::as_mut_simd_f32s(known).0;
-        let count = known.len() / (stepper.levels.len() + 1);
+        let count = self.count;
         for (number, level) in stepper.levels.iter().enumerate().rev() {
             let (known, lower) = known[number * count..].split_at_mut(count);
             let flow = Flow::new(self, &state.theta[number + 1], &level.sides);
@@ -278,19 +289,19 @@ impl<S: Simd> Row<S> {
         lower: &[S::f32s],
     ) {
         let simd = self.simd;
-        let count = known.len();
-        let flow = flow.first(count);
+        let count = self.count;
+        let known = &mut known[..count];
         for x in 0..count {
             known[x] = simd.add_f32s(flow.centre[x], flow.sum(x));
         }
         if let Some(source) = &level.source {
-            let source = &self.of_plane(source)[..count];
+            let source = self.of_plane(source);
             for x in 0..count {
                 known[x] = simd.add_f32s(known[x], source[x]);
             }
         }
         if let Some(passed_up) = &level.passed_up {
-            let (passed_up, lower) = (&self.of_plane(passed_up)[..count], &lower[..count]);
+            let (passed_up, lower) = (self.of_plane(passed_up), &lower[..count]);
             for x in 0..count {
                 known[x] = simd.mul_add_f32s(passed_up[x], lower[x], known[x]);
             }
@@ -300,10 +311,10 @@ impl<S: Simd> Row<S> {
     /// Temperatures of a level from those of the level above, `up`.
     #[inline(always)]
     fn back(self, out: &mut [S::f32s], level: &LevelStepper, known: &[S::f32s], up: &[S::f32s]) {
-        let (simd, count) = (self.simd, out.len());
-        let above = &self.of_plane(&level.above)[..count];
-        let inverse = &self.of_plane(&level.pivot)[..count];
-        let (known, up) = (&known[..count], &up[..count]);
+        let (simd, count) = (self.simd, self.count);
+        let above = self.of_plane(&level.above);
+        let inverse = self.of_plane(&level.pivot);
+        let (out, known, up) = (&mut out[..count], &known[..count], &up[..count]);
         for x in 0..count {
             let sum = simd.mul_add_f32s(above[x], up[x], known[x]);
             out[x] = simd.mul_f32s(sum, inverse[x]);
@@ -317,8 +328,8 @@ impl<S: Simd> Row<S> {
         let one = simd.splat_f32s(1.0);
         let (out, rest) = next.theta.split_at_mut(1);
         let out = self.of_mut(&mut out[0]);
-        let count = out.len();
-        let first = FirstRow::new(self, stepper, state).first(count);
+        let count = self.count;
+        let first = FirstRow::new(self, stepper, state);
         let Some(second) = stepper.levels.first() else {
             for x in 0..count {
                 let sum = simd.add_f32s(first.flow.centre[x], first.exchange(x));
@@ -326,12 +337,12 @@ impl<S: Simd> Row<S> {
             }
             return;
         };
-        let second_out = &mut self.of_mut(&mut rest[0])[..count];
-        let theta = &self.of(&state.theta[1], 0, 0)[..count];
-        let above = &self.of_plane(&second.above)[..count];
-        let pivot = &self.of_plane(&second.pivot)[..count];
-        let below = &self.of_plane(&stepper.first.below)[..count];
-        let covered = &self.of_plane(&stepper.first.covered)[..count];
+        let second_out = self.of_mut(&mut rest[0]);
+        let theta = self.of(&state.theta[1], 0, 0);
+        let above = self.of_plane(&second.above);
+        let pivot = self.of_plane(&second.pivot);
+        let below = self.of_plane(&stepper.first.below);
+        let covered = self.of_plane(&stepper.first.covered);
         let known = &known[..count];
         for x in 0..count {
             let share = first.share[x];
@@ -353,11 +364,6 @@ impl<S: Simd> Row<S> {
             second_out[x] = simd.mul_f32s(simd.mul_add_f32s(up, new, known[x]), inverse);
         }
     }
-}
-
-#[inline(always)]
-fn vectors<S: Simd>(values: &[f32]) -> &[S::f32s] {
-    S::as_simd_f32s(values).0
 }
 
 /// A row of blocks of the printed layer, without the border.
@@ -392,25 +398,6 @@ impl<'a, S: Simd> FirstRow<'a, S> {
             plate: row.of_plane(&first.plate),
             surface: row.of_plane(&first.surface),
             loss: stepper.loss.map(|coefficient| row.simd.splat_f32s(coefficient)),
-        }
-    }
-
-    /// The first `count` vectors.
-    ///
-    /// Slices of one length let the compiler drop the bounds checks of loops up to it.
-    #[inline(always)]
-    fn first(self, count: usize) -> Self {
-        Self {
-            flow: self.flow.first(count),
-            share: &self.share[..count],
-            east_share: &self.east_share[..count],
-            west_share: &self.west_share[..count],
-            south_share: &self.south_share[..count],
-            north_share: &self.north_share[..count],
-            source: &self.source[..count],
-            plate: &self.plate[..count],
-            surface: &self.surface[..count],
-            ..self
         }
     }
 
@@ -474,23 +461,6 @@ impl<'a, S: Simd> Flow<'a, S> {
             left,
             down,
             up,
-        }
-    }
-
-    /// The first `count` vectors, as those of [`FirstRow`].
-    #[inline(always)]
-    fn first(&self, count: usize) -> Self {
-        Self {
-            simd: self.simd,
-            centre: &self.centre[..count],
-            east: &self.east[..count],
-            west: &self.west[..count],
-            south: &self.south[..count],
-            north: &self.north[..count],
-            right: &self.right[..count],
-            left: &self.left[..count],
-            down: &self.down[..count],
-            up: &self.up[..count],
         }
     }
 
