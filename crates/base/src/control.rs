@@ -43,6 +43,13 @@ impl<'a> Control<'a> {
         Self { progress: None, ..self }
     }
 
+    /// Returns this control without its cancel token and its time limit.
+    ///
+    /// For what an interrupted call must still do to return a whole result.
+    pub fn uninterrupted(self) -> Self {
+        Self { cancel: None, time_is_up: None, ..self }
+    }
+
     /// Returns this control with [`Threads::One`], for calls that already run in parallel.
     pub fn on_one_thread(self) -> Self {
         Self { threads: Threads::One, ..self }

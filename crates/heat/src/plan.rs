@@ -109,13 +109,10 @@ pub(crate) struct Draft {
 }
 
 /// Printing time of the given layers, s.
-pub(crate) fn drafts_seconds<'a, M: ThermalModel>(
-    model: &M,
-    drafts: impl Iterator<Item = &'a [Cell]>,
-) -> f64 {
+pub(crate) fn drafts_seconds<M: ThermalModel>(model: &M, drafts: &[Draft]) -> f64 {
     let mut from = model.last_cell();
     let mut seconds = 0.0;
-    for (layer, cells) in (0..).zip(drafts) {
+    for (layer, Draft { cells, .. }) in (0..).zip(drafts) {
         seconds += crate::model::order_seconds(model.part(), model.process(), layer, from, cells);
         from = cells.last().copied().or(from);
     }

@@ -24,13 +24,13 @@
 mod floor;
 mod lone_line;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use beadwork_base::Control;
 use beadwork_grid::Region;
 use beadwork_part::slice::Voxels;
-use beadwork_part::{Axis, Order};
+use beadwork_part::{Axis, Corner, LineOrder, Order, Sequence};
 use beadwork_thermal::simulation::{DepositError, Method, SetupError};
 use beadwork_thermal::{ProcessParameters, Simulation, ThermalMaterial};
 use thiserror::Error;
@@ -53,7 +53,7 @@ pub struct HeatBound {
     pub conventional_std_c: Vec<f64>,
 }
 
-/// Why there is no bound.
+/// Error of [`heat_bound`].
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum BoundError {
@@ -102,6 +102,8 @@ struct LayerEnd {
     /// plate is below the first layer.
     floor_c: f64,
     std_c: f64,
+    /// Mean lengths of its lines along x and y, in cells, at least 1.
+    lines: [u32; 2],
 }
 
 /// Estimates how even the layers of a part can be at their ends, if travel takes no time.
@@ -133,29 +135,24 @@ pub fn heat_bound(
     let longest = ends.iter().flatten().map(|end| end.own.0).fold(0.0, f64::max) * cell_s;
 
     // Layers of the same length of lines share a simulation.
-    let lengths = |layer: usize| {
-        let [x, y] = [Axis::X, Axis::Y].map(|axis| mean_line(part, layer, axis));
-        [1, x, y]
-    };
     let pedestal = |layer: usize| (layer as u32).min(MAX_PEDESTAL);
-    let mut lines: BTreeMap<(u32, u32), Option<LoneLine>> = BTreeMap::new();
-    for layer in (0..part.depth).filter(|&layer| ends[layer].is_some()) {
-        lines.extend(lengths(layer).map(|length| ((pedestal(layer), length), None)));
-    }
-    let simulated = own.threads.map(&lines.keys().copied().collect::<Vec<_>>(), |&key| {
-        let (layers, length) = key;
+    let filled = ends.iter().enumerate().filter_map(|(layer, end)| Some((layer, end.as_ref()?)));
+    let kinds = filled.flat_map(|(layer, end)| {
+        let [x, y] = end.lines;
+        [1, x, y].map(|length| (pedestal(layer), length))
+    });
+    let kinds: Vec<(u32, u32)> = kinds.collect::<BTreeSet<_>>().into_iter().collect();
+    let simulated = own.threads.map(&kinds, |&(layers, length)| {
         let sizes = (part.frame.cell_mm, part.frame.layer_mm, longest);
         let pedestal = Pedestal { layers, celsius };
         let own = own.on_one_thread();
         LoneLine::simulate(length, pedestal, sizes, (material, &process), method, &own)
     });
-    for (line, simulated) in lines.values_mut().zip(simulated) {
-        *line = Some(simulated?);
-    }
+    let simulated = simulated.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let lines: BTreeMap<(u32, u32), LoneLine> = kinds.into_iter().zip(simulated).collect();
 
-    let bound_of = |layer: usize, length: u32| {
-        let Some(end) = &ends[layer] else { return 0.0 };
-        let line = lines[&(pedestal(layer), length)].as_ref().expect("all are simulated");
+    let bound_of = |layer: usize, end: &LayerEnd, length: u32| {
+        let line = &lines[&(pedestal(layer), length)];
         let scale = process.extrusion_c - end.floor_c;
         let count = end.own.0 as usize;
         let mut floors = Vec::with_capacity(count + length as usize);
@@ -170,9 +167,12 @@ pub fn heat_bound(
         let total = ends[..=layer].iter().flatten().map(|end| end.own.0).sum::<f64>();
         ((within + between + end.squares_below) / total).sqrt()
     };
-    let bounds = own.threads.map_numbers(part.depth, |layer| {
-        let [cell, x, y] = lengths(layer).map(|length| bound_of(layer, length));
-        (cell, x.min(y))
+    let bounds = own.threads.map_numbers(part.depth, |layer| match &ends[layer] {
+        None => (0.0, 0.0),
+        Some(end) => {
+            let [x, y] = end.lines.map(|length| bound_of(layer, end, length));
+            (bound_of(layer, end, 1), x.min(y))
+        }
     });
     let conventional = ends.iter().map(|end| end.as_ref().map_or(0.0, |end| end.std_c));
     Ok(HeatBound {
@@ -212,23 +212,15 @@ fn conventional_end(
         squares_below: (0..layer).map(squares).sum(),
         floor_c,
         std_c: all.std_c,
+        lines: [Axis::X, Axis::Y].map(|axis| mean_line(region, axis)),
     })
 }
 
 /// Mean length of the lines of a layer along an axis, in cells, at least 1.
-fn mean_line(part: &Voxels, layer: usize, axis: Axis) -> u32 {
-    let width = part.frame.width;
-    let has = |x: u32, y: u32| part.material(x, y, layer).is_some();
-    let (mut cells, mut lines) = (0, 0);
-    for cell in part.cells(layer) {
-        let (x, y) = (cell % width, cell / width);
-        cells += 1;
-        lines += u32::from(match axis {
-            Axis::X => x == 0 || !has(x - 1, y),
-            Axis::Y => y == 0 || !has(x, y - 1),
-        });
-    }
-    ((cells + lines / 2) / lines.max(1)).max(1)
+fn mean_line(region: &Region, axis: Axis) -> u32 {
+    let order = LineOrder { sequence: Sequence::Sequential, axis, corner: Corner::MinXMinY };
+    let (cells, lines) = (region.cell_count(), order.lines(region).len() as u32);
+    (cells + lines / 2) / lines
 }
 
 #[cfg(test)]

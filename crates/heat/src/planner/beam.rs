@@ -77,9 +77,7 @@ pub(super) fn solve<M: ThermalModel>(
         control.report(candidates.len(), regions.len());
     }
     let drafts = beam.iter().map(|sequence| drafts(&candidates, &taken(sequence.path.as_ref())));
-    let is_fast = |drafts: &Vec<Draft>| {
-        drafts_seconds(model, drafts.iter().map(|draft| &draft.cells[..])) <= settings.max_seconds
-    };
+    let is_fast = |drafts: &Vec<Draft>| drafts_seconds(model, drafts) <= settings.max_seconds;
     // Sequences are sorted, and differ in their last layers only.
     let beam = drafts.filter(is_fast).take(1).map(|drafts| finish(model, drafts, &own)).next();
     let plan = match beam {

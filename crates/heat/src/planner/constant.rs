@@ -26,7 +26,7 @@ pub(super) fn solve<M: ThermalModel>(
     for &order in [Order::CONVENTIONAL].iter().chain(&settings.orders) {
         let drafts = same_order_drafts(order, &regions);
         let cells: Vec<_> = drafts.iter().map(|draft| draft.cells.clone()).collect();
-        let seconds = drafts_seconds(model, cells.iter().map(Vec::as_slice));
+        let seconds = drafts_seconds(model, &drafts);
         if seconds <= settings.max_seconds && seen.insert(cells) {
             plans.push(drafts);
         }

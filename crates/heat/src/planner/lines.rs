@@ -21,14 +21,12 @@ pub(super) fn solve<M: ThermalModel>(
     let own = control.without_progress();
     let steps = regions.len() * (2 + usize::from(settings.annealing.is_some()));
     let report = |done: usize| control.report(done, steps);
-    let limits = (settings.screened, settings.max_seconds);
-    let shortlist = match shortlist(model, &regions, &settings.orders, limits, report, &own)? {
+    let (count, limit) = (settings.screened, settings.max_seconds);
+    let orders = &settings.orders;
+    let shortlist = match shortlist(model, &regions, orders, (count, limit), report, &own)? {
         Ok(shortlist) => shortlist,
-        Err(reason) => {
-            return complete_interrupted(model, &[], &regions, settings.max_seconds, reason);
-        }
+        Err(reason) => return complete_interrupted(model, &[], &regions, limit, reason),
     };
-    let limit = settings.max_seconds;
     let options = |state: &M, layer: u32, region: &_| {
         let orders = &shortlist.orders[layer as usize];
         Ok(Options::new(state, layer, region, orders, &own))

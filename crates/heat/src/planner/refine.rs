@@ -56,7 +56,7 @@ impl<M: ThermalModel> Refinement<'_, M> {
         control: &Control<'_>,
     ) -> Result<HeatPlan, PlanError> {
         let above = self.above(drafts);
-        let uninterrupted = Control { cancel: None, time_is_up: None, ..*control };
+        let uninterrupted = control.uninterrupted();
         let mut state = self.model.clone();
         let mut layers = Vec::with_capacity(drafts.len());
         let (mut spent, mut deposited_layers, mut stop) = (0.0, 0, Stop::Done);

@@ -138,10 +138,8 @@ fn choose<M: ThermalModel>(model: &M, layers: &[Option<Options>], limit: f64) ->
     let tables: Vec<Vec<Choice>> =
         layers.iter().flatten().map(|options| options.choices.clone()).collect();
     let within = |allowed: f64| {
-        allot(&tables, allowed).filter(|allotment| {
-            let drafts = drafts(layers, &allotment.taken);
-            drafts_seconds(model, drafts.iter().map(|draft| &draft.cells[..])) <= limit
-        })
+        allot(&tables, allowed)
+            .filter(|allotment| drafts_seconds(model, &drafts(layers, &allotment.taken)) <= limit)
     };
     if let Some(allotment) = within(limit) {
         return Some(allotment);
@@ -206,7 +204,7 @@ pub(super) fn complete_interrupted<M: ThermalModel>(
     let taken = choose(model, layers, f64::INFINITY).map_or_else(Vec::new, |found| found.taken);
     let mut all = drafts(layers, &taken);
     all.extend(conventional(&regions[layers.len()..]));
-    if drafts_seconds(model, all.iter().map(|draft| &draft.cells[..])) > limit {
+    if drafts_seconds(model, &all) > limit {
         all = conventional(regions);
     }
     let plan = follow(model, all, &Control::default())?;
@@ -219,8 +217,7 @@ pub(super) fn finish<M: ThermalModel>(
     drafts: Vec<Draft>,
     control: &Control<'_>,
 ) -> Result<HeatPlan, PlanError> {
-    let uninterrupted = Control { cancel: None, time_is_up: None, ..*control };
-    let plan = follow(model, drafts, &uninterrupted)?;
+    let plan = follow(model, drafts, &control.uninterrupted())?;
     Ok(HeatPlan { stop: control.interrupted().map_or(Stop::Done, Stop::from), ..plan })
 }
 

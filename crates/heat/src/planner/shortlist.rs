@@ -52,9 +52,7 @@ pub(super) fn shortlist<M: ThermalModel>(
     report: impl Fn(usize),
     control: &Control<'_>,
 ) -> Result<Result<Shortlist, Interrupted>, PlanError> {
-    let drafts = conventional(regions);
-    let seconds = drafts_seconds(model, drafts.iter().map(|draft| &draft.cells[..]));
-    let ratio = limit / seconds;
+    let ratio = limit / drafts_seconds(model, &conventional(regions));
     let mut state = model.clone();
     let mut layers: Vec<Option<Estimates>> = Vec::with_capacity(regions.len());
     for (layer, region) in (0..).zip(regions) {
@@ -72,8 +70,7 @@ pub(super) fn shortlist<M: ThermalModel>(
         let costs = control.threads.map(candidates, |candidate| screen.cost(&candidate.cells));
         options.choices.iter_mut().zip(costs).for_each(|(choice, cost)| choice.cost = cost);
         let next = cheapest_within(&options.choices, ratio * options.choices[0].seconds);
-        let uninterrupted = Control { cancel: None, time_is_up: None, ..*control };
-        state.deposit(layer, &options.candidates[next].cells, &uninterrupted)?;
+        state.deposit(layer, &options.candidates[next].cells, &control.uninterrupted())?;
         let orders = options.candidates.iter().filter_map(|candidate| candidate.order).collect();
         layers.push(Some(Estimates { orders, choices: options.choices }));
     }
@@ -96,7 +93,7 @@ fn cheapest_within(choices: &[Choice], limit: f64) -> usize {
 }
 
 /// Indices of the first option and up to `count` others: the cheapest at each of [`PRICES`] in
-/// turn, or the fastest if there is no price.
+/// turn, or the fastest without a price.
 fn picks(choices: &[Choice], count: usize, price: Option<f64>) -> Vec<usize> {
     let rankings = PRICES.map(|factor| {
         let score = |index: usize| {

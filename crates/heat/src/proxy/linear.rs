@@ -43,8 +43,7 @@ struct Effect {
 }
 
 /// Steps of one length.
-struct Model<'a> {
-    blocks: &'a Blocks,
+struct Model {
     stepper: Stepper,
     /// What a step makes of temperatures of 0.
     constant: Vec<Vec<f32>>,
@@ -73,11 +72,10 @@ impl LinearLayer {
         let plate = coefficients.plate_k.unwrap_or(0.0) as f32;
         start.theta[0] = start.theta.get(1).cloned().unwrap_or_else(|| vec![plate; blocks.len()]);
         start.deposited.fill(1.0);
-        let level_k = extent.levels.iter().zip(&blocks.levels).zip(&start.theta);
-        let level_k =
-            level_k.map(|((_, level), theta)| weighted_mean(&level.voxels, theta)).collect();
-        let coefficients =
-            coefficients.linear(weighted_mean(&blocks.levels[0].voxels, &start.theta[0]));
+        let levels = blocks.levels.iter().zip(&start.theta);
+        let level_k: Vec<f64> =
+            levels.map(|(level, theta)| weighted_mean(&level.voxels, theta)).collect();
+        let coefficients = coefficients.linear(level_k[0]);
         let cell_s = part.frame.cell_mm / process.print_mm_s;
         Self { coefficients, level_k, blocks, start, width: part.frame.width, cell_s }
     }
@@ -102,7 +100,7 @@ impl LinearLayer {
             // Temperatures after each number of steps without any line.
             let mut states = vec![state.clone()];
             for steps in 0..longest {
-                states.push(model.after_step(&states[steps]));
+                states.push(stepped(&model.stepper, &states[steps]));
             }
             let centred: Vec<Vec<f32>> =
                 states.iter().map(|state| centred(voxels, &state.theta[0])).collect();
@@ -129,7 +127,7 @@ impl LinearLayer {
     }
 
     /// Steps that are about as long as a line takes, but stable; `None` without cells.
-    fn model(&self, lines: &[&[Cell]]) -> Option<Model<'_>> {
+    fn model(&self, lines: &[&[Cell]]) -> Option<Model> {
         let cells: usize = lines.iter().map(|line| line.len()).sum();
         if cells == 0 {
             return None;
@@ -138,26 +136,31 @@ impl LinearLayer {
         let longest_s = RATIO * side * side / self.coefficients.lateral;
         let step_s = longest_s.min(self.cell_s * cells as f64 / lines.len() as f64);
         let stepper = Stepper::new(&self.blocks, &self.coefficients, &self.level_k, step_s);
-        let mean = weighted_mean(&self.blocks.levels[0].voxels, &self.start.theta[0]);
         let Coefficients { birth_k, hold, .. } = self.coefficients;
-        let rise_k = ((1.0 + hold) * (birth_k - mean)) as f32;
-        let mut zero = self.start.clone();
-        zero.theta.iter_mut().for_each(|theta| theta.fill(0.0));
-        let mut next = zero.clone();
-        stepper.step(&mut zero, &mut next, &mut Vec::new());
-        Some(Model { blocks: &self.blocks, stepper, constant: zero.theta, rise_k })
+        let rise_k = ((1.0 + hold) * (birth_k - self.level_k[0])) as f32;
+        let constant = stepped(&stepper, &self.zero()).theta;
+        Some(Model { stepper, constant, rise_k })
     }
 
-    /// What a line does to all levels by its end; half of its time after its deposition.
-    fn whole_effect(&self, model: &Model<'_>, line: &[Cell], steps: usize) -> State {
-        let mut state = self.start.clone();
-        state.theta.iter_mut().for_each(|theta| theta.fill(0.0));
+    /// Temperatures of 0 everywhere.
+    fn zero(&self) -> State {
+        let mut zero = self.start.clone();
+        zero.theta.iter_mut().for_each(|theta| theta.fill(0.0));
+        zero
+    }
+
+    /// What a line does to all levels by its end, half of its time after its deposition.
+    ///
+    /// It is computed again for the line that is chosen, since all levels of all lines would take
+    /// too much memory.
+    fn whole_effect(&self, model: &Model, line: &[Cell], steps: usize) -> State {
+        let mut state = self.zero();
         for &cell in line {
             let block = self.blocks.block([cell % self.width, cell / self.width]);
-            state.theta[0][block] += model.rise_k / model.blocks.levels[0].voxels[block];
+            state.theta[0][block] += model.rise_k / self.blocks.levels[0].voxels[block];
         }
         for _ in 0..steps.div_ceil(2) {
-            state = model.after_step(&state);
+            state = stepped(&model.stepper, &state);
             for (theta, constant) in state.theta.iter_mut().zip(&model.constant) {
                 theta.iter_mut().zip(constant).for_each(|(theta, constant)| *theta -= constant);
             }
@@ -165,7 +168,7 @@ impl LinearLayer {
         state
     }
 
-    fn effect(&self, model: &Model<'_>, line: &[Cell]) -> Effect {
+    fn effect(&self, model: &Model, line: &[Cell]) -> Effect {
         let seconds = self.cell_s * line.len() as f64;
         let steps = (seconds / model.stepper.step_s).round().max(1.0) as usize;
         let whole = self.whole_effect(model, line, steps);
@@ -176,13 +179,11 @@ impl LinearLayer {
     }
 }
 
-impl Model<'_> {
-    fn after_step(&self, state: &State) -> State {
-        let mut next = state.clone();
-        let mut state = state.clone();
-        self.stepper.step(&mut state, &mut next, &mut Vec::new());
-        state
-    }
+/// The state after a step.
+fn stepped(stepper: &Stepper, state: &State) -> State {
+    let (mut state, mut next) = (state.clone(), state.clone());
+    stepper.step(&mut state, &mut next, &mut Vec::new());
+    state
 }
 
 fn weighted_mean(voxels: &[f32], theta: &[f32]) -> f64 {
@@ -244,7 +245,7 @@ mod tests {
                         state.theta[0][block] += model.rise_k / voxels[block];
                     }
                 }
-                state = model.after_step(&state);
+                state = stepped(&model.stepper, &state);
             }
             state
         };
