@@ -204,7 +204,7 @@ mod tests {
             let ends = Ends::Nearest { from };
             let expected = lines.flatten(&lines.permutation(sequence, ends), ends);
 
-            // Without moves, there is no width.
+            // Beads without moves have no width.
             let beads = cell_beads(&lines, width);
             if beads.iter().all(|bead| bead.moves.is_empty()) {
                 continue;

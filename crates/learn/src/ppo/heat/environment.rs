@@ -225,7 +225,7 @@ impl Environment for HeatEnvironment {
     }
 
     /// # Panics
-    /// If there is no such action, if its order does not hold all cells of the layer, or if all
+    /// If the action is out of range, if its order lacks a cell of the layer, or if all
     /// layers are printed.
     fn step(&mut self, action: usize) -> Step {
         let task = self.task.clone();
