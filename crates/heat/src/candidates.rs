@@ -3,10 +3,9 @@
 use std::collections::HashSet;
 
 use beadwork_base::named_enum;
-use beadwork_grid::Region;
 use beadwork_part::{LineOrder, Order, Pattern, Sequence, Stride};
 
-use crate::plan::Draft;
+use crate::fill::{Draft, Fill};
 
 /// Strides of the interleaved and scattered orders of lines.
 const STRIDES: std::ops::RangeInclusive<u32> = 2..=15;
@@ -49,12 +48,17 @@ impl OrderSet {
     }
 }
 
-/// The distinct orders of a layer's cells, each under the first name that it has; the conventional
-/// one comes first.
-pub(crate) fn candidates(orders: &[Order], region: &Region) -> Vec<Draft> {
+/// The distinct orders of a layer, each under the first name that it has; the conventional one
+/// comes first.
+pub(crate) fn candidates<F: Fill>(
+    fill: &F,
+    layer: u32,
+    orders: &[Order],
+) -> Vec<Draft<F::Path, F::Name>> {
     let mut seen = HashSet::new();
-    let all = [Order::CONVENTIONAL].into_iter().chain(orders.iter().copied());
-    all.map(|order| Draft { cells: order.order(region), order: Some(order) })
-        .filter(|candidate| seen.insert(candidate.cells.clone()))
+    let named = orders.iter().filter_map(|&order| fill.named(layer, order));
+    std::iter::once(fill.conventional(layer))
+        .chain(named)
+        .filter(|candidate| seen.insert(candidate.path.clone()))
         .collect()
 }

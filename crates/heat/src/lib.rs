@@ -59,10 +59,12 @@
 mod allotment;
 pub mod bound;
 pub mod candidates;
+pub mod fill;
 pub mod model;
 pub mod plan;
 pub mod planner;
 pub mod proxy;
+mod solver;
 pub mod trials;
 
 #[cfg(test)]

@@ -1,20 +1,22 @@
 //! Plans: one order per layer.
 
 use beadwork_base::Control;
-use beadwork_grid::{Cell, Region, RegionError};
+use beadwork_grid::Cell;
 use beadwork_part::Order;
-use beadwork_part::slice::Voxels;
 use beadwork_search::Stop;
 use beadwork_thermal::simulation::DepositError;
 use thiserror::Error;
 
-use crate::model::ThermalModel;
+use crate::fill::{Draft, Fill};
+use crate::model::{ModelDraft, NameOf, PathOf, ThermalModel};
 
 /// One order per layer, and what the model says about them.
+///
+/// By default, it is a plan of cells; `P` and `N` are [`Fill::Path`] and [`Fill::Name`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct HeatPlan {
+pub struct HeatPlan<P = Vec<Cell>, N = Order> {
     /// The layers of the part, from the bottom.
-    pub layers: Vec<PlannedLayer>,
+    pub layers: Vec<PlannedLayer<P, N>>,
     /// Why the search ended.
     pub stop: Stop,
     /// Number of layers that the model deposited on the way.
@@ -23,11 +25,12 @@ pub struct HeatPlan {
 
 /// The order of one layer.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlannedLayer {
-    /// Cells in the order in which they are deposited; none if the layer is empty.
-    pub cells: Vec<Cell>,
+pub struct PlannedLayer<P = Vec<Cell>, N = Order> {
+    /// All of the layer, such as its cells, in the order in which it is deposited; nothing if the
+    /// layer is empty.
+    pub path: P,
     /// Name of the order; `None` if a search made it, or the layer is empty.
-    pub order: Option<Order>,
+    pub order: Option<N>,
     /// Time to print the layer, s, with travel.
     pub seconds: f64,
     /// Cost of the layer.
@@ -41,14 +44,6 @@ pub enum PlanError {
     /// An order cannot be deposited.
     #[error(transparent)]
     Deposit(#[from] DepositError),
-    /// The region of a layer is invalid.
-    #[error("layer {layer}: {source}")]
-    Region {
-        /// The layer.
-        layer: usize,
-        /// The error.
-        source: RegionError,
-    },
     /// The planner needs a fast estimate of costs, which the model does not have.
     #[error("planner lines estimates the reward only: plan for reward or no_travel, or use greedy")]
     NoScreen,
@@ -68,12 +63,17 @@ pub enum PlanError {
     },
 }
 
-impl PlannedLayer {
-    /// A layer without cells.
-    pub(crate) const EMPTY: Self = Self { cells: Vec::new(), order: None, seconds: 0.0, cost: 0.0 };
+/// The plan of a model's fill.
+pub type PlanOf<M> = HeatPlan<PathOf<M>, NameOf<M>>;
+
+impl<P: Default, N> PlannedLayer<P, N> {
+    /// A layer without voxels.
+    pub fn empty() -> Self {
+        Self { path: P::default(), order: None, seconds: 0.0, cost: 0.0 }
+    }
 }
 
-impl HeatPlan {
+impl<P: Clone, N> HeatPlan<P, N> {
     /// The sum of the costs of the layers.
     pub fn cost(&self) -> f64 {
         self.layers.iter().map(|layer| layer.cost).fold(0.0, |sum, cost| sum + cost)
@@ -84,37 +84,30 @@ impl HeatPlan {
         self.layers.iter().map(|layer| layer.seconds).fold(0.0, |sum, seconds| sum + seconds)
     }
 
-    /// The cells of each layer in order.
-    pub fn orders(&self) -> Vec<Vec<Cell>> {
-        self.layers.iter().map(|layer| layer.cells.clone()).collect()
+    /// The path of each layer.
+    pub fn paths(&self) -> Vec<P> {
+        self.layers.iter().map(|layer| layer.path.clone()).collect()
     }
 }
 
-/// The region of each layer; `None` for layers without cells.
-pub(crate) fn regions(part: &Voxels) -> Result<Vec<Option<Region>>, PlanError> {
-    let region = |layer: usize| {
-        if part.cells(layer).next().is_none() {
-            return Ok(None);
-        }
-        part.region(layer).map(Some).map_err(|source| PlanError::Region { layer, source })
-    };
-    (0..part.depth).map(region).collect()
+/// The numbers of the layers, each with whether it has voxels.
+pub(crate) fn layers<F: Fill>(fill: &F) -> impl ExactSizeIterator<Item = (u32, bool)> {
+    (0..fill.layer_count() as u32).map(|layer| (layer, fill.voxel_count(layer) > 0))
 }
 
-/// A layer before it is deposited.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Draft {
-    pub(crate) cells: Vec<Cell>,
-    pub(crate) order: Option<Order>,
+/// Number of layers that have voxels.
+pub(crate) fn printed_layers<F: Fill>(fill: &F) -> usize {
+    layers(fill).filter(|&(_, is_printed)| is_printed).count()
 }
 
 /// Printing time of the given layers, s.
-pub(crate) fn drafts_seconds<M: ThermalModel>(model: &M, drafts: &[Draft]) -> f64 {
-    let mut from = model.last_cell();
+pub(crate) fn drafts_seconds<M: ThermalModel>(model: &M, drafts: &[ModelDraft<M>]) -> f64 {
+    let fill = model.fill();
+    let mut from = model.position();
     let mut seconds = 0.0;
-    for (layer, Draft { cells, .. }) in (0..).zip(drafts) {
-        seconds += crate::model::order_seconds(model.part(), model.process(), layer, from, cells);
-        from = cells.last().copied().or(from);
+    for (layer, Draft { path, .. }) in (0..).zip(drafts) {
+        seconds += fill.seconds(layer, from, path);
+        from = fill.ends(layer, path).map(|[_, end]| end).or(from);
     }
     seconds
 }
@@ -122,38 +115,61 @@ pub(crate) fn drafts_seconds<M: ThermalModel>(model: &M, drafts: &[Draft]) -> f6
 /// Deposits the given layers.
 pub(crate) fn follow<M: ThermalModel>(
     model: &M,
-    drafts: Vec<Draft>,
+    drafts: Vec<ModelDraft<M>>,
     control: &Control<'_>,
-) -> Result<HeatPlan, PlanError> {
+) -> Result<PlanOf<M>, PlanError> {
     let mut model = model.clone();
     let mut layers = Vec::with_capacity(drafts.len());
     let own = control.without_progress();
     let total = drafts.len();
-    for (layer, Draft { cells, order }) in (0..).zip(drafts) {
-        let seconds = model.order_seconds(layer, &cells);
-        let cost = if cells.is_empty() { 0.0 } else { model.deposit(layer, &cells, &own)? };
-        layers.push(PlannedLayer { cells, order, seconds, cost });
+    for (layer, Draft { path, name }) in (0..).zip(drafts) {
+        let (mut seconds, mut cost) = (0.0, 0.0);
+        if model.fill().voxel_count(layer) > 0 {
+            seconds = model.path_seconds(layer, &path);
+            cost = model.deposit(layer, &path, &own)?;
+        }
+        layers.push(PlannedLayer { path, order: name, seconds, cost });
         control.report(layers.len(), total);
     }
     Ok(HeatPlan { layers, stop: Stop::Done, deposited_layers: total })
 }
 
-/// The plan that prints every layer in the same named order.
+/// The plan that prints every layer in the same named order; the conventional one where the layer
+/// does not have it.
 ///
 /// Progress counts layers.
 pub fn same_order<M: ThermalModel>(
     model: &M,
     order: Order,
     control: &Control<'_>,
-) -> Result<HeatPlan, PlanError> {
-    follow(model, same_order_drafts(order, &regions(model.part())?), control)
+) -> Result<PlanOf<M>, PlanError> {
+    follow(model, same_order_drafts(model.fill(), order), control)
 }
 
-/// The same named order in every layer that has cells.
-pub(crate) fn same_order_drafts(order: Order, regions: &[Option<Region>]) -> Vec<Draft> {
-    let draft = |region: &Option<Region>| match region {
-        Some(region) => Draft { cells: order.order(region), order: Some(order) },
-        None => Draft::default(),
-    };
-    regions.iter().map(draft).collect()
+/// The same named order in every layer that has voxels; the conventional one where the layer does
+/// not have it.
+pub(crate) fn same_order_drafts<F: Fill>(fill: &F, order: Order) -> Vec<Draft<F::Path, F::Name>> {
+    drafts_of(fill, |layer| fill.named(layer, order).unwrap_or_else(|| fill.conventional(layer)))
+}
+
+/// The conventional order of every layer.
+pub fn conventional<M: ThermalModel>(
+    model: &M,
+    control: &Control<'_>,
+) -> Result<PlanOf<M>, PlanError> {
+    follow(model, conventional_drafts(model.fill()), control)
+}
+
+/// The conventional order of every layer that has voxels.
+pub(crate) fn conventional_drafts<F: Fill>(fill: &F) -> Vec<Draft<F::Path, F::Name>> {
+    drafts_of(fill, |layer| fill.conventional(layer))
+}
+
+fn drafts_of<F: Fill>(
+    fill: &F,
+    draft: impl Fn(u32) -> Draft<F::Path, F::Name>,
+) -> Vec<Draft<F::Path, F::Name>> {
+    layers(fill)
+        .map(|(layer, is_printed)| if is_printed { draft(layer) } else { Draft::default() })
+        .collect()
 }

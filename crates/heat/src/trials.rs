@@ -1,13 +1,14 @@
 //! Many orders of one layer, tried from one state.
 
+use std::borrow::Borrow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use beadwork_base::{Control, Interrupted, Progress};
-use beadwork_grid::Cell;
 use beadwork_thermal::simulation::DepositError;
 
-use crate::model::ThermalModel;
+use crate::fill::Fill;
+use crate::model::{PathOf, ThermalModel};
 
 /// What came of some trials.
 #[derive(Clone, Debug)]
@@ -44,7 +45,7 @@ pub struct Trial<M> {
 ///
 /// Orders are tried in parallel, and the result is the same on any number of threads.
 /// Each thread holds the state of one trial at a time; the best ones so far are kept beside them.
-/// Progress counts the cells of all orders.
+/// Progress counts the voxels of all orders.
 ///
 /// # Interruption
 /// An interrupted call returns the trials that were complete by then, and [`Trials::interrupted`].
@@ -54,30 +55,30 @@ pub struct Trial<M> {
 pub fn try_orders<M: ThermalModel>(
     model: &M,
     layer: u32,
-    orders: &[&[Cell]],
+    orders: &[impl Borrow<PathOf<M>> + Sync],
     keep: usize,
     score: impl Fn(usize, f64) -> f64 + Sync,
     control: &Control<'_>,
 ) -> Result<Trials<M>, DepositError> {
     let best: Mutex<Vec<Trial<M>>> = Mutex::new(Vec::new());
-    let total = orders.iter().map(|order| order.len()).sum();
+    let voxels = model.fill().voxel_count(layer);
+    let total = orders.len() * voxels;
     let done = AtomicUsize::new(0);
     let outcomes = control.threads.map_numbers(orders.len(), |index| {
-        let cells = orders[index].len();
-        // An order's own progress counts travel moves, too.
+        // An order's own progress counts events, travel moves included.
         let counted = AtomicUsize::new(0);
-        let count = |cells: usize| {
-            let new = cells.saturating_sub(counted.fetch_max(cells, Ordering::Relaxed));
+        let count = |voxels: usize| {
+            let new = voxels.saturating_sub(counted.fetch_max(voxels, Ordering::Relaxed));
             if new > 0 {
                 control.report(done.fetch_add(new, Ordering::Relaxed) + new, total);
             }
         };
-        let report = |progress: Progress| count((progress.fraction() * cells as f64) as usize);
+        let report = |progress: Progress| count((progress.fraction() * voxels as f64) as usize);
         let own = Control { progress: Some(&report), ..control.on_one_thread() };
         own.check()?;
         let mut model = model.clone();
-        let cost = model.deposit(layer, orders[index], &own)?;
-        count(cells);
+        let cost = model.deposit(layer, orders[index].borrow(), &own)?;
+        count(voxels);
         let score = score(index, cost);
         if !score.is_nan() {
             let mut best = best.lock().unwrap_or_else(PoisonError::into_inner);
@@ -110,6 +111,7 @@ pub fn try_orders<M: ThermalModel>(
 #[cfg(test)]
 mod tests {
     use beadwork_base::{CancelToken, Threads};
+    use beadwork_grid::Cell;
     use beadwork_part::Pattern;
     use beadwork_thermal::objective::Objective;
 
@@ -123,7 +125,6 @@ mod tests {
         let model = solver(&part, Objective::Reward);
         let region = part.region(0).unwrap();
         let orders = Pattern::ALL.map(|pattern| pattern.order(&region));
-        let orders: Vec<&[Cell]> = orders.iter().map(Vec::as_slice).collect();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
         let alone: Vec<f64> = orders
             .iter()
@@ -147,9 +148,10 @@ mod tests {
             }
         }
         let control = Control::default();
-        let none = try_orders(&model, 0, &[], 1, score, &control).unwrap();
+        let none = try_orders(&model, 0, &[] as &[Vec<Cell>], 1, score, &control).unwrap();
         assert!(none.best.is_empty() && none.costs.is_empty());
-        let wrong: [&[Cell]; 3] = [orders[0], &[0, 0], &[]];
+        let (twice, none) = (vec![0, 0], Vec::new());
+        let wrong = [&orders[0], &twice, &none];
         let error = try_orders(&model, 0, &wrong, 1, score, &control).unwrap_err();
         assert!(!matches!(error, DepositError::Interrupted(_)), "{error}");
     }
@@ -164,15 +166,11 @@ mod tests {
         (model, Pattern::ALL.iter().map(|pattern| pattern.order(&region)).collect())
     }
 
-    fn slices(orders: &[Vec<Cell>]) -> Vec<&[Cell]> {
-        orders.iter().map(Vec::as_slice).collect()
-    }
-
     #[test]
     fn the_best_trial_keeps_its_state() {
         let (model, orders) = layer_and_orders();
         let control = Control::default();
-        let trials = try_orders(&model, 1, &slices(&orders), 38, |_, cost| cost, &control).unwrap();
+        let trials = try_orders(&model, 1, &orders, 38, |_, cost| cost, &control).unwrap();
         for trial in trials.best {
             let mut fork = model.simulation().clone();
             fork.deposit(1, &orders[trial.index], &control).unwrap();
@@ -186,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn progress_counts_the_cells_of_all_orders() {
+    fn progress_counts_the_voxels_of_all_orders() {
         let (model, orders) = layer_and_orders();
         let cells = orders.iter().map(Vec::len).sum::<usize>();
         let last = AtomicUsize::new(0);
@@ -195,14 +193,13 @@ mod tests {
             assert!(last.swap(done, Ordering::Relaxed) <= done);
         };
         let control = Control { progress: Some(&report), ..Control::default() };
-        try_orders(&model, 1, &slices(&orders), 1, |_, cost| cost, &control).unwrap();
+        try_orders(&model, 1, &orders, 1, |_, cost| cost, &control).unwrap();
         assert_eq!(last.into_inner(), cells);
     }
 
     #[test]
     fn interrupted_trials_return_the_best_so_far() {
         let (model, orders) = layer_and_orders();
-        let orders = slices(&orders);
         let cancel = CancelToken::new();
         let control = Control { cancel: Some(&cancel), ..Control::default() };
         let tried = AtomicUsize::new(0);

@@ -53,7 +53,7 @@ fn check(part: &Arc<Voxels>) {
         assert!(plan.seconds() <= settings.max_seconds, "{planner}");
         assert_eq!(plan.layers.len(), part.depth, "{planner}");
         for (layer, planned) in plan.layers.iter().enumerate() {
-            let mut cells = planned.cells.clone();
+            let mut cells = planned.path.clone();
             cells.sort_unstable();
             assert_eq!(cells, part.cells(layer).collect::<Vec<_>>(), "{planner} {layer}");
         }
@@ -64,7 +64,7 @@ fn check(part: &Arc<Voxels>) {
 fn reward(part: &Arc<Voxels>, plan: &HeatPlan) -> f64 {
     let (material, process) = (ThermalMaterial::abs(), ProcessParameters::default());
     let (method, settings) = (Method::default(), objective::Settings::default());
-    let (orders, control) = (plan.orders(), Control::default());
+    let (orders, control) = (plan.paths(), Control::default());
     measure_plan(part, &material, &process, method, &orders, &settings, &control).unwrap().reward()
 }
 

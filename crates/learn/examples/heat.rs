@@ -105,9 +105,9 @@ fn named_plan(
     let mut layers = Vec::new();
     for (layer, &action) in (0..).zip(actions) {
         let cells = names[action].order(&solver.part().region(layer as usize)?);
-        let seconds = solver.order_seconds(layer, &cells);
+        let seconds = solver.path_seconds(layer, &cells);
         let cost = solver.deposit(layer, &cells, &Control::default())?;
-        layers.push(PlannedLayer { cells, order: Some(names[action]), seconds, cost });
+        layers.push(PlannedLayer { path: cells, order: Some(names[action]), seconds, cost });
     }
     Ok(HeatPlan { deposited_layers: layers.len(), layers, stop: Stop::Done })
 }

@@ -84,7 +84,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let unprinted = Solver::new(part.clone(), material, process, task.method, cost.clone())?;
         let measure = |plan: &HeatPlan| -> Result<HeatMeasures, Box<dyn Error>> {
             let (method, settings) = (Method::Fast(Accuracy::High), objective::Settings::default());
-            let orders = plan.orders();
+            let orders = plan.paths();
             Ok(measure_plan(&part, material, process, method, &orders, &settings, &control)?)
         };
         let conventional = same_order(&unprinted, Order::CONVENTIONAL, &control)?;

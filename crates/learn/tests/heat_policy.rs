@@ -91,7 +91,7 @@ fn check(plan: &HeatPlan, part: &Arc<Voxels>) {
     let mut solver = unprinted(part);
     assert_eq!(plan.layers.len(), part.depth);
     for (layer, planned) in plan.layers.iter().enumerate() {
-        let mut cells = planned.cells.clone();
+        let mut cells = planned.path.clone();
         cells.sort_unstable();
         assert!(cells.iter().copied().eq(part.cells(layer)));
         if cells.is_empty() {
@@ -99,10 +99,10 @@ fn check(plan: &HeatPlan, part: &Arc<Voxels>) {
             continue;
         }
         let region = part.region(layer).unwrap();
-        assert_eq!(planned.order.unwrap().order(&region), planned.cells);
-        let seconds = solver.order_seconds(layer as u32, &planned.cells);
+        assert_eq!(planned.order.unwrap().order(&region), planned.path);
+        let seconds = solver.path_seconds(layer as u32, &planned.path);
         assert!((planned.seconds - seconds).abs() < 1e-9 * (1.0 + seconds));
-        let cost = solver.deposit(layer as u32, &planned.cells, &Control::default()).unwrap();
+        let cost = solver.deposit(layer as u32, &planned.path, &Control::default()).unwrap();
         assert!((planned.cost - cost).abs() < 1e-9, "{} {cost}", planned.cost);
     }
 }
@@ -179,7 +179,7 @@ fn candidates_are_described_relative_to_the_baseline() {
     assert!(conventional[..3].iter().all(|&value| value.abs() < 1e-6));
     for (order, numbers) in orders.iter().zip(observation.tensors[3].chunks_exact(5)) {
         let cells = order.order(&part.region(0).unwrap());
-        let seconds = |cells: &[u32]| solver.order_seconds(0, cells);
+        let seconds = |cells: &Vec<u32>| solver.path_seconds(0, cells);
         let baseline = orders[settings.baseline].order(&part.region(0).unwrap());
         let relative = 10.0 * (seconds(&cells) / seconds(&baseline) - 1.0);
         assert!((f64::from(numbers[0]) - relative.clamp(-3.0, 3.0)).abs() < 1e-5);

@@ -212,7 +212,7 @@ fn the_time_limit_holds_at_the_end_of_each_layer() {
             for (layer, orders) in all.iter().enumerate() {
                 // A candidate is masked if it repeats another one, or if it ends too late.
                 let ends_at = |order: &Vec<Cell>| {
-                    environment.seconds() + environment.solver().order_seconds(layer as u32, order)
+                    environment.seconds() + environment.solver().path_seconds(layer as u32, order)
                 };
                 let limit = ratio * ends[layer];
                 let fastest = orders.iter().map(ends_at).fold(f64::INFINITY, f64::min);
@@ -271,7 +271,6 @@ fn training_approaches_the_greedy_choice() {
     let part = small_part();
     let (mut model, mut greedy) = (solver(&part, Objective::Reward), 0.0);
     for (layer, orders) in (0..).zip(orders(&part)) {
-        let orders: Vec<&[Cell]> = orders.iter().map(Vec::as_slice).collect();
         let control = Control::default();
         let trials = try_orders(&model, layer, &orders, 1, |_, cost| cost, &control).unwrap();
         let best = trials.best.into_iter().next().unwrap();

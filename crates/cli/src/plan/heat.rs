@@ -195,7 +195,7 @@ impl HeatPart<'_> {
     /// Measures by a simulation of high accuracy.
     fn measure(&self, plan: &HeatPlan) -> anyhow::Result<HeatMeasures> {
         let settings = objective::Settings { warpage: true, ..objective::Settings::default() };
-        let (method, orders) = (Method::Fast(Accuracy::High), plan.orders());
+        let (method, orders) = (Method::Fast(Accuracy::High), plan.paths());
         let Self { voxels, material, process, pool } = self;
         control::with_bar("measure", Threads::Pool(pool), |control| {
             Ok(measure_plan(voxels, material, process, method, &orders, &settings, control)?)
@@ -205,9 +205,9 @@ impl HeatPart<'_> {
 
 /// The paths of the layers that have cells.
 fn paths(voxels: &Voxels, plan: &HeatPlan) -> anyhow::Result<Vec<Path>> {
-    let printed = plan.layers.iter().enumerate().filter(|(_, layer)| !layer.cells.is_empty());
+    let printed = plan.layers.iter().enumerate().filter(|(_, layer)| !layer.path.is_empty());
     let path = |(z, layer): (usize, &beadwork_heat::plan::PlannedLayer)| {
-        Ok(Path::in_pieces(&voxels.region(z)?, layer.cells.clone())?)
+        Ok(Path::in_pieces(&voxels.region(z)?, layer.path.clone())?)
     };
     printed.map(path).collect()
 }

@@ -78,7 +78,7 @@ impl HeatReport<'_> {
 
     /// Title of the picture of a layer with cells.
     pub(super) fn layer_title(&self, number: usize) -> String {
-        let filled = self.plan.layers.iter().enumerate().filter(|(_, l)| !l.cells.is_empty());
+        let filled = self.plan.layers.iter().enumerate().filter(|(_, l)| !l.path.is_empty());
         let layer = filled.map(|(layer, _)| layer).nth(number).unwrap_or(number);
         format!("layer {}: {}", layer + 1, self.order_name(layer))
     }

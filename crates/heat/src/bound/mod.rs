@@ -37,7 +37,7 @@ use thiserror::Error;
 
 use self::floor::min_squares;
 use self::lone_line::{LoneLine, Pedestal};
-use crate::plan::{PlanError, regions};
+use crate::fill::{Cells, CellsError};
 
 /// Maximum number of layers below a lone line: 2 mm of layers of 0.25 mm.
 const MAX_PEDESTAL: u32 = 8;
@@ -60,15 +60,12 @@ pub enum BoundError {
     /// The print cannot be simulated.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// A layer cannot be printed, or the call was interrupted.
+    /// A layer is not a valid region.
     #[error(transparent)]
-    Plan(#[from] PlanError),
-}
-
-impl From<DepositError> for BoundError {
-    fn from(error: DepositError) -> Self {
-        Self::Plan(error.into())
-    }
+    Cells(#[from] CellsError),
+    /// A layer cannot be deposited, or the call was interrupted.
+    #[error(transparent)]
+    Deposit(#[from] DepositError),
 }
 
 impl HeatBound {
@@ -124,9 +121,11 @@ pub fn heat_bound(
     let own = control.without_progress();
     let mut print = Simulation::new(part.clone(), material, &process, method)?;
     let mut ends = Vec::with_capacity(part.depth);
-    for (layer, region) in regions(part)?.into_iter().enumerate() {
+    let cells = Cells::new(part, &process)?;
+    for layer in 0..part.depth {
         control.report(layer, part.depth);
-        let end = region.map(|region| conventional_end(&mut print, layer, &region, &own));
+        let region = cells.region(layer as u32);
+        let end = region.map(|region| conventional_end(&mut print, layer, region, &own));
         ends.push(end.transpose()?);
     }
     let floors: Vec<f64> = ends.iter().flatten().map(|end| end.floor_c).collect();

@@ -1,10 +1,10 @@
 //! Simulated annealing of the order of a layer's lines.
 
 use beadwork_base::Control;
-use beadwork_grid::Cell;
-use beadwork_part::{Ends, Lines};
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+
+use crate::fill::LineSet;
 
 /// How the order of a layer's lines is annealed.
 ///
@@ -39,36 +39,37 @@ impl Annealing {
 }
 
 /// What is annealed.
-pub(super) struct Problem<'a, C> {
-    pub(super) lines: &'a Lines,
+pub(super) struct Problem<'a, L: LineSet, C> {
+    pub(super) lines: &'a L,
     /// The order to start from.
     pub(super) start: &'a [usize],
     /// Number of lines at its end that may be permuted.
     pub(super) tail: usize,
-    pub(super) ends: Ends,
+    /// Where the nozzle is before the layer.
+    pub(super) from: Option<L::Position>,
     /// Orders to try.
     pub(super) trials: usize,
-    /// Cost of an order of cells.
+    /// Cost of a path.
     pub(super) cost: &'a C,
 }
 
 /// Returns the cheapest order of lines that a run finds.
 ///
 /// An interrupted run returns the cheapest so far.
-pub(super) fn anneal<C: Fn(&[Cell]) -> f64>(
-    problem: &Problem<'_, C>,
+pub(super) fn anneal<L: LineSet<Position: Copy>, C: Fn(&L::Path) -> f64>(
+    problem: &Problem<'_, L, C>,
     settings: &Annealing,
     seed: u64,
     control: &Control<'_>,
 ) -> Vec<usize> {
-    let Problem { lines, start, tail, ends, trials, cost } = *problem;
+    let Problem { lines, start, tail, from, trials, cost } = *problem;
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut current = start.to_vec();
     let first = current.len() - tail;
     if tail < 2 {
         return current;
     }
-    let mut current_cost = cost(&lines.flatten(&current, ends));
+    let mut current_cost = cost(&lines.path(&current, from));
     let (mut best, mut best_cost) = (current.clone(), current_cost);
     let mut next = current.clone();
     let scale = current_cost;
@@ -80,7 +81,7 @@ pub(super) fn anneal<C: Fn(&[Cell]) -> f64>(
         let share = settings.start * libm::pow(settings.end / settings.start, progress);
         next.copy_from_slice(&current);
         mutate(&mut next[first..], &mut rng);
-        let next_cost = cost(&lines.flatten(&next, ends));
+        let next_cost = cost(&lines.path(&next, from));
         // A worse order is accepted with the probability exp(-difference / temperature).
         let accepted = -scale * share * libm::log(unit(&mut rng).max(f64::MIN_POSITIVE));
         if next_cost <= current_cost + accepted {

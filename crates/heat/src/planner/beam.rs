@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use beadwork_base::Control;
-use beadwork_grid::Cell;
 
 use super::Settings;
 use super::greedy;
 use super::setup::{Options, drafts, finish};
-use crate::model::ThermalModel;
-use crate::plan::{Draft, HeatPlan, PlanError, drafts_seconds, regions};
+use crate::fill::Fill;
+use crate::model::{ModelDraft, ThermalModel};
+use crate::plan::{HeatPlan, PlanError, PlanOf, drafts_seconds, layers};
 use crate::trials::try_orders;
 
 /// A sequence of orders of the layers so far.
@@ -34,36 +34,35 @@ pub(super) fn solve<M: ThermalModel>(
     model: &M,
     settings: &Settings,
     control: &Control<'_>,
-) -> Result<HeatPlan, PlanError> {
+) -> Result<PlanOf<M>, PlanError> {
     assert!(settings.beam_width > 0, "a beam keeps at least one sequence");
     let greedy = greedy::search(model, settings, &control.without_progress())?;
     if greedy.plan.stop.is_interrupted() {
         return Ok(greedy.plan);
     }
-    let regions = regions(model.part())?;
     let own = control.without_progress();
     let mut deposited_layers = greedy.plan.deposited_layers;
     let mut beam = vec![Sequence { model: model.clone(), score: 0.0, path: None }];
-    let mut candidates: Vec<Option<Options>> = Vec::new();
-    for (layer, region) in (0..).zip(&regions) {
-        let Some(region) = region else {
+    let mut candidates: Vec<Option<Options<M>>> = Vec::new();
+    for (layer, is_printed) in layers(model.fill()) {
+        if !is_printed {
             candidates.push(None);
             continue;
-        };
-        let options = Options::new(model, layer, region, &settings.orders, &own);
-        let cells: Vec<&[Cell]> = options.cells();
+        }
+        let options = Options::new(model, layer, &settings.orders, &own);
+        let paths = options.paths();
         let mut next: Vec<Sequence<M>> = Vec::new();
         for sequence in &beam {
             let score = |index: usize, cost: f64| {
-                let seconds = sequence.model.order_seconds(layer, cells[index]);
+                let seconds = sequence.model.path_seconds(layer, paths[index]);
                 sequence.score + cost + greedy.price * seconds
             };
             let trials =
-                try_orders(&sequence.model, layer, &cells, settings.beam_width, score, &own)?;
+                try_orders(&sequence.model, layer, &paths, settings.beam_width, score, &own)?;
             if let Some(reason) = trials.interrupted {
                 return Ok(HeatPlan { stop: reason.into(), ..greedy.plan });
             }
-            deposited_layers += cells.len();
+            deposited_layers += paths.len();
             next.extend(trials.best.into_iter().map(|trial| {
                 let path = Arc::new(Step { index: trial.index, before: sequence.path.clone() });
                 Sequence { model: trial.model, score: trial.score, path: Some(path) }
@@ -74,10 +73,11 @@ pub(super) fn solve<M: ThermalModel>(
         }
         beam = next;
         candidates.push(Some(options));
-        control.report(candidates.len(), regions.len());
+        control.report(candidates.len(), model.fill().layer_count());
     }
     let drafts = beam.iter().map(|sequence| drafts(&candidates, &taken(sequence.path.as_ref())));
-    let is_fast = |drafts: &Vec<Draft>| drafts_seconds(model, drafts) <= settings.max_seconds;
+    let is_fast =
+        |drafts: &Vec<ModelDraft<M>>| drafts_seconds(model, drafts) <= settings.max_seconds;
     // Sequences are sorted, and differ in their last layers only.
     let beam = drafts.filter(is_fast).take(1).map(|drafts| finish(model, drafts, &own)).next();
     let plan = match beam {

@@ -4,14 +4,17 @@ use std::collections::HashSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use beadwork_base::Control;
-use beadwork_part::Order;
 use beadwork_search::Stop;
 use beadwork_thermal::simulation::DepositError;
 
 use super::Settings;
-use super::setup::{check_time, conventional};
+use super::setup::check_time;
+use crate::fill::Fill;
 use crate::model::ThermalModel;
-use crate::plan::{HeatPlan, PlanError, drafts_seconds, follow, regions, same_order_drafts};
+use crate::plan::{
+    HeatPlan, PlanError, PlanOf, conventional, conventional_drafts, drafts_seconds, follow,
+    same_order_drafts,
+};
 
 /// Deposits the whole part once in each named order that is within the limit, and returns the
 /// cheapest plan.
@@ -19,26 +22,27 @@ pub(super) fn solve<M: ThermalModel>(
     model: &M,
     settings: &Settings,
     control: &Control<'_>,
-) -> Result<HeatPlan, PlanError> {
-    let regions = regions(model.part())?;
+) -> Result<PlanOf<M>, PlanError> {
+    let fill = model.fill();
     let mut seen = HashSet::new();
     let mut plans = Vec::new();
-    for &order in [Order::CONVENTIONAL].iter().chain(&settings.orders) {
-        let drafts = same_order_drafts(order, &regions);
-        let cells: Vec<_> = drafts.iter().map(|draft| draft.cells.clone()).collect();
+    let named = settings.orders.iter().map(|&order| same_order_drafts(fill, order));
+    for drafts in [conventional_drafts(fill)].into_iter().chain(named) {
+        let paths: Vec<_> = drafts.iter().map(|draft| draft.path.clone()).collect();
         let seconds = drafts_seconds(model, &drafts);
-        if seconds <= settings.max_seconds && seen.insert(cells) {
+        if seconds <= settings.max_seconds && seen.insert(paths) {
             plans.push(drafts);
         }
     }
-    let (done, total) = (AtomicUsize::new(0), plans.len() * regions.len());
+    let layers = fill.layer_count();
+    let (done, total) = (AtomicUsize::new(0), plans.len() * layers);
     let own = control.on_one_thread().without_progress();
     let followed = control.threads.map(&plans, |drafts| {
         let plan = follow(model, drafts.clone(), &own);
-        control.report(done.fetch_add(regions.len(), Ordering::Relaxed) + regions.len(), total);
+        control.report(done.fetch_add(layers, Ordering::Relaxed) + layers, total);
         plan
     });
-    let mut best: Option<HeatPlan> = None;
+    let mut best: Option<PlanOf<M>> = None;
     let (mut stop, mut deposited_layers) = (Stop::Done, 0);
     for plan in followed {
         match plan {
@@ -54,7 +58,7 @@ pub(super) fn solve<M: ThermalModel>(
     }
     let best = match best {
         Some(best) => HeatPlan { deposited_layers, ..best },
-        None => follow(model, conventional(&regions), &Control::default())?,
+        None => conventional(model, &Control::default())?,
     };
     check_time(HeatPlan { stop, ..best }, settings.max_seconds)
 }

@@ -4,12 +4,13 @@ use beadwork_base::Control;
 
 use super::Settings;
 use super::setup::{Options, try_layers};
+use crate::fill::Fill;
 use crate::model::ThermalModel;
-use crate::plan::{HeatPlan, PlanError, regions};
+use crate::plan::{PlanError, PlanOf};
 
 /// A greedy plan, and what it found out.
-pub(super) struct Greedy {
-    pub(super) plan: HeatPlan,
+pub(super) struct Greedy<M: ThermalModel> {
+    pub(super) plan: PlanOf<M>,
     /// Price of time under the limit, in costs per second.
     pub(super) price: f64,
 }
@@ -19,7 +20,7 @@ pub(super) fn solve<M: ThermalModel>(
     model: &M,
     settings: &Settings,
     control: &Control<'_>,
-) -> Result<HeatPlan, PlanError> {
+) -> Result<PlanOf<M>, PlanError> {
     search(model, settings, control).map(|greedy| greedy.plan)
 }
 
@@ -28,18 +29,15 @@ pub(super) fn search<M: ThermalModel>(
     model: &M,
     settings: &Settings,
     control: &Control<'_>,
-) -> Result<Greedy, PlanError> {
-    let regions = regions(model.part())?;
+) -> Result<Greedy<M>, PlanError> {
     let limit = settings.max_seconds;
     let own = control.without_progress();
-    let options = |state: &M, layer: u32, region: &_| {
-        Ok(Options::new(state, layer, region, &settings.orders, &own))
-    };
-    let report = |done: usize| control.report(done, regions.len());
-    match try_layers(model, &regions, limit, options, |cost, _| cost, (report, &own))? {
+    let options = |state: &M, layer: u32| Ok(Options::new(state, layer, &settings.orders, &own));
+    let report = |done: usize| control.report(done, model.fill().layer_count());
+    match try_layers(model, limit, options, |cost, _| cost, (report, &own))? {
         Err(plan) => Ok(Greedy { plan, price: 0.0 }),
         Ok(tried) => {
-            let (plan, price) = tried.plan(model, &regions, limit, &own)?;
+            let (plan, price) = tried.plan(model, limit, &own)?;
             Ok(Greedy { plan, price })
         }
     }

@@ -14,8 +14,9 @@ use beadwork_base::{Control, named_enum};
 use beadwork_part::Order;
 
 use crate::candidates::OrderSet;
-use crate::model::ThermalModel;
-use crate::plan::{Draft, HeatPlan, PlanError, PlannedLayer, regions};
+use crate::fill::{Draft, Fill};
+use crate::model::{ModelDraft, NameOf, PathOf, ThermalModel};
+use crate::plan::{HeatPlan, PlanError, PlanOf, PlannedLayer, conventional_drafts};
 
 pub use self::anneal::Annealing;
 use self::refine::Refinement;
@@ -111,10 +112,10 @@ pub fn plan<M: ThermalModel>(
     model: &M,
     settings: &Settings,
     control: &Control<'_>,
-) -> Result<HeatPlan, PlanError> {
+) -> Result<PlanOf<M>, PlanError> {
     match settings.planner {
         Planner::Conventional => {
-            let drafts = setup::conventional(&regions(model.part())?);
+            let drafts = conventional_drafts(model.fill());
             setup::check_time(setup::finish(model, drafts, control)?, settings.max_seconds)
         }
         Planner::Constant => constant::solve(model, settings, control),
@@ -138,19 +139,20 @@ pub fn plan<M: ThermalModel>(
 /// has no fast estimate of costs.
 pub fn refine<M: ThermalModel>(
     model: &M,
-    plan: &HeatPlan,
+    plan: &PlanOf<M>,
     settings: &Settings,
     control: &Control<'_>,
-) -> Result<HeatPlan, PlanError> {
+) -> Result<PlanOf<M>, PlanError> {
     let Settings { max_seconds, seed, .. } = *settings;
     setup::check_time(plan.clone(), max_seconds)?;
     let Some(annealing) = &settings.annealing else { return Ok(plan.clone()) };
-    let regions = regions(model.part())?;
-    let draft = |layer: &PlannedLayer| Draft { cells: layer.cells.clone(), order: layer.order };
-    let drafts: Vec<Draft> = plan.layers.iter().map(draft).collect();
-    let refinement =
-        Refinement { model, annealing, regions: &regions, price: 0.0, max_seconds, seed };
-    let report = |done: usize| control.report(done, regions.len());
+    let draft = |layer: &PlannedLayer<PathOf<M>, NameOf<M>>| Draft {
+        path: layer.path.clone(),
+        name: layer.order,
+    };
+    let drafts: Vec<ModelDraft<M>> = plan.layers.iter().map(draft).collect();
+    let refinement = Refinement { model, annealing, price: 0.0, max_seconds, seed };
+    let report = |done: usize| control.report(done, model.fill().layer_count());
     let refined = refinement.run(&drafts, report, &control.without_progress())?;
     // What is cheaper in a layer may cost more above it, and times that are summed in another order
     // are rounded differently.

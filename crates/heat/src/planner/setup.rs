@@ -1,66 +1,57 @@
 //! What planners have in common.
 
 use beadwork_base::{Control, Interrupted};
-use beadwork_grid::{Cell, Region};
 use beadwork_part::Order;
 use beadwork_search::Stop;
 
 use crate::allotment::{Allotment, Choice, allot};
 use crate::candidates::candidates;
-use crate::model::ThermalModel;
-use crate::plan::{Draft, HeatPlan, PlanError, drafts_seconds, follow, same_order_drafts};
+use crate::fill::{Draft, Fill};
+use crate::model::{ModelDraft, PathOf, ThermalModel};
+use crate::plan::{
+    HeatPlan, PlanError, PlanOf, conventional_drafts, drafts_seconds, follow, layers,
+};
 use crate::trials::try_orders;
 
 /// Steps of the bisection that brings the printing time below its limit.
 const BISECTIONS: usize = 16;
 
 /// Options of a layer, with what the model or the proxy says about them.
-pub(super) struct Options {
-    pub(super) candidates: Vec<Draft>,
+pub(super) struct Options<M: ThermalModel> {
+    pub(super) candidates: Vec<ModelDraft<M>>,
     /// In the order of the candidates; the cost is infinite for those that were not tried.
     pub(super) choices: Vec<Choice>,
 }
 
-impl Options {
+impl<M: ThermalModel> Options<M> {
     /// The distinct named orders of a layer, with their times.
-    pub(super) fn new<M: ThermalModel>(
-        model: &M,
-        layer: u32,
-        region: &Region,
-        orders: &[Order],
-        control: &Control<'_>,
-    ) -> Self {
-        Self::of(model, layer, candidates(orders, region), control)
+    pub(super) fn new(model: &M, layer: u32, orders: &[Order], control: &Control<'_>) -> Self {
+        Self::of(model, layer, candidates(model.fill(), layer, orders), control)
     }
 
     /// The given candidates, with their times.
-    pub(super) fn of<M: ThermalModel>(
+    pub(super) fn of(
         model: &M,
         layer: u32,
-        candidates: Vec<Draft>,
+        candidates: Vec<ModelDraft<M>>,
         control: &Control<'_>,
     ) -> Self {
-        let seconds = |candidate: &Draft| model.order_seconds(layer, &candidate.cells);
+        let seconds = |candidate: &ModelDraft<M>| model.path_seconds(layer, &candidate.path);
         let seconds = control.threads.map(&candidates, seconds);
         let choices =
             seconds.into_iter().map(|seconds| Choice { cost: f64::INFINITY, seconds }).collect();
         Self { candidates, choices }
     }
 
-    /// The cells of each candidate.
-    pub(super) fn cells(&self) -> Vec<&[Cell]> {
-        self.candidates.iter().map(|candidate| &candidate.cells[..]).collect()
-    }
-
-    /// The draft of a candidate.
-    pub(super) fn draft(&self, index: usize) -> Draft {
-        self.candidates[index].clone()
+    /// The path of each candidate.
+    pub(super) fn paths(&self) -> Vec<&PathOf<M>> {
+        self.candidates.iter().map(|candidate| &candidate.path).collect()
     }
 }
 
 /// The options of all layers, each tried from the state that the best ones before leave.
-pub(super) struct Tried {
-    pub(super) layers: Vec<Option<Options>>,
+pub(super) struct Tried<M: ThermalModel> {
+    pub(super) layers: Vec<Option<Options<M>>>,
     /// Layers that the model deposited.
     pub(super) deposited_layers: usize,
 }
@@ -75,26 +66,25 @@ pub(super) struct Tried {
 /// by then.
 pub(super) fn try_layers<M: ThermalModel>(
     model: &M,
-    regions: &[Option<Region>],
     limit: f64,
-    options: impl Fn(&M, u32, &Region) -> Result<Options, PlanError>,
+    options: impl Fn(&M, u32) -> Result<Options<M>, PlanError>,
     score: impl Fn(f64, f64) -> f64 + Sync,
     (report, control): (impl Fn(usize), &Control<'_>),
-) -> Result<Result<Tried, HeatPlan>, PlanError> {
+) -> Result<Result<Tried<M>, PlanOf<M>>, PlanError> {
     let mut state = model.clone();
-    let mut layers: Vec<Option<Options>> = Vec::with_capacity(regions.len());
+    let mut tried: Vec<Option<Options<M>>> = Vec::with_capacity(model.fill().layer_count());
     let mut deposited_layers = 0;
-    for (layer, region) in (0..).zip(regions) {
-        report(layers.len());
-        let Some(region) = region else {
-            layers.push(None);
+    for (layer, is_printed) in layers(model.fill()) {
+        report(tried.len());
+        if !is_printed {
+            tried.push(None);
             continue;
-        };
-        let mut options = options(&state, layer, region)?;
+        }
+        let mut options = options(&state, layer)?;
         let score = |index: usize, cost: f64| score(cost, options.choices[index].seconds);
-        let trials = try_orders(&state, layer, &options.cells(), 1, score, control)?;
+        let trials = try_orders(&state, layer, &options.paths(), 1, score, control)?;
         if let Some(reason) = trials.interrupted.or_else(|| control.interrupted()) {
-            return complete_interrupted(model, &layers, regions, limit, reason).map(Err);
+            return complete_interrupted(model, &tried, limit, reason).map(Err);
         }
         deposited_layers += trials.costs.len();
         for (choice, cost) in options.choices.iter_mut().zip(&trials.costs) {
@@ -103,24 +93,23 @@ pub(super) fn try_layers<M: ThermalModel>(
         if let Some(best) = trials.best.into_iter().next() {
             state = best.model;
         }
-        layers.push(Some(options));
+        tried.push(Some(options));
     }
-    Ok(Ok(Tried { layers, deposited_layers }))
+    Ok(Ok(Tried { layers: tried, deposited_layers }))
 }
 
-impl Tried {
+impl<M: ThermalModel> Tried<M> {
     /// The plan of the options that are printed within `limit`, with the price of time.
     ///
     /// Layers hardly influence one another, so the costs found on the way decide which layers get
     /// faster options if the cheapest ones together take longer.
-    pub(super) fn plan<M: ThermalModel>(
+    pub(super) fn plan(
         &self,
         model: &M,
-        regions: &[Option<Region>],
         limit: f64,
         control: &Control<'_>,
-    ) -> Result<(HeatPlan, f64), PlanError> {
-        let (drafts, price) = chosen(model, &self.layers, regions, limit);
+    ) -> Result<(PlanOf<M>, f64), PlanError> {
+        let (drafts, price) = chosen(model, &self.layers, limit);
         let mut plan = check_time(finish(model, drafts, control)?, limit)?;
         plan.deposited_layers += self.deposited_layers;
         Ok((plan, price))
@@ -134,7 +123,11 @@ impl Tried {
 /// sequence may take longer than its options; the time that is distributed is then lowered by
 /// bisection.
 /// `None` if that finds nothing.
-fn choose<M: ThermalModel>(model: &M, layers: &[Option<Options>], limit: f64) -> Option<Allotment> {
+fn choose<M: ThermalModel>(
+    model: &M,
+    layers: &[Option<Options<M>>],
+    limit: f64,
+) -> Option<Allotment> {
     let tables: Vec<Vec<Choice>> =
         layers.iter().flatten().map(|options| options.choices.clone()).collect();
     let within = |allowed: f64| {
@@ -167,45 +160,44 @@ fn choose<M: ThermalModel>(model: &M, layers: &[Option<Options>], limit: f64) ->
 /// conventional ones, and no price, if none are found.
 pub(super) fn chosen<M: ThermalModel>(
     model: &M,
-    layers: &[Option<Options>],
-    regions: &[Option<Region>],
+    layers: &[Option<Options<M>>],
     limit: f64,
-) -> (Vec<Draft>, f64) {
+) -> (Vec<ModelDraft<M>>, f64) {
     match choose(model, layers, limit) {
         Some(allotment) => (drafts(layers, &allotment.taken), allotment.price),
-        None => (conventional(regions), 0.0),
+        None => (conventional_drafts(model.fill()), 0.0),
     }
 }
 
 /// The drafts of the options taken.
-pub(super) fn drafts(layers: &[Option<Options>], taken: &[usize]) -> Vec<Draft> {
+pub(super) fn drafts<M: ThermalModel>(
+    layers: &[Option<Options<M>>],
+    taken: &[usize],
+) -> Vec<ModelDraft<M>> {
     let mut taken = taken.iter();
-    let draft = |options: &Option<Options>| match options {
-        Some(options) => options.draft(*taken.next().expect("one option per layer with cells")),
+    let draft = |options: &Option<Options<M>>| match options {
+        Some(options) => {
+            options.candidates[*taken.next().expect("one option per printed layer")].clone()
+        }
         None => Draft::default(),
     };
     layers.iter().map(draft).collect()
-}
-
-/// The conventional order of every layer.
-pub(super) fn conventional(regions: &[Option<Region>]) -> Vec<Draft> {
-    same_order_drafts(Order::CONVENTIONAL, regions)
 }
 
 /// The plan of an interrupted search: the cheapest options of the layers that were searched, and
 /// the conventional order in those above; or everywhere, if that takes too long.
 pub(super) fn complete_interrupted<M: ThermalModel>(
     model: &M,
-    layers: &[Option<Options>],
-    regions: &[Option<Region>],
+    layers: &[Option<Options<M>>],
     limit: f64,
     reason: Interrupted,
-) -> Result<HeatPlan, PlanError> {
+) -> Result<PlanOf<M>, PlanError> {
     let taken = choose(model, layers, f64::INFINITY).map_or_else(Vec::new, |found| found.taken);
+    let conventional = conventional_drafts(model.fill());
     let mut all = drafts(layers, &taken);
-    all.extend(conventional(&regions[layers.len()..]));
+    all.extend_from_slice(&conventional[layers.len()..]);
     if drafts_seconds(model, &all) > limit {
-        all = conventional(regions);
+        all = conventional;
     }
     let plan = follow(model, all, &Control::default())?;
     check_time(HeatPlan { stop: reason.into(), ..plan }, limit)
@@ -214,15 +206,18 @@ pub(super) fn complete_interrupted<M: ThermalModel>(
 /// Deposits drafts whether or not the call is interrupted; the plan says if it was.
 pub(super) fn finish<M: ThermalModel>(
     model: &M,
-    drafts: Vec<Draft>,
+    drafts: Vec<ModelDraft<M>>,
     control: &Control<'_>,
-) -> Result<HeatPlan, PlanError> {
+) -> Result<PlanOf<M>, PlanError> {
     let plan = follow(model, drafts, &control.uninterrupted())?;
     Ok(HeatPlan { stop: control.interrupted().map_or(Stop::Done, Stop::from), ..plan })
 }
 
 /// The plan, if it is printed within the limit.
-pub(super) fn check_time(plan: HeatPlan, limit: f64) -> Result<HeatPlan, PlanError> {
+pub(super) fn check_time<P: Clone, N>(
+    plan: HeatPlan<P, N>,
+    limit: f64,
+) -> Result<HeatPlan<P, N>, PlanError> {
     let fastest = plan.seconds();
     if fastest <= limit { Ok(plan) } else { Err(PlanError::TooSlow { limit, fastest }) }
 }

@@ -1,43 +1,36 @@
 //! Which named orders of each layer are worth trying on the model.
 
 use beadwork_base::{Control, Interrupted};
-use beadwork_grid::Region;
 use beadwork_part::Order;
 
-use super::setup::{Options, conventional};
+use super::setup::Options;
 use crate::allotment::{Choice, allot};
-use crate::model::{Screen, ThermalModel};
-use crate::plan::{PlanError, drafts_seconds};
+use crate::fill::Fill;
+use crate::model::{ModelDraft, Screen, ThermalModel};
+use crate::plan::{PlanError, conventional_drafts, drafts_seconds, layers};
 
 /// Prices of time that options are picked at, relative to the one at which the estimated costs meet
 /// the limit: the model's costs meet it at another.
 const PRICES: [f64; 3] = [1.0, 0.5, 2.0];
 
-/// The distinct named orders of a layer, the conventional one first.
-struct Estimates {
-    orders: Vec<Order>,
-    /// Cost by the screen, and printing time.
-    choices: Vec<Choice>,
-}
-
 /// What is worth trying.
-pub(super) struct Shortlist {
-    /// Orders of each layer; none for a layer without cells.
-    pub(super) orders: Vec<Vec<Order>>,
+pub(super) struct Shortlist<M: ThermalModel> {
+    /// Orders of each layer; none for a layer without voxels.
+    pub(super) drafts: Vec<Vec<ModelDraft<M>>>,
     /// Price of time under the limit by the estimates, in costs per second; `None` if even the
     /// fastest orders seem to exceed the limit.
     pub(super) price: Option<f64>,
 }
 
-impl Shortlist {
+impl<M: ThermalModel> Shortlist<M> {
     /// What orders of a layer are compared by.
     pub(super) fn score(&self, cost: f64, seconds: f64) -> f64 {
         self.price.map_or(seconds, |price| cost + price * seconds)
     }
 }
 
-/// For each layer with cells, the conventional order and up to `count` more, which are promising by
-/// the model's screen: those that are cheap at the price of time under the limit.
+/// For each layer with voxels, the conventional order and up to `count` more, which are promising
+/// by the model's screen: those that are cheap at the price of time under the limit.
 ///
 /// All layers are screened before any order is tried, since the price depends on all of them.
 /// Between the layers, the state follows the orders that are cheapest within each layer's share of
@@ -46,44 +39,42 @@ impl Shortlist {
 /// An interrupted call returns why.
 pub(super) fn shortlist<M: ThermalModel>(
     model: &M,
-    regions: &[Option<Region>],
     orders: &[Order],
     (count, limit): (usize, f64),
     report: impl Fn(usize),
     control: &Control<'_>,
-) -> Result<Result<Shortlist, Interrupted>, PlanError> {
-    let ratio = limit / drafts_seconds(model, &conventional(regions));
+) -> Result<Result<Shortlist<M>, Interrupted>, PlanError> {
+    let ratio = limit / drafts_seconds(model, &conventional_drafts(model.fill()));
     let mut state = model.clone();
-    let mut layers: Vec<Option<Estimates>> = Vec::with_capacity(regions.len());
-    for (layer, region) in (0..).zip(regions) {
-        report(layers.len());
+    let mut estimated: Vec<Option<Options<M>>> = Vec::with_capacity(model.fill().layer_count());
+    for (layer, is_printed) in layers(model.fill()) {
+        report(estimated.len());
         if let Some(reason) = control.interrupted() {
             return Ok(Err(reason));
         }
-        let Some(region) = region else {
-            layers.push(None);
+        if !is_printed {
+            estimated.push(None);
             continue;
-        };
-        let mut options = Options::new(&state, layer, region, orders, control);
+        }
+        let mut options = Options::new(&state, layer, orders, control);
         let screen = state.screen(layer).ok_or(PlanError::NoScreen)?;
         let candidates = &options.candidates;
-        let costs = control.threads.map(candidates, |candidate| screen.cost(&candidate.cells));
+        let costs = control.threads.map(candidates, |candidate| screen.cost(&candidate.path));
         options.choices.iter_mut().zip(costs).for_each(|(choice, cost)| choice.cost = cost);
         let next = cheapest_within(&options.choices, ratio * options.choices[0].seconds);
-        state.deposit(layer, &options.candidates[next].cells, &control.uninterrupted())?;
-        let orders = options.candidates.iter().filter_map(|candidate| candidate.order).collect();
-        layers.push(Some(Estimates { orders, choices: options.choices }));
+        state.deposit(layer, &options.candidates[next].path, &control.uninterrupted())?;
+        estimated.push(Some(options));
     }
     let tables: Vec<Vec<Choice>> =
-        layers.iter().flatten().map(|layer| layer.choices.clone()).collect();
+        estimated.iter().flatten().map(|options| options.choices.clone()).collect();
     let price = allot(&tables, limit).map(|allotment| allotment.price);
-    let picked = |layer: &Option<Estimates>| match layer {
+    let picked = |options: &Option<Options<M>>| match options {
         None => Vec::new(),
-        Some(Estimates { orders, choices }) => {
-            picks(choices, count, price).into_iter().map(|index| orders[index]).collect()
+        Some(Options { candidates, choices }) => {
+            picks(choices, count, price).into_iter().map(|at| candidates[at].clone()).collect()
         }
     };
-    Ok(Ok(Shortlist { orders: layers.iter().map(picked).collect(), price }))
+    Ok(Ok(Shortlist { drafts: estimated.iter().map(picked).collect(), price }))
 }
 
 /// The cheapest option that takes at most `limit` seconds; the first one without any.

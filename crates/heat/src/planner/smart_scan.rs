@@ -1,51 +1,44 @@
 //! Lines in the order that a linear model calls most even, line by line.
 
 use beadwork_base::Control;
-use beadwork_grid::Region;
-use beadwork_part::{Axis, Corner, Ends, LineOrder, Order, Sequence};
+use beadwork_grid::Cell;
 
 use super::Settings;
 use super::setup::{Options, try_layers};
-use crate::model::ThermalModel;
-use crate::plan::{Draft, HeatPlan, PlanError, regions};
+use crate::fill::{Draft, Fill, LineSet};
+use crate::model::{ModelDraft, ThermalModel};
+use crate::plan::{PlanError, PlanOf};
 
 /// Tries the sequences of the linear model along both axes, and goes on from the cheapest order.
 pub(super) fn solve<M: ThermalModel>(
     model: &M,
     settings: &Settings,
     control: &Control<'_>,
-) -> Result<HeatPlan, PlanError> {
-    let regions = regions(model.part())?;
+) -> Result<PlanOf<M>, PlanError> {
     let limit = settings.max_seconds;
     let own = control.without_progress();
-    let options = |state: &M, layer: u32, region: &_| {
-        let drafts = sequences(state, layer, region, &own)?;
-        Ok(Options::of(state, layer, drafts, &own))
-    };
-    let report = |done: usize| control.report(done, regions.len());
-    match try_layers(model, &regions, limit, options, |cost, _| cost, (report, &own))? {
+    let options =
+        |state: &M, layer: u32| Ok(Options::of(state, layer, sequences(state, layer, &own)?, &own));
+    let report = |done: usize| control.report(done, model.fill().layer_count());
+    match try_layers(model, limit, options, |cost, _| cost, (report, &own))? {
         Err(plan) => Ok(plan),
-        Ok(tried) => tried.plan(model, &regions, limit, &own).map(|(plan, _)| plan),
+        Ok(tried) => tried.plan(model, limit, &own).map(|(plan, _)| plan),
     }
 }
 
-/// The conventional order, and the sequences of the lines along x and along y.
+/// The conventional order, and the sequences of the lines of each division of the layer.
 fn sequences<M: ThermalModel>(
     state: &M,
     layer: u32,
-    region: &Region,
     control: &Control<'_>,
-) -> Result<Vec<Draft>, PlanError> {
+) -> Result<Vec<ModelDraft<M>>, PlanError> {
     let linear = state.linear_layer(layer).ok_or(PlanError::NotLinear)?;
-    let along = |&axis: &Axis| {
-        let order = LineOrder { sequence: Sequence::Golden, axis, corner: Corner::MinXMinY };
-        let lines = order.lines(region);
-        let sequence = linear.greedy_sequence(&lines.iter().collect::<Vec<_>>());
-        let ends = Ends::Nearest { from: state.last_cell() };
-        Draft { cells: lines.flatten(&sequence, ends), order: None }
+    let draft = |lines: &<M::Fill as Fill>::Lines| {
+        let cells: Vec<&[Cell]> = (0..lines.count()).map(|line| lines.cells(line)).collect();
+        let sequence = linear.greedy_sequence(&cells);
+        Draft { path: lines.path(&sequence, state.position()), name: None }
     };
-    let conventional = Order::CONVENTIONAL;
-    let mut drafts = vec![Draft { cells: conventional.order(region), order: Some(conventional) }];
-    drafts.extend(control.threads.map(&[Axis::X, Axis::Y], along));
+    let mut drafts = vec![state.fill().conventional(layer)];
+    drafts.extend(control.threads.map(&state.fill().all_lines(layer), draft));
     Ok(drafts)
 }

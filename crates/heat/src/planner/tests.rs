@@ -46,7 +46,7 @@ fn measures(part: &Arc<Voxels>, plan: &HeatPlan) -> HeatMeasures {
     let settings = objective::Settings::default();
     let method = Method::default();
     let control = Control::default();
-    measure_plan(part, &material, &process, method, &plan.orders(), &settings, &control).unwrap()
+    measure_plan(part, &material, &process, method, &plan.paths(), &settings, &control).unwrap()
 }
 
 #[test]
@@ -57,11 +57,11 @@ fn plans_print_every_cell_once_and_cost_what_they_say() {
         let plan = plan(&model, &settings(planner), &Control::default()).unwrap();
         assert_eq!(plan.stop, Stop::Done);
         for (z, layer) in plan.layers.iter().enumerate() {
-            let mut cells = layer.cells.clone();
+            let mut cells = layer.path.clone();
             cells.sort_unstable();
             assert_eq!(cells, part.cells(z).collect::<Vec<_>>());
             if let Some(order) = layer.order {
-                assert_eq!(layer.cells, order.order(&part.region(z).unwrap()));
+                assert_eq!(layer.path, order.order(&part.region(z).unwrap()));
             }
         }
         let measures = measures(&part, &plan);
@@ -105,7 +105,7 @@ fn greedy_takes_the_best_order_of_each_layer() {
         });
         let best = costs.fold(f64::INFINITY, f64::min);
         assert_eq!(layer.cost.to_bits(), best.to_bits());
-        state.deposit(z as u32, &layer.cells, &Control::default()).unwrap();
+        state.deposit(z as u32, &layer.path, &Control::default()).unwrap();
     }
 }
 
@@ -195,7 +195,7 @@ fn interrupted_planners_return_a_whole_plan() {
             };
             let control = Control { time_is_up: Some(&is_up), ..Control::default() };
             let plan = plan(&model, &settings(planner), &control).unwrap();
-            let cells = plan.layers.iter().map(|layer| layer.cells.len()).sum::<usize>();
+            let cells = plan.layers.iter().map(|layer| layer.path.len()).sum::<usize>();
             assert_eq!(cells, part.count(), "{planner} {polls}");
             let measured = measures(&part, &plan).reward();
             assert!((plan.cost() + measured).abs() < 1e-9, "{planner} {polls}");
@@ -222,7 +222,7 @@ fn layers_without_cells_stay_empty() {
     let model = solver(&part, Objective::Reward);
     for planner in PLANNERS {
         let plan = plan(&model, &settings(planner), &Control::default()).unwrap();
-        assert_eq!(plan.layers[1].cells, [0; 0]);
+        assert_eq!(plan.layers[1].path, [0; 0]);
         assert_eq!((plan.layers[1].order, plan.layers[1].seconds), (None, 0.0));
         assert_eq!(plan.layers.len(), 3);
     }
@@ -241,7 +241,7 @@ fn refined_plans_cost_no_more_and_keep_to_the_limit() {
             let refined = refine(&model, &first, &settings, &control).unwrap();
             assert!(refined.seconds() <= max_seconds);
             for (z, layer) in refined.layers.iter().enumerate() {
-                let mut cells = layer.cells.clone();
+                let mut cells = layer.path.clone();
                 cells.sort_unstable();
                 assert_eq!(cells, part.cells(z).collect::<Vec<_>>());
             }

@@ -164,18 +164,51 @@ impl HeatMeter {
         order: &[Cell],
         control: &Control<'_>,
     ) -> Result<LayerHeat, DepositError> {
+        let events = simulation.layer_events(layer, order);
+        self.measure(simulation, layer, events, true, control)
+    }
+
+    /// Runs through the events of a layer like [`Simulation::run`], followed by the pause of the
+    /// settings, and measures it; everything else is as in [`HeatMeter::deposit`].
+    ///
+    /// Events without a voxel count as travel.
+    /// A layer without events has no pause, and is not among the [`HeatMeter::layers`].
+    ///
+    /// # Panics
+    /// As [`HeatMeter::deposit`].
+    pub fn run(
+        &mut self,
+        simulation: &mut Simulation,
+        layer: u32,
+        events: Vec<DepositionEvent>,
+        control: &Control<'_>,
+    ) -> Result<LayerHeat, DepositError> {
+        self.measure(simulation, layer, events, false, control)
+    }
+
+    /// Runs through the events of a layer, which may have to deposit all of its voxels.
+    fn measure(
+        &mut self,
+        simulation: &mut Simulation,
+        layer: u32,
+        mut events: Vec<DepositionEvent>,
+        is_whole: bool,
+        control: &Control<'_>,
+    ) -> Result<LayerHeat, DepositError> {
         control.check()?;
-        let mut events = simulation.layer_events(layer, order);
+        let is_printed = !events.is_empty();
         let is_travel = |event: &&DepositionEvent| event.voxel.is_none();
         let travel_s = events.iter().filter(is_travel).map(|event| event.seconds);
         // Not `sum`, which is -0 without travel.
         let travel_seconds = travel_s.fold(0.0, |sum, seconds| sum + seconds);
-        let pause_seconds = if order.is_empty() { 0.0 } else { self.settings.pause_s };
+        let pause_seconds = if is_printed { self.settings.pause_s } else { 0.0 };
         if pause_seconds != 0.0 {
             events.push(DepositionEvent::pause(pause_seconds));
         }
         let intervals = simulation.validate(&events)?;
-        simulation.check_complete(layer, order)?;
+        if is_whole {
+            simulation.check_complete(layer, &events)?;
+        }
         let max_s = self.settings.sample_s.unwrap_or_else(|| {
             let step_s = simulation.longest_step_s().unwrap_or(DEFAULT_SAMPLE_S);
             if self.warpage.is_some() { step_s.min(WARPAGE_SAMPLE_S) } else { step_s }
@@ -201,7 +234,7 @@ impl HeatMeter {
             mean_std_c: if print_seconds > 0.0 { integral.sum / print_seconds } else { 0.0 },
             max_std_c: integral.max,
         };
-        if !order.is_empty() {
+        if is_printed {
             self.layers.push(heat);
         }
         Ok(heat)

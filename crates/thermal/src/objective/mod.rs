@@ -59,4 +59,4 @@ mod tests;
 
 pub use self::meter::{HeatMeter, LayerHeat, Settings};
 pub use self::named::{Objective, Weighted, WeightedError};
-pub use self::plan::{HeatMeasures, MeasureError, measure_plan};
+pub use self::plan::{HeatMeasures, MeasureError, measure_events, measure_plan};

@@ -9,6 +9,7 @@ use beadwork_part::slice::Voxels;
 use thiserror::Error;
 
 use super::meter::{HeatMeter, LayerHeat, Settings};
+use crate::event::DepositionEvent;
 use crate::material::ThermalMaterial;
 use crate::process::ProcessParameters;
 use crate::simulation::{DepositError, Method, SetupError, Simulation};
@@ -86,9 +87,9 @@ pub enum MeasureError {
     #[error(transparent)]
     Deposit(#[from] DepositError),
     /// The number of orders is not that of the part's layers.
-    #[error("plan has {orders} orders, part has {layers} layers: give one order per layer")]
+    #[error("plan has {orders} layers, part has {layers}: give one order per layer")]
     Layers {
-        /// Orders of the plan.
+        /// Layers of the plan.
         orders: usize,
         /// Layers of the part.
         layers: usize,
@@ -124,19 +125,79 @@ pub fn measure_plan(
         return Err(MeasureError::Layers { orders: orders.len(), layers: part.depth });
     }
     let without_travel = ProcessParameters { travel_mm_s: None, ..process.clone() };
+    let has_travel = process.travel_mm_s.is_some();
+    measure(part, material, [process, &without_travel], method, settings, has_travel, control, {
+        |meter, simulation, layer, _, own| {
+            meter.deposit(simulation, layer as u32, &orders[layer], own)
+        }
+    })
+}
+
+/// As [`measure_plan`], for the deposition events of each layer, such as those of a G-code program.
+///
+/// For [`HeatMeasures::no_travel_reward`], the print is simulated a second time without the events
+/// that deposit nothing, if there are any.
+///
+/// # Errors
+/// If the events cannot be simulated.
+/// They may leave out voxels, which are missing from the print then.
+pub fn measure_events(
+    part: &Arc<Voxels>,
+    material: &ThermalMaterial,
+    process: &ProcessParameters,
+    method: Method,
+    layers: &[Vec<DepositionEvent>],
+    settings: &Settings,
+    control: &Control<'_>,
+) -> Result<HeatMeasures, MeasureError> {
+    if layers.len() != part.depth {
+        return Err(MeasureError::Layers { orders: layers.len(), layers: part.depth });
+    }
+    let has_travel = layers.iter().flatten().any(|event| event.voxel.is_none());
+    measure(part, material, [process; 2], method, settings, has_travel, control, {
+        |meter, simulation, layer, with_travel, own| {
+            let events = layers[layer].iter().copied();
+            let events = events.filter(|event| with_travel || event.voxel.is_some());
+            meter.run(simulation, layer as u32, events.collect(), own)
+        }
+    })
+}
+
+/// Measures a print and, if it has travel or pauses, the same print without them.
+///
+/// `processes` are those of the two; `deposit` gets the meter, the simulation, the layer, and
+/// whether travel takes time.
+#[expect(clippy::too_many_arguments, reason = "all that makes up a measured print")]
+fn measure(
+    part: &Arc<Voxels>,
+    material: &ThermalMaterial,
+    processes: [&ProcessParameters; 2],
+    method: Method,
+    settings: &Settings,
+    has_travel: bool,
+    control: &Control<'_>,
+    deposit: impl Fn(
+        &mut HeatMeter,
+        &mut Simulation,
+        usize,
+        bool,
+        &Control<'_>,
+    ) -> Result<LayerHeat, DepositError>
+    + Sync,
+) -> Result<HeatMeasures, MeasureError> {
     let without_pause =
         Settings { pause_s: 0.0, sample_s: Some(f64::INFINITY), warpage: false, ..*settings };
-    let mut runs = vec![(process, settings)];
-    if process.travel_mm_s.is_some() || settings.pause_s != 0.0 {
-        runs.push((&without_travel, &without_pause));
+    let mut runs = vec![(processes[0], settings, true)];
+    if has_travel || settings.pause_s != 0.0 {
+        runs.push((processes[1], &without_pause, false));
     }
-    let (done, total) = (AtomicUsize::new(0), runs.len() * orders.len());
+    let (done, total) = (AtomicUsize::new(0), runs.len() * part.depth);
     let own = control.on_one_thread().without_progress();
-    let measure = |&(process, settings): &(&ProcessParameters, &Settings)| {
+    let measure = |&(process, settings, with_travel): &(&ProcessParameters, &Settings, bool)| {
         let mut simulation = Simulation::new(part.clone(), material, process, method)?;
         let mut meter = HeatMeter::new(&simulation, material, settings.clone());
-        for (layer, order) in (0..).zip(orders) {
-            meter.deposit(&mut simulation, layer, order, &own)?;
+        for layer in 0..part.depth {
+            deposit(&mut meter, &mut simulation, layer, with_travel, &own)?;
             control.report(done.fetch_add(1, Ordering::Relaxed) + 1, total);
         }
         meter.finish(&simulation, &own).map_err(MeasureError::from)

@@ -178,6 +178,17 @@ fn plans_are_measured_the_same_on_any_number_of_threads() {
                 .unwrap()
         };
         let one = measure(&process, &settings, Threads::One);
+        let mut from = None;
+        let mut events = |(layer, order): (u32, &Vec<u32>)| {
+            let events = crate::event::layer_events(order, layer, from, &part.frame, &process);
+            from = order.last().copied().or(from);
+            events
+        };
+        let layers: Vec<Vec<DepositionEvent>> = (0..).zip(&orders).map(&mut events).collect();
+        let control = Control::default();
+        let of_events =
+            measure_events(&part, &abs, &process, Method::default(), &layers, &settings, &control);
+        assert_eq!(of_events.unwrap(), one);
         assert_eq!(one, measure(&process, &settings, Threads::Pool(&pool)));
         assert!((one.pause_seconds() - 0.5 * printed(&orders) as f64).abs() < 1e-9);
         assert!(one.warpage_mm.unwrap() >= 0.0);

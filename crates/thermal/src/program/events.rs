@@ -105,16 +105,18 @@ pub fn program_events(
     let lines = program.lines.len();
     let mut builder = EventBuilder::new(part);
     let Frame { cell_mm, layer_mm, .. } = part.frame;
-    let rows = Rows::of(program, cell_mm, layer_mm, control)?;
-    let mut visits = Visits::new(part.frame, rows);
+    let rows = Rows::of_program(program, cell_mm, layer_mm, control)?;
+    let mut visits = Visits::new(part.frame);
     let mut poll = Poll::new(control, 0, lines);
     for step in program.timed_events(settings.limits) {
         let (event, pace) = step?;
         poll.count(&event)?;
         match event {
-            Event::Motion(motion) if visits.is_part(&motion) => {
+            Event::Motion(motion) if rows.is_part(&motion) => {
                 let seconds_to = |length_mm| pace.seconds_to(length_mm);
-                visits.add_bead(&motion, seconds_to, &mut |visit| builder.visit(visit));
+                visits.add_bead(&motion, rows.of(&motion), seconds_to, &mut |visit| {
+                    builder.visit(visit);
+                });
             }
             _ => {
                 visits.end_bead(&mut |visit| builder.visit(visit));

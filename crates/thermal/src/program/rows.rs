@@ -78,7 +78,7 @@ struct Layer {
 
 impl Rows {
     /// Assigns rows of voxels of the given width and height to the heights of a program.
-    pub(super) fn of(
+    pub(super) fn of_program(
         program: &Program,
         cell_mm: f64,
         layer_mm: f64,
@@ -112,8 +112,13 @@ impl Rows {
         self.heights.is_part(motion)
     }
 
-    /// The first row that a bead at a height above the bed fills, and the row after the last.
-    pub(super) fn at(&self, z_mm: f64) -> [i64; 2] {
+    /// The first row that a motion fills if it is a bead, and the row after the last.
+    pub(super) fn of(&self, motion: &Motion) -> [i64; 2] {
+        self.at(f64::midpoint(motion.from_mm[2], motion.to_mm[2]))
+    }
+
+    /// As [`Rows::of`], for a height above the bed.
+    fn at(&self, z_mm: f64) -> [i64; 2] {
         self.above_raft(z_mm - self.raft_mm)
     }
 
@@ -258,7 +263,7 @@ pub fn program_fit(
     layer_mm: f64,
     control: &Control<'_>,
 ) -> Result<ProgramFit, TraceError> {
-    let rows = Rows::of(program, cell_mm, layer_mm, control)?;
+    let rows = Rows::of_program(program, cell_mm, layer_mm, control)?;
     Ok(ProgramFit { layers: rows.fit(), left_out_mm: rows.left_out_mm(), raft_mm: rows.raft_mm })
 }
 

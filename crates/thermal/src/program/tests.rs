@@ -1,10 +1,11 @@
 //! Programs of planned parts deposit every voxel once; other programs deposit the voxels that their
 //! beads fill.
 
+use std::fmt::Write;
 use std::sync::{Arc, Mutex};
 
 use beadwork_base::{CancelToken, Control, Interrupted, Progress};
-use beadwork_gcode::Program;
+use beadwork_gcode::{MotionLimits, Program};
 use beadwork_grid::{Path, Region, Zones, cover};
 use beadwork_part::Frame;
 use beadwork_part::print::{self, PrimeTower, Print, Purge, Title, Tool};
@@ -322,4 +323,50 @@ fn programs_can_be_interrupted() {
     assert_eq!(events, Err(ProgramError::Interrupted(Interrupted::Cancelled)));
     let voxels = program_voxels(&program, 0.5, 0.25, &control);
     assert_eq!(voxels, Err(VoxelsError::Interrupted(Interrupted::Cancelled)));
+}
+
+proptest! {
+    #[test]
+    fn paths_visit_the_cells_that_their_program_deposits(
+        points in prop::collection::vec((0..12_000_u32, 0..9_000_u32), 2..9),
+    ) {
+        let planned = Planned::block(20, 14, 1);
+        let (frame, part) = (planned.frame, planned.voxels());
+        let position = |&(x, y): &(u32, u32)| {
+            [frame.left_mm - 1.0 + f64::from(x) / 1e3, frame.back_mm + 1.0 - f64::from(y) / 1e3]
+        };
+        let mut points: Vec<[f64; 2]> = points.iter().map(position).collect();
+        points.dedup();
+        prop_assume!(points.len() > 1);
+        let speed = 25.0;
+        let [x, y] = points[0];
+        let mut text = format!("M83\nG1 X{x:.3} Y{y:.3} Z{} F1500\n", frame.layer_mm);
+        for [x, y] in &points[1..] {
+            writeln!(text, "G1 X{x:.3} Y{y:.3} E1").unwrap();
+        }
+        let lines = points.windows(2).map(|ends| {
+            let [from, to] = [ends[0], ends[1]];
+            ([from, to], f64::hypot(to[0] - from[0], to[1] - from[1]) / speed)
+        });
+        let total: f64 = lines.clone().map(|(_, seconds)| seconds).sum();
+        let visits = path_visits(lines, &frame);
+        let sum: f64 = visits.iter().map(|visit| visit.seconds).sum();
+        prop_assert!((sum - total).abs() < 1e-9 * total);
+        let limits = MotionLimits {
+            acceleration_mm_s2: 1e12,
+            square_corner_mm_s: 1e6,
+            max_speed_mm_s: 1e6,
+        };
+        let settings = Settings { limits, tolerated_share: 1.0 };
+        let control = Control::default();
+        let program: Program = text.parse().unwrap();
+        let events = program_events(&program, &part, &settings, &control).unwrap().events;
+        // The program's first visits of each cell.
+        let mut seen = std::collections::HashSet::new();
+        let first = |visit: &PathVisit| visit.cell.filter(|&cell| seen.insert(cell));
+        let expected: Vec<[u32; 2]> = visits.iter().filter_map(first).collect();
+        let deposited: Vec<[u32; 2]> =
+            events.iter().filter_map(|event| event.voxel.map(|[x, y, _]| [x, y])).collect();
+        prop_assert_eq!(deposited, expected);
+    }
 }

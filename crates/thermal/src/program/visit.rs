@@ -3,8 +3,6 @@
 use beadwork_gcode::Motion;
 use beadwork_part::Frame;
 
-use super::rows::Rows;
-
 /// Minimum length of a visit: a path through a cell counts as a visit only if it is longer than
 /// `ROUNDING_MM` + `ROUNDING` times the cell's side.
 /// Coordinates in files are rounded, so a motion may end a little beyond the side of a cell.
@@ -47,7 +45,6 @@ impl Visit {
 #[derive(Debug)]
 pub(super) struct Visits {
     frame: Frame,
-    rows: Rows,
     /// The visit of the cell in which the bead ends so far.
     current: Option<Visit>,
     /// The complete visit before it, which clips that follow may still lengthen.
@@ -57,31 +54,39 @@ pub(super) struct Visits {
 }
 
 impl Visits {
-    pub(super) fn new(frame: Frame, rows: Rows) -> Self {
-        Self { frame, rows, current: None, previous: None, early_s: 0.0 }
+    pub(super) fn new(frame: Frame) -> Self {
+        Self { frame, current: None, previous: None, early_s: 0.0 }
     }
 
-    /// Whether a motion is a bead of the part.
-    pub(super) fn is_part(&self, motion: &Motion) -> bool {
-        self.rows.is_part(motion)
-    }
-
-    /// Adds a motion that extrudes, and calls `emit` for each visit that is complete.
+    /// Adds a motion that extrudes within some layers of voxels, and calls `emit` for each visit
+    /// that is complete.
     /// `seconds_to` is the time from the motion's start to a point at the given distance from it,
     /// in mm.
     pub(super) fn add_bead(
         &mut self,
         motion: &Motion,
+        layers: [i64; 2],
+        seconds_to: impl Fn(f64) -> f64,
+        emit: &mut impl FnMut(&Visit),
+    ) {
+        let [from_mm, to_mm] = [motion.from_mm, motion.to_mm].map(|[x, y, _]| [x, y]);
+        self.add_line([from_mm, to_mm], motion.length_mm(), layers, seconds_to, emit);
+    }
+
+    /// As [`Visits::add_bead`], for a line in x and y whose length may have a part along z.
+    pub(super) fn add_line(
+        &mut self,
+        [from_mm, to_mm]: [[f64; 2]; 2],
+        length_mm: f64,
+        layers: [i64; 2],
         seconds_to: impl Fn(f64) -> f64,
         emit: &mut impl FnMut(&Visit),
     ) {
         let Frame { left_mm, back_mm, cell_mm, width, height, .. } = self.frame;
         // In cells, x right and y down.
-        let to_cells = |[x, y, _]: [f64; 3]| [(x - left_mm) / cell_mm, (back_mm - y) / cell_mm];
-        let (from, to) = (to_cells(motion.from_mm), to_cells(motion.to_mm));
+        let to_cells = |[x, y]: [f64; 2]| [(x - left_mm) / cell_mm, (back_mm - y) / cell_mm];
+        let (from, to) = (to_cells(from_mm), to_cells(to_mm));
         let step = [to[0] - from[0], to[1] - from[1]];
-        let length_mm = motion.length_mm();
-        let layers = self.rows.at(f64::midpoint(motion.from_mm[2], motion.to_mm[2]));
         let mut before_s = 0.0;
         for ends in crossings(from, step, [width, height]).windows(2) {
             let [begin, end] = [ends[0], ends[1]];

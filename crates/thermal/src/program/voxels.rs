@@ -99,11 +99,11 @@ pub fn program_voxels(
     if !is_valid(cell_mm) || !is_valid(layer_mm) {
         return Err(VoxelsError::Size { cell_mm, layer_mm });
     }
-    let rows = Rows::of(program, cell_mm, layer_mm, control)?;
+    let rows = Rows::of_program(program, cell_mm, layer_mm, control)?;
     let (frame, depth) = bounds(program, &rows, cell_mm, layer_mm, control)?;
     let (width, height) = (frame.width as usize, frame.height as usize);
     let mut materials = Array3::from_elem((depth, height, width), Voxels::EMPTY);
-    let mut visits = Visits::new(frame, rows);
+    let mut visits = Visits::new(frame);
     let mut tool = 0;
     let mut fill = |tool: u8, visit: &Visit| {
         for voxel in visit.voxels().take(depth) {
@@ -122,9 +122,9 @@ pub fn program_voxels(
         let event = event?;
         poll.count(&event)?;
         match event {
-            Event::Motion(motion) if visits.is_part(&motion) => {
+            Event::Motion(motion) if rows.is_part(&motion) => {
                 tool = motion.tool;
-                visits.add_bead(&motion, |_| 0.0, &mut |visit| fill(tool, visit));
+                visits.add_bead(&motion, rows.of(&motion), |_| 0.0, &mut |visit| fill(tool, visit));
             }
             Event::Motion(_) | Event::ToolChange { .. } => {
                 visits.end_bead(&mut |visit| fill(tool, visit));
@@ -159,7 +159,7 @@ fn bounds(
         }
         total_mm += motion.length_mm();
         let z_mm = f64::midpoint(motion.from_mm[2], motion.to_mm[2]);
-        let [_, end] = rows.at(z_mm);
+        let [_, end] = rows.of(&motion);
         if z_mm <= 0.0 || end < 1 {
             low.get_or_insert(VoxelsError::Low { line: motion.line, z_mm });
             low_mm += motion.length_mm();

@@ -2,6 +2,7 @@
 
 use beadwork_base::{Control, Interrupted, Threads};
 use beadwork_grid::Cell;
+use beadwork_part::Frame;
 use thiserror::Error;
 
 use super::setup::{Simulation, Stepper, with_halo};
@@ -86,7 +87,7 @@ impl Simulation {
         let events = self.layer_events(layer, order);
         let before = self.seconds;
         let intervals = self.validate(&events)?;
-        self.check_complete(layer, order)?;
+        self.check_complete(layer, &events)?;
         let mut run = RunControl::new(control, events.len());
         self.advance(&events, &intervals, control.threads, &mut run)?;
         run.finish();
@@ -184,13 +185,22 @@ impl Simulation {
         Err(interrupted)
     }
 
-    /// Returns an error if an order leaves out a cell of its layer.
-    /// [`Simulation::validate`] must have accepted the order's events.
-    pub(crate) fn check_complete(&self, layer: u32, order: &[Cell]) -> Result<(), DepositError> {
-        let width = self.part.frame.width;
-        let mut ordered = vec![false; (width * self.part.frame.height) as usize];
-        order.iter().for_each(|&cell| ordered[cell as usize] = true);
-        let missing = self.cells(layer).find(|&cell| !ordered[cell as usize]);
+    /// Returns an error if events leave out a voxel of a layer.
+    ///
+    /// Linear in the events and in the grid's cells.
+    pub fn check_complete(
+        &self,
+        layer: u32,
+        events: &[DepositionEvent],
+    ) -> Result<(), DepositError> {
+        let Frame { width, height, .. } = self.part.frame;
+        let mut deposited = vec![false; (width * height) as usize];
+        for [x, y, z] in events.iter().filter_map(|event| event.voxel) {
+            if z == layer && x < width && y < height {
+                deposited[(y * width + x) as usize] = true;
+            }
+        }
+        let missing = self.cells(layer).find(|&cell| !deposited[cell as usize]);
         missing.map_or(Ok(()), |cell| {
             Err(DepositError::Missing { voxel: [cell % width, cell / width, layer] })
         })

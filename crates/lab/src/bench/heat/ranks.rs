@@ -129,10 +129,9 @@ impl Setup<'_> {
         layer: u32,
         orders: &[Vec<Cell>],
     ) -> anyhow::Result<(Vec<f64>, f64)> {
-        let cells: Vec<&[Cell]> = orders.iter().map(Vec::as_slice).collect();
         let begin = Instant::now();
         let trial =
-            |control: &Control<'_>| try_orders(model, layer, &cells, 0, |_, cost| cost, control);
+            |control: &Control<'_>| try_orders(model, layer, orders, 0, |_, cost| cost, control);
         let trials = control::with_bar("orders", Threads::Pool(self.pool), trial)??;
         let threads = self.pool.current_num_threads() as f64;
         let each_ms = milliseconds(begin) * threads / orders.len() as f64;

@@ -93,7 +93,7 @@ impl Fields {
         let mut layers = Vec::new();
         let own = control.without_progress();
         for (layer, planned) in plan.layers.iter().enumerate() {
-            simulation.deposit(layer as u32, &planned.cells, &own)?;
+            simulation.deposit(layer as u32, &planned.path, &own)?;
             if drawn.contains(&layer) {
                 layers.push(DrawnLayer {
                     layer,

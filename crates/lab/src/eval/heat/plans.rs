@@ -8,7 +8,7 @@ use beadwork_base::Threads;
 use beadwork_console::control;
 use beadwork_heat::bound::{HeatBound, heat_bound};
 use beadwork_heat::candidates::OrderSet;
-use beadwork_heat::model::{LayerCost, Solver, ThermalModel};
+use beadwork_heat::model::{LayerCost, Solver};
 use beadwork_heat::plan::{HeatPlan, same_order};
 use beadwork_heat::planner::{Annealing, Planner, Settings, plan};
 use beadwork_part::slice::Voxels;
@@ -227,7 +227,7 @@ impl Setup<'_> {
             warpage: true,
             ..objective::Settings::default()
         };
-        let (method, orders) = (Method::Fast(Accuracy::High), plan.orders());
+        let (method, orders) = (Method::Fast(Accuracy::High), plan.paths());
         self.with_bar("measure", |control| {
             Ok(measure_plan(part, &material, &process, method, &orders, &settings, control)?)
         })
@@ -259,6 +259,6 @@ fn travel_moves(plan: &HeatPlan, part: &Voxels) -> usize {
     };
     plan.layers
         .iter()
-        .map(|layer| layer.cells.windows(2).filter(|pair| is_travel(pair)).count())
+        .map(|layer| layer.path.windows(2).filter(|pair| is_travel(pair)).count())
         .sum()
 }

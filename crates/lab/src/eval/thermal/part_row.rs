@@ -170,8 +170,7 @@ impl Setup {
         let mut model = Solver::new(part.clone(), material, process, self.method, cost)?;
         let mut chosen = Vec::new();
         for (layer, orders) in (0..).zip(orders) {
-            let cells: Vec<&[Cell]> = orders.iter().map(Vec::as_slice).collect();
-            let trials = try_orders(&model, layer, &cells, 1, |_, cost| cost, &control)?;
+            let trials = try_orders(&model, layer, orders, 1, |_, cost| cost, &control)?;
             trials.interrupted.map_or(Ok(()), Err)?;
             let best = trials.best.into_iter().next().expect("there are 38 patterns");
             model = best.model;

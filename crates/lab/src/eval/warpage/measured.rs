@@ -146,8 +146,7 @@ fn even_plan(
     let mut model = Solver::new(part.clone(), &ThermalMaterial::abs(), process, method, cost)?;
     let mut plan = Vec::new();
     for (layer, mut orders) in (0..).zip(all_orders(part)?) {
-        let cells: Vec<&[Cell]> = orders.iter().map(Vec::as_slice).collect();
-        let trials = try_orders(&model, layer, &cells, 1, |_, cost| cost, control)?;
+        let trials = try_orders(&model, layer, &orders, 1, |_, cost| cost, control)?;
         trials.interrupted.map_or(Ok(()), Err)?;
         let best = trials.best.into_iter().next().expect("patterns were tried");
         plan.push(orders.swap_remove(best.index));

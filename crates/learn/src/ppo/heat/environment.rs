@@ -231,7 +231,7 @@ impl Environment for HeatEnvironment {
         let task = self.task.clone();
         let layer = &task.layers[self.layer];
         let order = &layer.orders[action];
-        self.seconds += self.solver.order_seconds(self.layer as u32, order);
+        self.seconds += self.solver.path_seconds(self.layer as u32, order);
         let deposit = |solver: &mut Solver| {
             solver
                 .deposit(self.layer as u32, order, &Control::default())

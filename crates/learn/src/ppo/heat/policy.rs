@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use beadwork_base::Control;
 use beadwork_heat::candidates::OrderSet;
-use beadwork_heat::model::{Solver, ThermalModel};
+use beadwork_heat::model::Solver;
 use beadwork_heat::plan::{HeatPlan, PlannedLayer};
 use beadwork_part::Order;
 use beadwork_search::Stop;
@@ -216,7 +216,7 @@ fn follow(
             stop = reason.into();
         }
         if layer.orders[baseline].is_empty() {
-            layers.push(PlannedLayer { cells: Vec::new(), order: None, seconds: 0.0, cost: 0.0 });
+            layers.push(PlannedLayer::empty());
             observation = environment.step(baseline).observation;
             continue;
         }
@@ -225,7 +225,7 @@ fn follow(
         let before = environment.seconds();
         let step = environment.step(action);
         layers.push(PlannedLayer {
-            cells: layer.orders[action].clone(),
+            path: layer.orders[action].clone(),
             order: Some(orders[action]),
             seconds: environment.seconds() - before,
             cost: layer.baseline_cost - step.reward / task.reward_scale,

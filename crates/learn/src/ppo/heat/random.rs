@@ -4,10 +4,10 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use beadwork_dataset::random_part::{self, RandomPartError, random_part};
-use beadwork_heat::model::{LayerCost, Solver};
+use beadwork_heat::model::{LayerCost, ModelError, Solver};
 use beadwork_part::Order;
 use beadwork_part::slice::Voxels;
-use beadwork_thermal::simulation::{Accuracy, Method, SetupError};
+use beadwork_thermal::simulation::{Accuracy, Method};
 use beadwork_thermal::{ProcessParameters, ThermalMaterial};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -55,7 +55,7 @@ pub enum RandomHeatError {
     Part(#[from] RandomPartError),
     /// A part cannot be simulated.
     #[error(transparent)]
-    Setup(#[from] SetupError),
+    Setup(#[from] ModelError),
     /// A part's task cannot be made.
     #[error(transparent)]
     Task(#[from] HeatError),

@@ -2,7 +2,8 @@
 
 use beadwork_base::Control;
 use beadwork_grid::{Cell, RegionError};
-use beadwork_heat::model::{Solver, ThermalModel, order_seconds};
+use beadwork_heat::fill::Fill;
+use beadwork_heat::model::{Solver, ThermalModel};
 use beadwork_part::{Order, Pattern};
 use beadwork_thermal::event::layer_events;
 use beadwork_thermal::simulation::DepositError;
@@ -246,7 +247,7 @@ impl HeatTask {
         let mut layers: Vec<LayerTask> = Vec::with_capacity(orders.len());
         for (layer, orders) in (0..).zip(orders) {
             let order = &orders[baseline];
-            end_s += order_seconds(part, unprinted.process(), layer, last, order);
+            end_s += unprinted.fill().seconds(layer, last, order);
             last = order.last().copied().or(last);
             let cost = match baseline_costs {
                 Some(costs) => costs[layer as usize],

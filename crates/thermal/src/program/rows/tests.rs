@@ -12,7 +12,7 @@ fn program(heights_mm: &[f64]) -> Program {
 }
 
 fn rows(heights_mm: &[f64], layer_mm: f64) -> Rows {
-    Rows::of(&program(heights_mm), 0.5, layer_mm, &Control::default()).unwrap()
+    Rows::of_program(&program(heights_mm), 0.5, layer_mm, &Control::default()).unwrap()
 }
 
 fn tops(thicknesses: &[f64]) -> Vec<f64> {
@@ -62,10 +62,10 @@ fn layers_of_one_height_are_rows() {
     // Above a support, layers are not thick.
     assert_eq!(rows(&[1.0, 1.2, 1.4], 0.2).at(1.2), [5, 6]);
     let program = "M83\nG1 Z0.2\nG1 X9 E1\nG1 X0 Z0.4 E1\nG1 X9 Z0.6 E1".parse().unwrap();
-    let vase = Rows::of(&program, 0.5, 0.2, &Control::default()).unwrap();
+    let vase = Rows::of_program(&program, 0.5, 0.2, &Control::default()).unwrap();
     assert_eq!(vase.fit(), None, "a spiral has no layers");
     let text = "M83\nG1 Z0.3\nG1 X9 E1\nG1 X0 Z0.5 E1\nG1 X9 Z0.7 E1".parse().unwrap();
-    let vase = Rows::of(&text, 0.5, 0.2, &Control::default()).unwrap();
+    let vase = Rows::of_program(&text, 0.5, 0.2, &Control::default()).unwrap();
     assert_eq!([0.3, 0.4, 0.5, 0.6].map(|z| vase.at(z)[0]), [0, 1, 1, 2]);
     assert!((vase.fit().unwrap().max_deviation_mm - 0.1).abs() < 1e-9);
 }
@@ -93,7 +93,7 @@ fn a_part_on_a_raft_begins_above_it() {
     let raft = ";TYPE:Support\nG1 Z0.3 F6000\nG1 X20 E2\n;TYPE:Perimeter\n";
     let part = program(&[0.95, 1.15, 1.35]).emit();
     let text = format!("M83\n{raft}{part}").parse().unwrap();
-    let rows = Rows::of(&text, 0.5, 0.2, &Control::default()).unwrap();
+    let rows = Rows::of_program(&text, 0.5, 0.2, &Control::default()).unwrap();
     assert_eq!([0.95, 1.15, 1.35].map(|z| rows.at(z)), [[0, 1], [1, 2], [2, 3]]);
     assert_eq!(rows.fit(), None);
     let fit = program_fit(&text, 0.5, 0.2, &Control::default()).unwrap();

@@ -1,0 +1,114 @@
+//! What the layers of a part are printed from, and the orders in which they can be printed.
+
+mod cells;
+
+use std::fmt::Debug;
+use std::hash::Hash;
+
+use beadwork_grid::Cell;
+use beadwork_part::Order;
+use beadwork_thermal::DepositionEvent;
+
+pub use self::cells::{CellLines, Cells, CellsError};
+
+/// What the layers of a part are printed from: [`Cells`], or beads.
+///
+/// Planners choose a [`Fill::Path`] for each layer, which prints the whole layer, and do not depend
+/// on what it consists of.
+pub trait Fill: Clone + Send + Sync {
+    /// All of a layer, in some order; the default prints nothing.
+    type Path: Clone + Debug + Default + Eq + Hash + Send + Sync;
+
+    /// Name of an order.
+    type Name: Copy + Debug + PartialEq + Send + Sync;
+
+    /// Where the nozzle is.
+    type Position: Copy + Debug + PartialEq + Send + Sync;
+
+    /// The lines of a layer, for searches that permute them.
+    type Lines: LineSet<Path = Self::Path, Position = Self::Position>;
+
+    /// Number of layers.
+    fn layer_count(&self) -> usize;
+
+    /// Number of voxels of a layer; planners leave out layers without any.
+    fn voxel_count(&self, layer: u32) -> usize;
+
+    /// The conventional order of a layer that has voxels.
+    fn conventional(&self, layer: u32) -> Draft<Self::Path, Self::Name>;
+
+    /// A named order of a layer that has voxels; `None` if it is an order of something else.
+    fn named(&self, layer: u32, order: Order) -> Option<Draft<Self::Path, Self::Name>>;
+
+    /// The lines of a layer that has voxels, as a named order has them; those of a golden order
+    /// without a name, or if the order has no lines.
+    fn lines(&self, layer: u32, name: Option<Self::Name>) -> Self::Lines;
+
+    /// All ways in which a layer that has voxels can be divided into lines.
+    fn all_lines(&self, layer: u32) -> Vec<Self::Lines>;
+
+    /// Where a path begins and ends; `None` if it prints nothing.
+    fn ends(&self, layer: u32, path: &Self::Path) -> Option<[Self::Position; 2]>;
+
+    /// Time from the end of a path to the beginning of the next one, s.
+    fn travel_seconds(&self, from: Self::Position, to: Self::Position) -> f64;
+
+    /// The deposition events of a path, with travel as pauses.
+    ///
+    /// The nozzle comes from `from`; with `None`, it starts at the path's beginning.
+    fn events(
+        &self,
+        layer: u32,
+        from: Option<Self::Position>,
+        path: &Self::Path,
+    ) -> Vec<DepositionEvent>;
+
+    /// Time of a path, s: that of its events.
+    fn seconds(&self, layer: u32, from: Option<Self::Position>, path: &Self::Path) -> f64 {
+        self.events(layer, from, path).iter().map(|event| event.seconds).sum()
+    }
+}
+
+/// Lines of a layer, in any order.
+pub trait LineSet: Send + Sync {
+    /// As [`Fill::Path`].
+    type Path;
+
+    /// As [`Fill::Position`].
+    type Position;
+
+    /// Number of lines.
+    fn count(&self) -> usize;
+
+    /// The cells of a line.
+    fn cells(&self, line: usize) -> &[Cell];
+
+    /// Time to print a line, s.
+    fn seconds(&self, line: usize) -> f64;
+
+    /// The numbers of the lines in the order from which a search begins.
+    fn start(&self, from: Option<Self::Position>) -> Vec<usize>;
+
+    /// The path that prints the lines in the order of a permutation, each from the end nearer to
+    /// the nozzle.
+    fn path(&self, permutation: &[usize], from: Option<Self::Position>) -> Self::Path;
+}
+
+/// A layer before it is deposited.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Draft<P, N> {
+    /// All of the layer, in order.
+    pub path: P,
+    /// Name of the order; `None` if a search made it, or the layer is empty.
+    pub name: Option<N>,
+}
+
+/// A draft of a layer of a fill.
+pub type DraftOf<F> = Draft<<F as Fill>::Path, <F as Fill>::Name>;
+
+impl<P: Default, N> Default for Draft<P, N> {
+    /// The draft of a layer without voxels.
+    fn default() -> Self {
+        Self { path: P::default(), name: None }
+    }
+}
