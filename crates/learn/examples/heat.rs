@@ -3,13 +3,18 @@
 //!
 //! ```text
 //! cargo run --release -p beadwork-learn --example heat -- rect 1 runs/heat
-//! cargo run --release -p beadwork-learn --example heat -- rect 1 runs/lines all 1.02
+//! cargo run --release -p beadwork-learn --example heat -- rect 1 runs/lines all 1.02 - estimated
 //! ```
 //!
 //! The arguments are the part (rect, u or pyramid), the seed and the folder to write to.
-//! Optional arguments are the candidates (`patterns`, `lines` or `all`), the limit on the printing
-//! time as a ratio to the conventional one (`-` for none), a configuration file (`-` for `small`),
-//! and the word `described`, with which observations describe each candidate, as for random parts.
+//! Optional arguments, `-` for the default:
+//! - the candidates: `patterns` (the default), `lines` or `all`;
+//! - the limit on the printing time, as a ratio to the conventional one; by default, none;
+//! - a configuration file; by default, the preset `small`, or `estimated` with estimates;
+//! - how observations describe each candidate: by default, not at all; `described`, by crude
+//!   estimates, as for random parts; `estimated`, by those of the planner `lines`;
+//! - the price of time, K/s: by default, 0; `estimated`, the price of the limit.
+//!
 //! With orders of lines, it also plans by `lines`, and anneals the lines of the policy's plan.
 
 #![allow(clippy::print_stdout, reason = "an example reports on the terminal")]
@@ -26,7 +31,7 @@ use beadwork_heat::plan::{HeatPlan, PlannedLayer};
 use beadwork_heat::planner;
 use beadwork_learn::Device;
 use beadwork_learn::ppo::{
-    self, Environment, Event, HeatEnvironment, HeatSettings, HeatTask, TrainingConfig,
+    self, Environment, Event, HeatEnvironment, HeatSettings, HeatTask, TimePrice, TrainingConfig,
 };
 use beadwork_part::slice::Voxels;
 use beadwork_part::{Frame, Order, Pattern};
@@ -64,23 +69,23 @@ fn part(name: &str) -> Result<Voxels, String> {
 fn greedy(task: &Arc<HeatTask>) -> (f64, Vec<usize>) {
     let mut environment = HeatEnvironment::new(task.clone());
     let mut observation = environment.reset(0);
-    let (mut gain, mut actions) = (0.0, Vec::new());
+    let (mut rewards, mut actions) = (0.0, Vec::new());
     loop {
         let permitted = observation.permitted.iter();
         let permitted: Vec<usize> = (0..)
             .zip(permitted)
             .filter_map(|(action, permitted)| permitted.then_some(action))
             .collect();
-        let rewards =
+        let tried =
             Threads::Current.map(&permitted, |&action| environment.clone().step(action).reward);
-        let best = (0..rewards.len()).max_by(|&a, &b| rewards[a].total_cmp(&rewards[b]));
+        let best = (0..tried.len()).max_by(|&a, &b| tried[a].total_cmp(&tried[b]));
         let action = permitted[best.unwrap_or(0)];
         let step = environment.step(action);
-        gain += step.reward;
+        rewards += step.reward;
         actions.push(action);
         observation = step.observation;
         if step.end.is_some() {
-            return (gain, actions);
+            return (environment.score(rewards), actions);
         }
     }
 }
@@ -121,8 +126,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let names = rest.first().map_or("patterns", String::as_str).parse::<OrderSet>()?.orders();
     let limit = rest.get(1).filter(|limit| *limit != "-");
     let max_time_ratio = limit.map(|limit| limit.parse()).transpose()?;
+    let observed = rest.get(3).map_or("-", String::as_str);
     let mut config = match rest.get(2).filter(|file| *file != "-") {
         Some(file) => TrainingConfig::from_toml(&std::fs::read_to_string(file)?)?,
+        None if observed == "estimated" => TrainingConfig::estimated(),
         None => TrainingConfig::small(),
     };
     config.seed = seed.parse()?;
@@ -139,10 +146,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     let cost = LayerCost::of(Objective::Reward)?;
     let solver = Solver::new(part.clone(), &material, &process, Method::default(), cost)?;
     let baseline = names.iter().position(|&order| order == Order::CONVENTIONAL).unwrap_or(0);
-    let window = rest.get(3).map(|_| 16);
-    let settings = HeatSettings { baseline, max_time_ratio, window, ..HeatSettings::default() };
+    let observed = match observed {
+        "-" => HeatSettings::default(),
+        "described" => HeatSettings { window: Some(16), ..HeatSettings::default() },
+        "estimated" => HeatSettings::estimated(),
+        _ => return Err("expected: -, described or estimated".into()),
+    };
+    let time_price = match rest.get(4).map_or("-", String::as_str) {
+        "-" => TimePrice::Free,
+        "estimated" => TimePrice::Estimated,
+        price => TimePrice::Given(price.parse()?),
+    };
+    let settings = HeatSettings { baseline, max_time_ratio, time_price, ..observed };
     let task = Arc::new(HeatTask::new(solver.clone(), orders, &settings)?);
     let baseline = task.baseline_reward();
+    if task.time_price() > 0.0 {
+        println!("price of time: {:.4} K/s", task.time_price());
+    }
     let begin = Instant::now();
     let (greedy_gain, greedy_actions) = greedy(&task);
     let named = |actions: &[usize]| {

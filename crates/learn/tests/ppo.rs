@@ -333,6 +333,55 @@ fn the_best_arm_of_a_bandit_is_found() {
     }
 }
 
+/// A bandit whose rewards are shaped: each is 5 more than it counts for.
+struct Shaped(Bandit);
+
+impl Environment for Shaped {
+    fn identity(&self) -> String {
+        self.0.identity()
+    }
+
+    fn space(&self) -> Space {
+        self.0.space()
+    }
+
+    fn reset(&mut self, seed: u64) -> Observation {
+        self.0.reset(seed)
+    }
+
+    fn step(&mut self, action: usize) -> Step {
+        let step = self.0.step(action);
+        Step { reward: step.reward + 5.0, ..step }
+    }
+
+    fn score(&self, rewards: f64) -> f64 {
+        rewards - 5.0
+    }
+}
+
+#[test]
+fn episodes_count_for_their_scores() {
+    let config = TrainingConfig { evaluation_episodes: 2, ..small() };
+    let (_, events) = trained(&|| Shaped(Bandit::new(&[0.25, 1.0, 0.5])), &config);
+    let mut counted = 0;
+    let mut check = |score: f64| {
+        counted += 1;
+        assert!([0.25, 0.5, 1.0].contains(&score), "{score}");
+    };
+    for event in &events {
+        match event {
+            Event::Episode { episode_return, .. } => check(*episode_return),
+            Event::Evaluated { evaluation, .. } => {
+                evaluation.returns.iter().for_each(|&score| check(score));
+            }
+            Event::Kept { mean_return, .. } => assert!(*mean_return <= 1.0),
+            _ => {}
+        }
+    }
+    assert!(counted > 100, "{counted}");
+    assert!((last_mean(&events) - 1.0).abs() < 1e-12);
+}
+
 #[test]
 fn a_chain_is_followed_past_a_near_reward_to_the_far_one() {
     for seed in 0..3 {
@@ -433,7 +482,61 @@ fn files(out: &Path) -> Vec<(String, Vec<u8>)> {
 
 /// A configuration whose runs have evaluations, improvements and truncated episodes.
 fn varied() -> TrainingConfig {
-    TrainingConfig { steps: 2560, evaluation_episodes: 3, evaluate_every: 30, ..small() }
+    TrainingConfig {
+        steps: 2560,
+        stagger: 9,
+        evaluation_episodes: 3,
+        evaluate_every: 30,
+        ..small()
+    }
+}
+
+/// Episodes of ten steps without rewards.
+struct TenSteps(usize);
+
+impl Environment for TenSteps {
+    fn identity(&self) -> String {
+        "task = \"ten steps\"".into()
+    }
+
+    fn space(&self) -> Space {
+        Space::vector(1, 2)
+    }
+
+    fn reset(&mut self, _: u64) -> Observation {
+        self.0 = 0;
+        Observation::vector(vec![0.0], 2)
+    }
+
+    fn step(&mut self, _: usize) -> Step {
+        self.0 += 1;
+        let end = (self.0 == 10).then_some(EpisodeEnd::Terminated);
+        Step { observation: Observation::vector(vec![0.0], 2), reward: 0.0, end }
+    }
+}
+
+#[test]
+fn staggered_environments_are_at_different_steps() {
+    let ends = |stagger: u32| {
+        let config =
+            TrainingConfig { steps: 320, environments: 8, rollout: 10, stagger, ..small() };
+        let (_, events) = trained(&|| TenSteps(0), &config);
+        let ended = |event: &Event| match event {
+            Event::Episode { steps, length, .. } => {
+                assert_eq!(*length, 10);
+                Some(*steps)
+            }
+            _ => None,
+        };
+        let mut ends: Vec<u64> = events.iter().filter_map(ended).collect();
+        // Each of the eight environments ends four episodes in forty steps, or more if it began
+        // later.
+        assert!(ends.len() >= 32);
+        ends.dedup();
+        ends
+    };
+    assert_eq!(ends(0), [80, 160, 240, 320]);
+    assert!(ends(25).len() > 12);
 }
 
 #[test]

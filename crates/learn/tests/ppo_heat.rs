@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use beadwork_base::Control;
 use beadwork_grid::Cell;
-use beadwork_heat::model::{LayerCost, Solver, ThermalModel};
+use beadwork_heat::model::{LayerCost, Screen, Solver, ThermalModel};
 use beadwork_heat::trials::try_orders;
 use beadwork_learn::Device;
 use beadwork_learn::ppo::{
     self, Environment, EpisodeEnd, Event, FieldsConfig, HeatEnvironment, HeatError, HeatSettings,
-    HeatTask, Kept, NetworkConfig, Observation, Policy, Space, Step, TrainingConfig,
+    HeatTask, Kept, NetworkConfig, Observation, Policy, Space, Step, TimePrice, TrainingConfig,
 };
 use beadwork_part::slice::Voxels;
 use beadwork_part::{Frame, Pattern};
@@ -170,6 +170,8 @@ fn tasks_that_cannot_be_printed_are_refused() {
         HeatSettings { max_time_ratio: Some(0.9), ..usual },
         HeatSettings { max_time_ratio: Some(f64::NAN), ..usual },
         HeatSettings { max_time_ratio: Some(f64::INFINITY), ..usual },
+        HeatSettings { time_price: TimePrice::Given(-0.1), ..usual },
+        HeatSettings { time_price: TimePrice::Given(f64::NAN), ..usual },
     ];
     for settings in wrong {
         assert!(matches!(new(all(), &settings), HeatError::Settings(_)), "{settings:?}");
@@ -243,6 +245,104 @@ fn the_time_limit_holds_at_the_end_of_each_layer() {
         }
     }
     assert!(masked > 1000, "{masked}");
+}
+
+/// The task of the small part with a limit on the printing time.
+fn limited(time_price: TimePrice, window: Option<usize>, relative: bool) -> Arc<HeatTask> {
+    let part = small_part();
+    let estimated = window.is_some();
+    let max_time_ratio = Some(1.05);
+    let usual = HeatSettings::default();
+    let settings =
+        HeatSettings { max_time_ratio, time_price, window, estimated, relative, ..usual };
+    Arc::new(HeatTask::new(solver(&part, Objective::Reward), orders(&part), &settings).unwrap())
+}
+
+#[test]
+fn priced_rewards_sum_to_the_gain_minus_the_price_of_the_excess_time() {
+    for (relative, scale) in [(false, 1.0), (true, 100.0 / -task().baseline_reward())] {
+        let mut free = HeatEnvironment::new(limited(TimePrice::Free, None, relative));
+        let mut all_priced = 0;
+        for price in [0.0, 0.01, 0.5, 20.0] {
+            let task = limited(TimePrice::Given(price), None, relative);
+            let mut priced = HeatEnvironment::new(task.clone());
+            for round in 0..10 {
+                // The mask is that of the limit alone, and so is everything else that is observed.
+                let (mut observation, other) = (free.reset(round), priced.reset(round));
+                assert_eq!(observation, other);
+                let (mut gain, mut rewards) = (0.0, 0.0);
+                for layer in 0..4 {
+                    let permitted: Vec<usize> =
+                        (0..38).filter(|&action| observation.permitted[action]).collect();
+                    let action = permitted[(round as usize * 13 + layer * 5) % permitted.len()];
+                    let (step, other) = (free.step(action), priced.step(action));
+                    gain += step.reward;
+                    rewards += other.reward;
+                    assert_eq!(step.observation, other.observation);
+                    observation = step.observation;
+                }
+                let excess_s = priced.seconds() - task.baseline_seconds();
+                assert!((rewards - (gain - scale * price * excess_s)).abs() < 1e-9);
+                assert!((priced.score(rewards) - gain).abs() < 1e-9);
+                assert!((free.score(gain) - gain).abs() < 1e-12);
+                all_priced += usize::from(price > 0.0 && excess_s.abs() > 0.1);
+            }
+        }
+        assert!(all_priced > 10, "{all_priced}");
+    }
+}
+
+#[test]
+fn the_price_of_time_is_that_of_the_limit() {
+    let price = |ratio: Option<f64>| {
+        let part = small_part();
+        let settings = HeatSettings {
+            max_time_ratio: ratio,
+            time_price: TimePrice::Estimated,
+            ..HeatSettings::default()
+        };
+        let solver = solver(&part, Objective::Reward);
+        HeatTask::new(solver, orders(&part), &settings).unwrap().time_price()
+    };
+    // The tighter the limit, the more a second is worth.
+    let prices = [1.0, 1.02, 1.05, 1.1, 1.5, 10.0].map(|ratio| price(Some(ratio)));
+    assert!(prices.is_sorted_by(|a, b| a >= b), "{prices:?}");
+    assert!(prices[1] > 0.0 && prices[5] <= 0.0, "{prices:?}");
+    assert!(price(None) <= 0.0);
+}
+
+#[test]
+fn candidates_are_described_by_their_estimates() {
+    let task = limited(TimePrice::Free, Some(16), false);
+    let mut environment = HeatEnvironment::new(task.clone());
+    let part = small_part();
+    let orders = orders(&part);
+    let (mut baseline, mut observation) = (solver(&part, Objective::Reward), environment.reset(0));
+    for (layer, orders) in (0..).zip(&orders) {
+        let numbers = &observation.tensors[3];
+        assert_eq!(numbers.len(), 38 * 5);
+        let screen = baseline.screen(layer).unwrap();
+        let estimates: Vec<f64> = orders.iter().map(|order| screen.cost(order)).collect();
+        // The candidate with the lowest estimate misses nothing, and others more by rank.
+        let missed = |action: usize| numbers[5 * action + 2];
+        let mut ranked: Vec<usize> = (0..38).collect();
+        ranked.sort_by(|&a, &b| estimates[a].total_cmp(&estimates[b]));
+        assert!(missed(ranked[0]) <= 0.0, "{}", missed(ranked[0]));
+        assert!(ranked.is_sorted_by_key(|&action| missed(action)));
+        assert!(missed(ranked[37]) > 0.5 && missed(ranked[37]) <= 3.0);
+        let conventional = Pattern::CONVENTIONAL.number();
+        let share = 4.0 * (estimates[3] / estimates[conventional] - 1.0);
+        assert!((f64::from(numbers[5 * 3 + 1]) - share.clamp(-3.0, 3.0)).abs() < 1e-5);
+        let order = &orders[conventional];
+        baseline.deposit(layer, order, &Control::default()).unwrap();
+        let last = observation.permitted.iter().rposition(|&permitted| permitted).unwrap();
+        observation = environment.step(last).observation;
+    }
+    // Costs over time have no estimate.
+    let settings = HeatSettings { estimated: true, window: Some(16), ..HeatSettings::default() };
+    let over_time = solver(&part, Objective::TimeAveraged);
+    let error = HeatTask::new(over_time, orders, &settings).unwrap_err();
+    assert!(matches!(error, HeatError::NoEstimates), "{error}");
 }
 
 /// A configuration for the small part.

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Space {
-    /// Shape of each tensor of an observation: `[values]`, `[action, values]`, `[channel, y, x]`
-    /// or `[channel, z, y, x]`.
+    /// Shape of each tensor of an observation: `[values]`, `[action, values]`, `[channel, y, x]` or
+    /// `[channel, z, y, x]`.
     pub observation: Vec<Vec<i64>>,
     /// Number of actions, at least 1.
     pub actions: usize,
@@ -103,4 +103,13 @@ pub trait Environment: Send {
     /// # Panics
     /// Implementations may panic if the action is not permitted, or if the episode has ended.
     fn step(&mut self, action: usize) -> Step;
+
+    /// What the episode that just ended counts for in logs, evaluations and the choice of the best
+    /// policy, where the sum of its rewards was `rewards`.
+    ///
+    /// The sum itself, unless rewards are shaped: they then differ from what is wanted, so that it
+    /// is learned more easily.
+    fn score(&self, rewards: f64) -> f64 {
+        rewards
+    }
 }

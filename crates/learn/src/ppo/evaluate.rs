@@ -12,7 +12,7 @@ use super::random::{Purpose, generator};
 /// The episodes of an evaluation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
-    /// Return of each episode.
+    /// Return of each episode, as its environment [scores](Environment::score) it.
     pub returns: Vec<f64>,
     /// Actions of each episode.
     pub actions: Vec<Vec<usize>>,
@@ -80,6 +80,10 @@ pub fn evaluate<E: Environment>(
         for ((episode, reward), action) in episodes.iter().zip(rewards).zip(actions) {
             evaluation.returns[episode.number] += reward;
             evaluation.actions[episode.number].push(action);
+            if episode.ended {
+                let score = &mut evaluation.returns[episode.number];
+                *score = episode.environment.score(*score);
+            }
         }
         episodes.retain(|episode| !episode.ended);
     }

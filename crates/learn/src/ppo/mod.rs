@@ -68,7 +68,7 @@ pub use self::evaluate::{Evaluation, evaluate};
 pub use self::fields::FieldsConfig;
 pub use self::heat::{
     HeatEnvironment, HeatError, HeatPolicy, HeatPolicyError, HeatSettings, HeatTask, PolicyTask,
-    RandomHeatEnvironment, RandomHeatError, RandomHeatTask,
+    RandomHeatEnvironment, RandomHeatError, RandomHeatTask, TimePrice,
 };
 pub use self::network::{ActorCritic, NetworkConfig, Output, SpaceError};
 pub use self::perceptron::PerceptronConfig;

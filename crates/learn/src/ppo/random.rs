@@ -19,6 +19,8 @@ pub(super) enum Purpose {
     Shuffle,
     /// The seeds of the episodes of an evaluation.
     Evaluation,
+    /// The steps of an environment before the run.
+    Stagger,
 }
 
 /// The generator of a purpose; `number` tells apart generators of one purpose.

@@ -2,10 +2,11 @@
 //! advantages, update, logs.
 //!
 //! Schulman et al., "Proximal Policy Optimization Algorithms" (2017), with the implementation
-//! details of the reference (`CleanRL`, `ppo.py`), of which there are three differences:
+//! details of the reference (`CleanRL`, `ppo.py`), from which it differs in four points:
 //! - an episode that was truncated is continued in the estimate by the critic's value of its last
 //!   observation, where the reference treats it as terminated;
 //! - actions can be masked;
+//! - environments can begin at different steps of their episodes;
 //! - random numbers are those of [`random`](super::random), and a run can be resumed exactly.
 
 use std::io::Write;
@@ -83,7 +84,7 @@ pub enum Event {
         steps: u64,
         /// Its number, from 1, in the order of completion.
         episode: u64,
-        /// Sum of its rewards.
+        /// Sum of its rewards, as its environment [scores](Environment::score) it.
         episode_return: f64,
         /// Number of its steps.
         length: u64,
@@ -255,6 +256,9 @@ pub fn train<E: Environment>(
     // The environments, where the checkpoint left them.
     let new_worker = |number: usize| Worker::new(make(), number, seed, &state.positions[number]);
     let mut workers: Vec<Worker<E>> = (0..count).map(new_worker).collect();
+    if state.updates == 0 && config.stagger > 0 {
+        control.threads.map_mut(&mut workers, |_, worker| worker.stagger(config.stagger));
+    }
 
     while state.updates < config.updates() {
         let update = state.updates + 1;

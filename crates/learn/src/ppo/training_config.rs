@@ -29,6 +29,13 @@ pub struct TrainingConfig {
     pub steps: u64,
     /// Environments that are stepped together, 8 \[PPO, its Atari experiments\].
     pub environments: usize,
+    /// Environments begin at different steps of their first episodes: each makes a random number of
+    /// random permitted steps, up to this number, before the run; 0 \[reference\].
+    ///
+    /// Without it, environments whose episodes have the same length stay in step, and a rollout
+    /// that is shorter than an episode sees a part of it only.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub stagger: u32,
     /// Steps in each environment between two updates, 128 \[PPO, its Atari experiments;
     /// reference\].
     pub rollout: usize,
@@ -93,6 +100,7 @@ impl Default for TrainingConfig {
             seed: 0,
             steps: 500_000,
             environments: 8,
+            stagger: 0,
             rollout: 128,
             gamma: 0.99,
             gae_lambda: 0.95,
@@ -116,6 +124,12 @@ impl Default for TrainingConfig {
             network: NetworkConfig::default(),
         }
     }
+}
+
+/// Whether a setting is off, so that it is not written.
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+fn is_zero(value: &u32) -> bool {
+    *value == 0
 }
 
 /// Why a training configuration is invalid.
@@ -168,12 +182,37 @@ impl TrainingConfig {
         }
     }
 
+    /// A policy for one part whose candidates are described by estimates
+    /// ([`HeatSettings::estimated`](super::HeatSettings::estimated)), on a processor.
+    ///
+    /// Differs from [`small`](Self::small) as follows:
+    /// - rollouts of 96 steps in place of 384, since estimates lead to good candidates within some
+    ///   updates: the policies of the paper's parts are nearly the best after some 40 updates;
+    /// - environments are staggered, so that a rollout sees all heights of a part: with the 77
+    ///   layers of the paper's pyramid in step, the policy forgot lower layers while it saw higher
+    ///   ones;
+    /// - the learning rate and the entropy bonus are higher, so that it learns within few steps and
+    ///   does not settle on the first candidate that is good in all layers;
+    /// - the discount is 0: the order of a layer hardly changes what others gain.
+    pub fn estimated() -> Self {
+        Self {
+            steps: 9600,
+            stagger: 80,
+            rollout: 6,
+            gamma: 0.0,
+            learning_rate: 5e-4,
+            entropy: 0.01,
+            threads: 1,
+            ..Self::small()
+        }
+    }
+
     /// A policy that acts on parts it was not trained on, on a processor.
     ///
     /// Every episode has another part, so that more steps are needed than for one part, and an
     /// evaluation takes several episodes.
-    /// The order of a layer hardly changes what later layers gain, so the discount is 0.
-    /// One thread of libtorch leaves the others to the solver.
+    /// The order of a layer hardly changes what later layers gain, so the discount is 0. One thread
+    /// of libtorch leaves the others to the solver.
     pub fn general() -> Self {
         Self {
             steps: 160_000,

@@ -1,7 +1,9 @@
 //! An environment with its episode's record.
 
+use rand::RngExt;
+
 use super::environment::{Environment, EpisodeEnd, Observation, Space, Step};
-use super::random::episode_seed;
+use super::random::{Purpose, episode_seed, generator};
 
 /// Where an environment is in its sequence of episodes.
 ///
@@ -34,6 +36,7 @@ pub(super) struct Worker<E> {
 /// A finished episode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Finished {
+    /// The episode's score.
     pub(super) episode_return: f64,
     pub(super) length: u64,
 }
@@ -66,6 +69,17 @@ impl<E: Environment> Worker<E> {
         worker
     }
 
+    /// Makes a random number of random permitted steps, up to `steps`.
+    pub(super) fn stagger(&mut self, steps: u32) {
+        let mut generator = generator(self.seed, Purpose::Stagger, self.number as u64);
+        for _ in 0..generator.random_range(0..=steps) {
+            let permitted = self.observation.permitted.iter();
+            let permitted: Vec<usize> =
+                permitted.enumerate().filter_map(|(action, &is)| is.then_some(action)).collect();
+            self.step(permitted[generator.random_range(0..permitted.len())]);
+        }
+    }
+
     pub(super) fn position(&self) -> &Position {
         &self.position
     }
@@ -88,7 +102,8 @@ impl<E: Environment> Worker<E> {
             return Outcome { reward, end, truncated_at: None, finished: None };
         };
         let length = self.position.actions.len() as u64;
-        let finished = Some(Finished { episode_return: self.episode_return, length });
+        let episode_return = self.environment.score(self.episode_return);
+        let finished = Some(Finished { episode_return, length });
         self.position = Position { episode: self.position.episode + 1, actions: Vec::new() };
         self.reset();
         let truncated_at = (ended == EpisodeEnd::Truncated).then_some(observation);

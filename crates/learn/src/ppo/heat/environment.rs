@@ -20,14 +20,19 @@ use super::task::{HeatTask, LayerTask};
 ///   cells and the number of layers, that share is from 0 to 1, 1 without a limit, and a last
 ///   tensor has five numbers for each candidate, `[candidates, 5]`: its printing time and two crude
 ///   estimates of its unevenness, all relative to the baseline's, and the position of its end.
+///   With [estimates](super::HeatSettings::estimated), the two are the estimate of its cost
+///   relative to the baseline's, and how far it is above the lowest one, from 0 to 3, the price of
+///   time included.
 /// - Reward: the cost of the layer when the baseline is printed in all layers, minus the actual
 ///   one, K (or percent of the part's, [`relative`](super::HeatSettings::relative)), as the
-///   [`Solver`] defines costs; the paper's is the standard deviation of all
-///   deposited voxels at the layer's end.
+///   [`Solver`] defines costs; the paper's is the standard deviation of all deposited voxels at the
+///   layer's end.
 ///   So the reward is minus the cost plus a number that depends on the layer alone.
 ///   As every episode has all layers, no policy gains or loses by it, but the critic need not learn
 ///   what the layer alone explains.
 ///   The return is what the plan gains over the baseline.
+///   With a [price of time](super::TimePrice), each second beyond the baseline's time for the layer
+///   is subtracted at that price; episodes still [score](Environment::score) what they gain.
 /// - An episode ends after the last layer; all episodes start alike, whatever their seed.
 /// - Candidates that repeat an earlier one of their layer are masked, and those that exceed
 ///   [`max_time_ratio`](super::HeatSettings::max_time_ratio).
@@ -133,14 +138,19 @@ impl HeatEnvironment {
             let relative = if baseline > 0.0 { value / baseline - 1.0 } else { 0.0 };
             (factor * relative).clamp(-3.0, 3.0) as f32
         };
+        let missed = missed(layer, seconds, task.time_price);
         let mut numbers = Vec::with_capacity(5 * seconds.len());
         for (candidate, order) in layer.orders.iter().enumerate() {
             let uneven = |measure: usize| {
                 let of = |candidate: usize| layer.unevenness[candidate][measure];
                 relative(of(candidate), of(baseline), 4.0)
             };
+            let estimate = |candidate: usize| layer.estimates[candidate];
             numbers.push(relative(seconds[candidate], seconds[baseline], 10.0));
-            numbers.extend([uneven(0), uneven(1)]);
+            numbers.extend(match missed.get(candidate) {
+                Some(&missed) => [relative(estimate(candidate), estimate(baseline), 4.0), missed],
+                None => [uneven(0), uneven(1)],
+            });
             let last = order.last().map_or(0, |&cell| cell);
             numbers.extend(task.view.share_of([last % width, last / width]));
         }
@@ -179,9 +189,7 @@ impl HeatEnvironment {
         let printed = self.layer as f32 / part.depth as f32;
         let next = layers.get(self.layer);
         let slack = |layer: &LayerTask| {
-            let before =
-                self.layer.checked_sub(1).map_or(0.0, |below| layers[below].baseline_end_s);
-            let baseline_s = layer.baseline_end_s - before;
+            let baseline_s = self.task.baseline_layer_s(self.layer);
             let slack = (self.time_left_s(layer) - baseline_s) / baseline_s;
             if slack.is_finite() { slack as f32 } else { 0.0 }
         };
@@ -208,6 +216,27 @@ impl HeatEnvironment {
     }
 }
 
+/// How far the estimate of each candidate, which takes the given time, is above the lowest one, the
+/// price of time included: the root of the difference in standard deviations of all estimates, from
+/// 0 to 3. The root makes differences between good candidates large.
+/// Empty without estimates.
+fn missed(layer: &LayerTask, seconds: &[f64], time_price: f64) -> Vec<f32> {
+    let score = |(estimate, seconds): (&f64, &f64)| estimate + time_price * seconds;
+    let scores: Vec<f64> = layer.estimates.iter().zip(seconds).map(score).collect();
+    let lowest = scores.iter().copied().fold(f64::INFINITY, f64::min);
+    let count = scores.len() as f64;
+    let mean = scores.iter().sum::<f64>() / count;
+    let variance = scores.iter().map(|score| (score - mean) * (score - mean)).sum::<f64>() / count;
+    let share = |score: f64| {
+        if variance > 0.0 {
+            ((score - lowest) / variance.sqrt()).sqrt().min(3.0) as f32
+        } else {
+            0.0
+        }
+    };
+    scores.into_iter().map(share).collect()
+}
+
 impl Environment for HeatEnvironment {
     fn identity(&self) -> String {
         self.task.identity()
@@ -225,12 +254,13 @@ impl Environment for HeatEnvironment {
     }
 
     /// # Panics
-    /// If the action is out of range, if its order lacks a cell of the layer, or if all
-    /// layers are printed.
+    /// If the action is out of range, if its order lacks a cell of the layer, or if all layers are
+    /// printed.
     fn step(&mut self, action: usize) -> Step {
         let task = self.task.clone();
         let layer = &task.layers[self.layer];
         let order = &layer.orders[action];
+        let before_s = self.seconds;
         self.seconds += self.solver.path_seconds(self.layer as u32, order);
         let deposit = |solver: &mut Solver| {
             solver
@@ -247,9 +277,17 @@ impl Environment for HeatEnvironment {
                 None => [share(x, frame.width), share(y, frame.height)],
             };
         }
-        let reward = task.reward_scale * (layer.baseline_cost - cost);
+        let excess_s = self.seconds - before_s - task.baseline_layer_s(self.layer);
+        let reward = task.reward_scale * (layer.baseline_cost - cost - task.time_price * excess_s);
         self.layer += 1;
         let end = (self.layer == task.layers.len()).then_some(EpisodeEnd::Terminated);
         Step { observation: self.observation(), reward, end }
+    }
+
+    /// What the plan gains over the baseline, without the price of time.
+    fn score(&self, rewards: f64) -> f64 {
+        let task = &self.task;
+        let excess_s = self.seconds - task.baseline_seconds();
+        rewards + task.reward_scale * task.time_price * excess_s
     }
 }

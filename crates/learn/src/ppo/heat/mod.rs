@@ -3,6 +3,7 @@
 
 mod environment;
 mod policy;
+mod price;
 mod random;
 mod task;
 mod view;
@@ -10,4 +11,4 @@ mod view;
 pub use self::environment::HeatEnvironment;
 pub use self::policy::{HeatPolicy, HeatPolicyError, PolicyTask};
 pub use self::random::{RandomHeatEnvironment, RandomHeatError, RandomHeatTask};
-pub use self::task::{HeatError, HeatSettings, HeatTask};
+pub use self::task::{HeatError, HeatSettings, HeatTask, TimePrice};

@@ -183,4 +183,8 @@ impl Environment for RandomHeatEnvironment {
     fn step(&mut self, action: usize) -> Step {
         self.current.step(action)
     }
+
+    fn score(&self, rewards: f64) -> f64 {
+        self.current.score(rewards)
+    }
 }

@@ -1,16 +1,35 @@
 //! The task of printing one part: the candidates of each layer, and what the baseline does there.
 
-use beadwork_base::Control;
+use beadwork_base::{Control, Threads};
 use beadwork_grid::{Cell, RegionError};
 use beadwork_heat::fill::Fill;
-use beadwork_heat::model::{Solver, ThermalModel};
+use beadwork_heat::model::{Screen, Solver, ThermalModel};
 use beadwork_part::{Order, Pattern};
 use beadwork_thermal::event::layer_events;
 use beadwork_thermal::simulation::DepositError;
 use thiserror::Error;
 
 use super::super::range::{RangeError, require};
+use super::price::{Choice, time_price};
 use super::view::{View, unevenness};
+
+/// What a second of printing time costs an agent, beside what the layer costs.
+///
+/// Under a limit on the printing time, time that a layer saves is worth what layers above gain by
+/// it.
+/// An agent with a low discount is not rewarded for that; with a price of time, the Lagrange
+/// multiplier of the limit, it is rewarded at once.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum TimePrice {
+    /// Nothing: the paper's reward.
+    #[default]
+    Free,
+    /// This much, K/s, at least 0.
+    Given(f64),
+    /// The price below which the candidates that are cheapest by their
+    /// [estimates](HeatSettings::estimated) exceed the limit; nothing without a limit.
+    Estimated,
+}
 
 /// What an agent is compared with, limited by, and sees.
 ///
@@ -27,17 +46,25 @@ pub struct HeatSettings {
     /// If all would, the fastest one is permitted, and the limit is exceeded; travel to its first
     /// cell alone can cause that, if the ratio is close to 1.
     pub max_time_ratio: Option<f64>,
+    /// What a second of printing time costs.
+    /// It changes rewards, but not how episodes [score](super::super::Environment::score).
+    pub time_price: TimePrice,
     /// Observed layers below the one that is printed next, at least 1.
     pub depth: usize,
-    /// Side of an observed cell, in voxels, at least 1.
-    /// Without effect if there is a `window`.
+    /// Side of an observed cell, in voxels, at least 1. Without effect if there is a `window`.
     pub cell: usize,
     /// Cells along each side of the observation, at least 1: observations then have the same size
     /// for all parts, and show what candidates have in common between parts.
     /// `None` shows the part's bounding box.
     pub window: Option<usize>,
-    /// Whether rewards are in percent of what the baseline costs for the whole part, rather than
-    /// in K, so that parts count alike.
+    /// Whether candidates are described by the model's [screen](ThermalModel::screen), in place of
+    /// two crude estimates; without effect if there is no `window`.
+    ///
+    /// Each candidate is estimated once, above layers that are printed as the baseline, at a
+    /// fraction of a millisecond to a few milliseconds each.
+    pub estimated: bool,
+    /// Whether rewards are in percent of what the baseline costs for the whole part, rather than in
+    /// K, so that parts count alike.
     pub relative: bool,
 }
 
@@ -46,9 +73,11 @@ impl Default for HeatSettings {
         Self {
             baseline: Pattern::CONVENTIONAL.number(),
             max_time_ratio: None,
+            time_price: TimePrice::Free,
             depth: 4,
             cell: 4,
             window: None,
+            estimated: false,
             relative: false,
         }
     }
@@ -58,6 +87,11 @@ impl HeatSettings {
     /// Observes each voxel of the part in up to 128 layers below, as the paper does.
     pub fn paper() -> Self {
         Self { depth: 128, cell: 1, ..Self::default() }
+    }
+
+    /// For policies of one part that choose among many candidates: they are described by estimates.
+    pub fn estimated() -> Self {
+        Self { window: Some(16), estimated: true, ..Self::default() }
     }
 
     /// For policies that act on any part: observations of 16 x 16 cells, and rewards in percent.
@@ -72,8 +106,16 @@ impl HeatSettings {
         require(cell > 0, "cell", &cell, "at least 1")?;
         let window = window.unwrap_or(1);
         require((1..=1024).contains(&window), "window", &window, "1 to 1024")?;
+        if let TimePrice::Given(price) = self.time_price {
+            require(price >= 0.0 && price.is_finite(), "time_price", &price, "0 or more")?;
+        }
         let ratio = max_time_ratio.unwrap_or(1.0);
         require(ratio >= 1.0 && ratio.is_finite(), "max_time_ratio", &ratio, "1 or more")
+    }
+
+    /// Whether candidates are estimated by the model's screen.
+    fn needs_estimates(&self) -> bool {
+        self.time_price == TimePrice::Estimated || self.estimated && self.window.is_some()
     }
 
     /// Shapes of the tensors of an observation of `size` cells.
@@ -100,6 +142,8 @@ pub struct HeatTask {
     pub(super) view: View,
     /// Factor of the differences between costs.
     pub(super) reward_scale: f64,
+    /// What a second of printing time costs, K/s.
+    pub(super) time_price: f64,
 }
 
 /// The candidates of a layer, and what the baseline does there.
@@ -112,6 +156,9 @@ pub(super) struct LayerTask {
     pub(super) seconds: Vec<f64>,
     /// How uneven each candidate alone is; empty without a window.
     pub(super) unevenness: Vec<[f64; 2]>,
+    /// Cost of each candidate by the screen, above layers that are printed as the baseline, K;
+    /// empty unless it is needed.
+    pub(super) estimates: Vec<f64>,
     /// Cost of the layer when the baseline is printed, K.
     pub(super) baseline_cost: f64,
     /// Time when the baseline ends the layer, s.
@@ -159,6 +206,9 @@ pub enum HeatError {
         /// The error.
         source: RegionError,
     },
+    /// Estimates are needed, but the model has none for these costs.
+    #[error("model does not estimate these costs: train without estimates and their price of time")]
+    NoEstimates,
     /// The baseline cannot be printed.
     #[error("the baseline cannot be printed")]
     Baseline(#[from] DepositError),
@@ -249,10 +299,15 @@ impl HeatTask {
             let order = &orders[baseline];
             end_s += unprinted.fill().seconds(layer, last, order);
             last = order.last().copied().or(last);
+            let mut estimates = Vec::new();
+            if settings.needs_estimates() && !order.is_empty() {
+                let screen = solver.screen(layer).ok_or(HeatError::NoEstimates)?;
+                estimates = Threads::Current.map(&orders, |order| screen.cost(order));
+            }
             let cost = match baseline_costs {
-                Some(costs) => costs[layer as usize],
-                None if order.is_empty() => 0.0,
-                None => solver.deposit(layer, order, &Control::default())?,
+                Some(costs) if !settings.needs_estimates() => costs[layer as usize],
+                _ if order.is_empty() => 0.0,
+                _ => solver.deposit(layer, order, &Control::default())?,
             };
             // Nothing is deposited in `unprinted`, so its orders begin without travel.
             let frame = &part.frame;
@@ -267,6 +322,7 @@ impl HeatTask {
                 distinct: distinct(&orders),
                 seconds,
                 unevenness: unevennesses,
+                estimates,
                 baseline_cost: cost,
                 baseline_end_s: end_s,
                 orders,
@@ -276,12 +332,17 @@ impl HeatTask {
         let baseline_cost: f64 = layers.iter().map(|layer| layer.baseline_cost).sum();
         let reward_scale =
             if relative && baseline_cost > 0.0 { 100.0 / baseline_cost } else { 1.0 };
-        Ok(Self { unprinted, layers, settings: *settings, view, reward_scale })
+        let time_price = match settings.time_price {
+            TimePrice::Free => 0.0,
+            TimePrice::Given(price) => price,
+            TimePrice::Estimated => estimated_price(&layers, settings),
+        };
+        Ok(Self { unprinted, layers, settings: *settings, view, reward_scale, time_price })
     }
 
     /// Text that differs between tasks.
     pub(super) fn identity(&self) -> String {
-        let &HeatSettings { baseline, max_time_ratio, depth, cell, window, relative } =
+        let &HeatSettings { baseline, max_time_ratio, depth, cell, window, relative, .. } =
             &self.settings;
         let part = self.unprinted.part();
         let end: Vec<u64> = self.layers.iter().map(|layer| layer.baseline_cost.to_bits()).collect();
@@ -294,10 +355,21 @@ impl HeatTask {
             self.candidates(),
             fingerprint(self.layers.iter().flat_map(|layer| &layer.orders)),
         );
-        if window.is_none() && !relative {
-            return identity;
-        }
-        format!("{identity}\nwindow = \"{window:?}\"\nrelative = {relative}")
+        let observed = format!("\nwindow = \"{window:?}\"\nrelative = {relative}");
+        let price = format!("\ntime_price = {:?}", self.time_price);
+        let more = [
+            (window.is_some() || relative, observed.as_str()),
+            (self.settings.estimated, "\nestimated = true"),
+            (self.time_price > 0.0, &price),
+        ];
+        let used = more.into_iter().filter_map(|(is_used, text)| is_used.then_some(text));
+        used.fold(identity, |identity, text| identity + text)
+    }
+
+    /// Time that the baseline takes for a layer, with travel to it, s.
+    pub(super) fn baseline_layer_s(&self, layer: usize) -> f64 {
+        let below = layer.checked_sub(1).map_or(0.0, |below| self.layers[below].baseline_end_s);
+        self.layers[layer].baseline_end_s - below
     }
 
     /// Minus the cost of the baseline, K: the paper's reward, if that is what the solver minimises.
@@ -308,6 +380,11 @@ impl HeatTask {
     /// Printing time of the baseline, s.
     pub fn baseline_seconds(&self) -> f64 {
         self.layers.last().map_or(0.0, |layer| layer.baseline_end_s)
+    }
+
+    /// What a second of printing time costs, K/s: given, or as estimated.
+    pub fn time_price(&self) -> f64 {
+        self.time_price
     }
 
     /// Number of candidates of each layer.
@@ -324,6 +401,18 @@ impl HeatTask {
         };
         seconds(Some(from)) - seconds(None)
     }
+}
+
+/// The price of time by the estimates of the candidates; 0 without a limit.
+fn estimated_price(layers: &[LayerTask], settings: &HeatSettings) -> f64 {
+    let Some(ratio) = settings.max_time_ratio else { return 0.0 };
+    let choice = |(&cost, &seconds): (&f64, &f64)| Choice { cost, seconds };
+    let choices =
+        |layer: &LayerTask| layer.estimates.iter().zip(&layer.seconds).map(choice).collect();
+    let choices: Vec<Vec<Choice>> = layers.iter().map(choices).collect();
+    let baseline = |layer: &LayerTask| layer.seconds[settings.baseline];
+    // Travel between layers is in neither sum.
+    time_price(&choices, ratio * layers.iter().map(baseline).sum::<f64>())
 }
 
 /// Whether each candidate differs from all before it: copies are masked, so that no action is
