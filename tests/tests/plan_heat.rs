@@ -108,8 +108,14 @@ fn what_cannot_be_planned_is_an_error() {
     assert!(message.contains("--max-time requires --objective heat"), "{message}");
     let message = misused(&with(&["--max-time", "-1"]));
     assert!(message.contains("--max-time"), "{message}");
-    let message = misused(&with(&["--fill", "beads"]));
-    assert!(message.contains("--fill cells"), "{message}");
+    let message = misused(&with(&["--fill", "beads", "--planner", "ppo"]));
+    assert!(message.contains("--planner ppo plans cells: use --fill cells"), "{message}");
+    let message = misused(&with(&["--fill", "beads", "--join"]));
+    assert!(message.contains("--join does not go together with --objective heat"), "{message}");
+    let message = fail(&with(&["--fill", "beads", "--max-time", "0.2"]));
+    assert!(message.contains("--max-time cannot be met"), "{message}");
+    let message = fail(&["plan", "example:logo-plate", "--objective", "heat", "--fill", "beads"]);
+    assert!(message.contains("part has several materials"), "{message}");
     let message = misused(&with(&["--policy", "runs/general"]));
     assert!(message.contains("--policy requires --planner ppo"), "{message}");
     let message = misused(&with(&["--planner", "ppo", "--even", "peak"]));
@@ -120,6 +126,50 @@ fn what_cannot_be_planned_is_an_error() {
     assert!(helps.iter().any(|help| message.contains(help)), "{message}");
     let message = misused(&with(&["--planner", "best"]));
     assert!(message.contains("best"), "{message}");
+}
+
+#[test]
+fn beads_are_planned_and_measured_from_their_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let part = small_box(folder.path());
+    let (gcode, svg) = (folder.path().join("box.gcode"), folder.path().join("box.svg"));
+    let plan = ["plan", text(&part), "--objective", "heat", "--fill", "beads"];
+    let more = ["--density", "100", "--perimeters", "1", "--max-time", "1.2"];
+    let files = ["--out", text(&gcode), "--svg", text(&svg)];
+    let summary = run(&[&plan[..], &more, &files].concat());
+    assert!(summary.contains("more even than the conventional order: "), "{summary}");
+    assert!(summary.contains("each printed once, within the outlines"), "{summary}");
+    let totals: Value =
+        serde_json::from_slice(&fs::read(folder.path().join("box.gcode.json")).unwrap()).unwrap();
+    let heat = &totals["heat"];
+    assert!(number(heat, "gain_percent") > 3.0 && number(heat, "no_travel_gain_percent") > 3.0);
+    let ratio = number(heat, "print_seconds") / number(heat, "conventional_print_seconds");
+    assert!(1.0 < ratio && ratio <= 1.2, "{ratio}");
+    assert!(heat["bound_percent"].is_null());
+    assert_eq!(heat["orders"].as_array().unwrap().len(), 4);
+
+    // The listed order is the program of the planner of beads.
+    let listed = folder.path().join("listed.gcode");
+    let conventional = ["--planner", "conventional", "--out", text(&listed)];
+    run(&[&plan[..], &more, &conventional].concat());
+    let beads = folder.path().join("beads.gcode");
+    run(&["plan", text(&part), "--density", "100", "--perimeters", "1", "--out", text(&beads)]);
+    assert_eq!(fs::read(&listed).unwrap(), fs::read(&beads).unwrap());
+
+    // The same moves, in another order.
+    let filament = |path: &Path| {
+        let totals = fs::read(path.with_extension("gcode.json")).unwrap();
+        let totals: Value = serde_json::from_slice(&totals).unwrap();
+        (number(&totals, "extrusion_mm"), number(&totals, "beads"))
+    };
+    let (length, count) = filament(&gcode);
+    let (listed_length, listed_count) = filament(&listed);
+    assert!((length / listed_length - 1.0).abs() < 1e-6 && count > listed_count);
+
+    // The program is the same on one thread.
+    let again = folder.path().join("again.gcode");
+    run(&[&plan[..], &more, &["--out", text(&again), "--threads", "1"]].concat());
+    assert_eq!(fs::read(&gcode).unwrap(), fs::read(&again).unwrap());
 }
 
 #[test]

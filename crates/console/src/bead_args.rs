@@ -81,6 +81,11 @@ impl BeadArgs {
         }
     }
 
+    /// Whether insets and infill are joined.
+    pub fn has_joined(&self) -> bool {
+        self.join
+    }
+
     /// Settings of the planner, for beads of a width in mm.
     pub fn plan(&self, bead_mm: f64, seed: u64) -> beads::Settings {
         let join = join::Settings {

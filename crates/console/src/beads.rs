@@ -8,8 +8,7 @@ use beadwork_mesh::{Bounds, Model};
 use beadwork_part::print::{self, BeadLimits, BeadReport, Print, check_beads};
 use beadwork_part::slice::{LayerAreas, overhangs_mm2};
 use beadwork_part::toolpath::{self, Island, islands};
-use beadwork_part::{Area, Frame};
-use beadwork_search::plan::beads::BeadPlan;
+use beadwork_part::{Area, BeadLayer, Frame};
 
 use crate::control;
 use crate::part::CutPart;
@@ -137,17 +136,17 @@ pub struct PrintedBeads {
     pub settings: print::Settings,
 }
 
-/// Writes a plan as G-code, and checks the text: a faulty program must not reach a printer.
+/// Writes planned layers as G-code, and checks the text: a faulty program must not reach a printer.
 pub fn print_beads(
     part: &BeadPart,
-    plan: &BeadPlan,
+    layers: &[BeadLayer],
     profile: &Profile,
     settings: print::Settings,
     threads: Threads<'_>,
 ) -> anyhow::Result<PrintedBeads> {
     let frame = &part.frame;
     let (Print { program, totals, .. }, settings) =
-        profile.print_beads(&part.name, &plan.layers, frame, settings)?;
+        profile.print_beads(&part.name, layers, frame, settings)?;
     let text = program.emit();
     drop(program);
     let program = control::quiet(threads, |control| Program::parse(&text, control))??;
@@ -158,7 +157,7 @@ pub fn print_beads(
         .collect();
     let limits = BeadLimits { outside_skeleton: SKELETON_OUTSIDE, ..BeadLimits::default() };
     let checked = control::quiet(Threads::One, |control| {
-        check_beads(&program, &plan.layers, &outlines, frame, &settings, &limits, control)
+        check_beads(&program, layers, &outlines, frame, &settings, &limits, control)
     })?;
     let checked = checked.context("G-code does not print the plan; this is a bug of beadwork")?;
     Ok(PrintedBeads { text, totals, checked, settings })

@@ -1,11 +1,7 @@
 //! The orders that planners choose from.
 
-use std::collections::HashSet;
-
 use beadwork_base::named_enum;
 use beadwork_part::{LineOrder, Order, Pattern, Sequence, Stride};
-
-use crate::fill::{Draft, Fill};
 
 /// Strides of the interleaved and scattered orders of lines.
 const STRIDES: std::ops::RangeInclusive<u32> = 2..=15;
@@ -46,19 +42,4 @@ impl OrderSet {
         }
         orders
     }
-}
-
-/// The distinct orders of a layer, each under the first name that it has; the conventional one
-/// comes first.
-pub(crate) fn candidates<F: Fill>(
-    fill: &F,
-    layer: u32,
-    orders: &[Order],
-) -> Vec<Draft<F::Path, F::Name>> {
-    let mut seen = HashSet::new();
-    let named = orders.iter().filter_map(|&order| fill.named(layer, order));
-    std::iter::once(fill.conventional(layer))
-        .chain(named)
-        .filter(|candidate| seen.insert(candidate.path.clone()))
-        .collect()
 }

@@ -1,4 +1,5 @@
-//! Plans for even temperature: in which order the cells of each layer are printed.
+//! Plans for even temperature: in which order the cells, or the infill lines, of each layer are
+//! printed.
 //!
 //! Uneven temperatures warp a part, and the order of deposition decides where it is hot.
 //! A planner chooses one order per layer, such that the part's temperatures are even by an
@@ -8,6 +9,8 @@
 //!
 //! - [`planner`]: the planners, from one order for all layers to annealed orders of lines.
 //! - [`plan`](mod@plan): what they return.
+//! - [`fill`]: what the layers are printed from: [cells](fill::Cells) a bead wide, or the
+//!   [beads](fill::Beads) of a slicer.
 //! - [`model`]: what they try orders on: the heat equation, or whatever predicts its result; and
 //!   what a layer costs.
 //! - [`trials`]: many orders of one layer, tried from one state.
@@ -48,7 +51,8 @@
 //!
 //! # Conventions
 //! Temperatures and their deviations are in K, times in s.
-//! Orders are lists of cells, row-major with x fastest, as everywhere in beadwork.
+//! Orders of cells are lists of cells, row-major with x fastest, as everywhere in beadwork; those of
+//! beads are lists of their numbers and directions.
 //! Nothing here does I/O or reads a clock.
 //! The same seed gives the same plan on every machine and any number of threads.
 //!

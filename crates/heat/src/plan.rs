@@ -7,7 +7,7 @@ use beadwork_search::Stop;
 use beadwork_thermal::simulation::DepositError;
 use thiserror::Error;
 
-use crate::fill::{Draft, Fill};
+use crate::fill::{Draft, DraftOf, Fill};
 use crate::model::{ModelDraft, NameOf, PathOf, ThermalModel};
 
 /// One order per layer, and what the model says about them.
@@ -134,22 +134,20 @@ pub(crate) fn follow<M: ThermalModel>(
     Ok(HeatPlan { layers, stop: Stop::Done, deposited_layers: total })
 }
 
-/// The plan that prints every layer in the same named order; the conventional one where the layer
-/// does not have it.
+/// The plan that prints every layer in the same named order.
 ///
 /// Progress counts layers.
 pub fn same_order<M: ThermalModel>(
     model: &M,
-    order: Order,
+    order: NameOf<M>,
     control: &Control<'_>,
 ) -> Result<PlanOf<M>, PlanError> {
     follow(model, same_order_drafts(model.fill(), order), control)
 }
 
-/// The same named order in every layer that has voxels; the conventional one where the layer does
-/// not have it.
-pub(crate) fn same_order_drafts<F: Fill>(fill: &F, order: Order) -> Vec<Draft<F::Path, F::Name>> {
-    drafts_of(fill, |layer| fill.named(layer, order).unwrap_or_else(|| fill.conventional(layer)))
+/// The same named order in every layer that has voxels.
+pub(crate) fn same_order_drafts<F: Fill>(fill: &F, order: F::Name) -> Vec<DraftOf<F>> {
+    drafts_of(fill, |layer| fill.named(layer, order))
 }
 
 /// The conventional order of every layer.
@@ -161,14 +159,11 @@ pub fn conventional<M: ThermalModel>(
 }
 
 /// The conventional order of every layer that has voxels.
-pub(crate) fn conventional_drafts<F: Fill>(fill: &F) -> Vec<Draft<F::Path, F::Name>> {
+pub(crate) fn conventional_drafts<F: Fill>(fill: &F) -> Vec<DraftOf<F>> {
     drafts_of(fill, |layer| fill.conventional(layer))
 }
 
-fn drafts_of<F: Fill>(
-    fill: &F,
-    draft: impl Fn(u32) -> Draft<F::Path, F::Name>,
-) -> Vec<Draft<F::Path, F::Name>> {
+fn drafts_of<F: Fill>(fill: &F, draft: impl Fn(u32) -> DraftOf<F>) -> Vec<DraftOf<F>> {
     layers(fill)
         .map(|(layer, is_printed)| if is_printed { draft(layer) } else { Draft::default() })
         .collect()

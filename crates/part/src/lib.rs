@@ -110,7 +110,7 @@ pub use bead_svg::{BeadPanel, bead_svg};
 pub use frame::Frame;
 pub use order::{
     Axis, BeadRows, Corner, Ends, InvalidStride, LineOrder, LineOrderError, Lines, Order,
-    PermutationError, Sequence, SequenceError, Stride, UnknownOrder,
+    PermutationError, Sequence, SequenceError, Stride, TurnedBead, UnknownOrder, turn_beads,
 };
 pub use pattern::{Pattern, UnknownPattern, pattern_sheet};
 pub use picture::{Picture, PictureError};

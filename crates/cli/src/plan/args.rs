@@ -33,7 +33,8 @@ use clap::ValueEnum;
 /// whose beads may pass from one material to the next.
 /// It is the default with --objective.
 /// With --objective heat, the cells of each layer are printed in an order that keeps temperatures
-/// even, within a limit on the printing time.
+/// even, within a limit on the printing time; with --fill beads, too, it is the lines of the infill
+/// that are reordered, after the walls.
 /// Its proofs of optimality hold for one grid of cells; --phases and --bead-range try other grids.
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -47,6 +48,7 @@ Examples:
   beadwork plan torus.3mf --objective tools --phases 4 --bead-range 10 --out torus.gcode
   beadwork plan example:u-shape --objective heat --max-time 1.05 --out u.gcode
   beadwork plan example:u-shape --objective heat --planner ppo --out u.gcode
+  beadwork plan part.stl --objective heat --fill beads --density 100 --out part.gcode
   beadwork plan part.obj --unit in --bead 0.45 --layer 0.2 --profile printer.toml \\
     --objective tools --out part.gcode")]
 pub(crate) struct Args {
@@ -327,8 +329,16 @@ impl Args {
         if !is_for_heat && let Some(flag) = self.heat.given() {
             output::usage_error(&format!("{flag} requires --objective heat"));
         }
-        if is_for_heat && self.fill == Some(FillName::Beads) {
-            output::usage_error("--objective heat plans cells: use --fill cells");
+        if is_for_heat && self.has_beads() {
+            if self.heat.planner() == PlannerName::Ppo {
+                output::usage_error("--planner ppo plans cells: use --fill cells");
+            }
+            if self.beads.has_joined() {
+                output::usage_error(
+                    "--join does not go together with --objective heat: infill that is joined to \
+                     walls cannot be reordered",
+                );
+            }
         }
         if let Some(misfit) = self.heat.misfit() {
             output::usage_error(misfit);

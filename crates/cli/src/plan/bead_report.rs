@@ -9,7 +9,7 @@ use beadwork_search::plan::beads::BeadPlan;
 use serde_json::{Value, json};
 
 use super::args::Files;
-use super::totals::{Seconds, tower, with_totals, write_totals};
+use super::totals::{Seconds, extended, tower, with_totals, write_totals};
 
 pub(super) struct BeadSummary<'a> {
     pub(super) part: &'a BeadPart,
@@ -23,19 +23,7 @@ impl BeadSummary<'_> {
     pub(super) fn json(&self) -> Value {
         let Self { part, plan, printed, seconds } = self;
         let total = plan.total();
-        let toolpath = &part.toolpath;
-        let fill: Vec<Value> =
-            printed.checked.fill.iter().map(|fill| number(fill.ratio().unwrap_or(0.0))).collect();
         let more = json!({
-            "part": part.name,
-            "remarks": part.remarks,
-            "size_mm": part.bounds.size_mm(),
-            "bead_mm": toolpath.bead_mm,
-            "layer_mm": part.frame.layer_mm,
-            "density": number(100.0 * toolpath.density),
-            "pattern": toolpath.pattern.name(),
-            "perimeters": toolpath.perimeters,
-            "materials": printed.settings.tools.iter().map(|tool| &tool.name).collect::<Vec<_>>(),
             "beads": total.beads,
             "bead_bound": total.bead_bound,
             "loops": total.loops,
@@ -56,17 +44,10 @@ impl BeadSummary<'_> {
                 "tool_cost": number(plan.fixed.cost),
                 "tool_changes": plan.fixed.changes,
             },
-            "checked": {
-                "layers": printed.checked.layers,
-                "beads": printed.checked.beads,
-                "dropped_beads": printed.checked.dropped_beads,
-                "motions": printed.checked.motions,
-                "fill": fill,
-            },
             "tower": tower(&printed.settings, &printed.totals),
             "seconds": seconds.json(),
         });
-        with_totals(&printed.totals, more)
+        extended(of_beads(part, printed), more)
     }
 
     /// A few lines of text.
@@ -78,18 +59,8 @@ impl BeadSummary<'_> {
 
     fn write(&self, text: &mut String, files: &Files<'_>) -> std::fmt::Result {
         let Self { part, plan, printed, seconds } = self;
-        let (total, totals, toolpath) = (plan.total(), &printed.totals, &part.toolpath);
-        let [x, y, z] = part.bounds.size_mm();
-        writeln!(
-            text,
-            "{}: {x:.1} x {y:.1} x {z:.1} mm, {} layers, {}, {}, {} % {}",
-            part.name,
-            plan.layers.len(),
-            count(printed.settings.tools.len() as u64, "material"),
-            count(toolpath.perimeters.into(), "perimeter"),
-            number(100.0 * toolpath.density),
-            toolpath.pattern,
-        )?;
+        let total = plan.total();
+        write_part(text, part, printed)?;
         let proof = |value: usize, bound: usize| {
             if value == bound { "proven minimum".to_owned() } else { format!("at least {bound}") }
         };
@@ -114,17 +85,70 @@ impl BeadSummary<'_> {
                 plan.fixed.changes
             )?;
         }
-        write_totals(text, totals)?;
-        if let Some(gcode) = files.gcode {
-            let beads = printed.checked.beads;
-            let beside = files.beside();
-            writeln!(
-                text,
-                "wrote {} (checked from its text: {beads} beads, each printed once, within the \
-                 outlines){beside}",
-                gcode.display()
-            )?;
-        }
+        write_totals(text, &printed.totals)?;
+        write_gcode(text, printed, files)?;
         seconds.write(text)
     }
+}
+
+/// What a program of beads prints, whatever it was planned for.
+pub(super) fn of_beads(part: &BeadPart, printed: &PrintedBeads) -> Value {
+    let toolpath = &part.toolpath;
+    let fill: Vec<Value> =
+        printed.checked.fill.iter().map(|fill| number(fill.ratio().unwrap_or(0.0))).collect();
+    let more = json!({
+        "part": part.name,
+        "remarks": part.remarks,
+        "size_mm": part.bounds.size_mm(),
+        "bead_mm": toolpath.bead_mm,
+        "layer_mm": part.frame.layer_mm,
+        "density": number(100.0 * toolpath.density),
+        "pattern": toolpath.pattern.name(),
+        "perimeters": toolpath.perimeters,
+        "materials": printed.settings.tools.iter().map(|tool| &tool.name).collect::<Vec<_>>(),
+        "checked": {
+            "layers": printed.checked.layers,
+            "beads": printed.checked.beads,
+            "dropped_beads": printed.checked.dropped_beads,
+            "motions": printed.checked.motions,
+            "fill": fill,
+        },
+    });
+    with_totals(&printed.totals, more)
+}
+
+/// Writes a line about a part and how it is laid out.
+pub(super) fn write_part(
+    text: &mut String,
+    part: &BeadPart,
+    printed: &PrintedBeads,
+) -> std::fmt::Result {
+    let toolpath = &part.toolpath;
+    let [x, y, z] = part.bounds.size_mm();
+    writeln!(
+        text,
+        "{}: {x:.1} x {y:.1} x {z:.1} mm, {} layers, {}, {}, {} % {}",
+        part.name,
+        printed.checked.layers,
+        count(printed.settings.tools.len() as u64, "material"),
+        count(toolpath.perimeters.into(), "perimeter"),
+        number(100.0 * toolpath.density),
+        toolpath.pattern,
+    )
+}
+
+/// Writes a line about the program, if it is written to a file.
+pub(super) fn write_gcode(
+    text: &mut String,
+    printed: &PrintedBeads,
+    files: &Files<'_>,
+) -> std::fmt::Result {
+    let Some(gcode) = files.gcode else { return Ok(()) };
+    writeln!(
+        text,
+        "wrote {} (checked from its text: {} beads, each printed once, within the outlines){}",
+        gcode.display(),
+        printed.checked.beads,
+        files.beside()
+    )
 }

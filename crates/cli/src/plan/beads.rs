@@ -9,8 +9,8 @@ use beadwork_console::printer::{Profile, tool_costs};
 use beadwork_console::text::count;
 use beadwork_console::{control, output};
 use beadwork_part::print::Settings;
-use beadwork_part::{BeadPanel, bead_svg};
-use beadwork_search::plan::beads::{self, BeadPlan};
+use beadwork_part::{BeadLayer, BeadPanel, bead_svg};
+use beadwork_search::plan::beads;
 use rayon::ThreadPool;
 
 use super::args::{Args, Files};
@@ -45,11 +45,11 @@ pub(super) fn run(
         beads::solve(&part.islands, &part.toolpath, &costs, &planner, control)
     })??;
     let planned = begin.elapsed().as_secs_f64();
-    let printed = print_beads(&part, &plan, profile, settings, threads)?;
+    let printed = print_beads(&part, &plan.layers, profile, settings, threads)?;
     let done = begin.elapsed().as_secs_f64();
     super::check_cancelled()?;
     if let Some(path) = &args.svg {
-        output::file(path, draw(&part, &plan, &printed.settings))?;
+        output::file(path, draw(&part, &plan.layers, &printed.settings))?;
     }
     if let Some(path) = files.gcode {
         output::file(path, &printed.text)?;
@@ -64,22 +64,22 @@ pub(super) fn run(
 }
 
 /// Draws up to [`PANELS`] layers from bottom to top.
-fn draw(part: &BeadPart, plan: &BeadPlan, settings: &Settings) -> String {
-    let count_of = plan.layers.len();
+pub(super) fn draw(part: &BeadPart, layers: &[BeadLayer], settings: &Settings) -> String {
+    let count_of = layers.len();
     let shown: Vec<usize> = if count_of > PANELS {
         (0..PANELS).map(|panel| panel * (count_of - 1) / (PANELS - 1)).collect()
     } else {
         (0..count_of).collect()
     };
     let title = |&at: &usize| {
-        let beads = count(plan.layers[at].beads.len() as u64, "bead");
+        let beads = count(layers[at].beads.len() as u64, "bead");
         format!("{}, layer {}: {beads}", part.name, at + 1)
     };
     let titles: Vec<String> = shown.iter().map(title).collect();
     let panels: Vec<BeadPanel<'_>> = shown
         .iter()
         .zip(&titles)
-        .map(|(&at, title)| BeadPanel { title, layer: &plan.layers[at] })
+        .map(|(&at, title)| BeadPanel { title, layer: &layers[at] })
         .collect();
     let colours: Vec<[u8; 3]> = settings.tools.iter().map(|tool| tool.colour).collect();
     let differ = colours.iter().any(|colour| *colour != colours[0]);

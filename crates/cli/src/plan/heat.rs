@@ -1,5 +1,6 @@
 //! Plans the cells of a part for even temperature.
 
+use std::fmt::Display;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -23,6 +24,7 @@ use beadwork_thermal::{ProcessParameters, ThermalMaterial};
 use rayon::ThreadPool;
 
 use super::args::{Args, Files, PlannerName};
+use super::gains::Gains;
 use super::heat_report::HeatReport;
 use super::policy::Policy;
 use super::totals::Seconds;
@@ -93,12 +95,15 @@ pub(super) fn run(
     let report = HeatReport {
         part: &part,
         plan: &plan,
-        planner,
-        objective: &objective,
-        measures: &measures,
-        baseline: &baseline,
-        bound: &bound,
-        planning_seconds,
+        gains: Gains {
+            planner,
+            objective: &objective,
+            measures: &measures,
+            baseline: &baseline,
+            bound: Some(&bound),
+            planning_seconds,
+            orders: order_names(&plan),
+        },
         printed: &printed,
         seconds: Seconds { slice: sliced, plan: planned - sliced, print: done - planned },
     };
@@ -113,6 +118,14 @@ pub(super) fn run(
         output::file(path, format!("{document:#}\n"))?;
     }
     if args.json { output::json(&document) } else { output::text(&report.summary(files)) }
+}
+
+/// Name of the order of each layer.
+pub(super) fn order_names<P, N: Display>(plan: &HeatPlan<P, N>) -> Vec<String> {
+    let name = |order: &Option<N>| {
+        order.as_ref().map_or_else(|| "annealed lines".to_owned(), ToString::to_string)
+    };
+    plan.layers.iter().map(|layer| name(&layer.order)).collect()
 }
 
 /// The number of the material of all voxels.
@@ -130,7 +143,7 @@ fn only_material(voxels: &Voxels) -> anyhow::Result<u8> {
 }
 
 /// The process of a profile; layers have one speed, which is not that of the first layer.
-fn process(settings: &print::Settings, tool: u8) -> ProcessParameters {
+pub(super) fn process(settings: &print::Settings, tool: u8) -> ProcessParameters {
     let tool = settings.tools.get(usize::from(tool));
     let default = ProcessParameters::default();
     ProcessParameters {

@@ -2,9 +2,12 @@
 //! temperatures.
 
 mod args;
+mod bead_heat;
+mod bead_heat_report;
 mod bead_report;
 mod beads;
 mod drawing;
+mod gains;
 mod heat;
 mod heat_report;
 #[cfg_attr(not(feature = "learn"), path = "no_policy.rs")]
@@ -18,8 +21,9 @@ use anyhow::{Context, bail};
 use beadwork_base::Threads;
 use beadwork_console::part::{CutPart, check_layers, report_lowering};
 use beadwork_console::plan::{print, refs};
-use beadwork_console::printer::tool_costs;
+use beadwork_console::printer::{Profile, tool_costs};
 use beadwork_console::{cancel, control, output};
+use beadwork_part::print::Settings;
 use beadwork_part::slice::{self, Layers};
 use beadwork_search::CostMatrix;
 use beadwork_search::plan::tools::{self, ToolPlan};
@@ -33,6 +37,17 @@ use totals::Seconds;
 /// Maximum number of grids that are planned: the best ones of those that were screened.
 const PLANNED_GRIDS: usize = 4;
 
+/// Plans a cut part, writes the files and reports the result.
+type Run = fn(
+    &Args,
+    &args::Files<'_>,
+    CutPart,
+    &Profile,
+    Settings,
+    Instant,
+    &ThreadPool,
+) -> anyhow::Result<()>;
+
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let files = args.files()?;
     let is_for_heat = args.is_for_heat();
@@ -42,11 +57,14 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let cut = args.part.cut(profile.bed_mm(), &pool)?;
     profile.report_purge(&cut.model);
     let settings = profile.complete(&cut.model)?;
-    if args.has_beads() {
-        return beads::run(args, &files, cut, &profile, settings, begin, &pool);
-    }
-    if is_for_heat {
-        return heat::run(args, &files, cut, &profile, settings, begin, &pool);
+    let run = match (is_for_heat, args.has_beads()) {
+        (true, true) => Some(bead_heat::run as Run),
+        (true, false) => Some(heat::run as Run),
+        (false, true) => Some(beads::run as Run),
+        (false, false) => None,
+    };
+    if let Some(run) = run {
+        return run(args, &files, cut, &profile, settings, begin, &pool);
     }
     let costs = tool_costs(settings.purge.as_ref().expect("complete settings have volumes"))?;
     let grids = args.grid.best(&cut, PLANNED_GRIDS, Threads::Pool(&pool))?;

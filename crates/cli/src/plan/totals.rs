@@ -34,7 +34,11 @@ impl Seconds {
 
 /// The totals of a program as a JSON object with more keys, which replace equal ones.
 pub(super) fn with_totals(totals: &Totals, more: Value) -> Value {
-    let mut value = json!(totals);
+    extended(json!(totals), more)
+}
+
+/// A JSON object with more keys, which replace equal ones.
+pub(super) fn extended(mut value: Value, more: Value) -> Value {
     if let (Value::Object(value), Value::Object(more)) = (&mut value, more) {
         value.extend(more);
     }

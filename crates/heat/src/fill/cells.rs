@@ -81,12 +81,11 @@ impl Fill for Cells {
     }
 
     fn conventional(&self, layer: u32) -> Draft<Vec<Cell>, Order> {
-        let order = Order::CONVENTIONAL;
-        Draft { path: order.order(self.printed(layer)), name: Some(order) }
+        self.named(layer, Order::CONVENTIONAL)
     }
 
-    fn named(&self, layer: u32, order: Order) -> Option<Draft<Vec<Cell>, Order>> {
-        Some(Draft { path: order.order(self.printed(layer)), name: Some(order) })
+    fn named(&self, layer: u32, order: Order) -> Draft<Vec<Cell>, Order> {
+        Draft { path: order.order(self.printed(layer)), name: Some(order) }
     }
 
     fn lines(&self, layer: u32, name: Option<Order>) -> CellLines {

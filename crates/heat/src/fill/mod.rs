@@ -1,17 +1,21 @@
 //! What the layers of a part are printed from, and the orders in which they can be printed.
 
+mod beads;
 mod cells;
 
-use std::fmt::Debug;
+use std::fmt::{Debug, Display};
 use std::hash::Hash;
 
 use beadwork_grid::Cell;
 use beadwork_part::Order;
 use beadwork_thermal::DepositionEvent;
 
+use crate::candidates::OrderSet;
+
+pub use self::beads::{BeadLines, BeadTiming, Beads, RowOrder, Strips};
 pub use self::cells::{CellLines, Cells, CellsError};
 
-/// What the layers of a part are printed from: [`Cells`], or beads.
+/// What the layers of a part are printed from: [`Cells`], or [`Beads`].
 ///
 /// Planners choose a [`Fill::Path`] for each layer, which prints the whole layer, and do not depend
 /// on what it consists of.
@@ -20,7 +24,7 @@ pub trait Fill: Clone + Send + Sync {
     type Path: Clone + Debug + Default + Eq + Hash + Send + Sync;
 
     /// Name of an order.
-    type Name: Copy + Debug + PartialEq + Send + Sync;
+    type Name: OrderName;
 
     /// Where the nozzle is.
     type Position: Copy + Debug + PartialEq + Send + Sync;
@@ -37,10 +41,10 @@ pub trait Fill: Clone + Send + Sync {
     /// The conventional order of a layer that has voxels.
     fn conventional(&self, layer: u32) -> Draft<Self::Path, Self::Name>;
 
-    /// A named order of a layer that has voxels; `None` if it is an order of something else.
-    fn named(&self, layer: u32, order: Order) -> Option<Draft<Self::Path, Self::Name>>;
+    /// A named order of a layer that has voxels.
+    fn named(&self, layer: u32, name: Self::Name) -> Draft<Self::Path, Self::Name>;
 
-    /// The lines of a layer that has voxels, as a named order has them; those of a golden order
+    /// The lines of a layer that has voxels, as a named order has them; those of a default order
     /// without a name, or if the order has no lines.
     fn lines(&self, layer: u32, name: Option<Self::Name>) -> Self::Lines;
 
@@ -66,6 +70,19 @@ pub trait Fill: Clone + Send + Sync {
     /// Time of a path, s: that of its events.
     fn seconds(&self, layer: u32, from: Option<Self::Position>, path: &Self::Path) -> f64 {
         self.events(layer, from, path).iter().map(|event| event.seconds).sum()
+    }
+}
+
+/// The name of an order of a layer.
+pub trait OrderName: Copy + Debug + Display + PartialEq + Send + Sync + 'static {
+    /// All orders that planners choose from by default.
+    fn all() -> Vec<Self>;
+}
+
+impl OrderName for Order {
+    /// The 38 patterns and 240 orders of lines.
+    fn all() -> Vec<Self> {
+        OrderSet::All.orders()
     }
 }
 

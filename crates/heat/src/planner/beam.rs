@@ -8,7 +8,7 @@ use super::Settings;
 use super::greedy;
 use super::setup::{Options, drafts, finish};
 use crate::fill::Fill;
-use crate::model::{ModelDraft, ThermalModel};
+use crate::model::{ModelDraft, NameOf, ThermalModel};
 use crate::plan::{HeatPlan, PlanError, PlanOf, drafts_seconds, layers};
 use crate::trials::try_orders;
 
@@ -32,7 +32,7 @@ struct Step {
 /// worse.
 pub(super) fn solve<M: ThermalModel>(
     model: &M,
-    settings: &Settings,
+    settings: &Settings<NameOf<M>>,
     control: &Control<'_>,
 ) -> Result<PlanOf<M>, PlanError> {
     assert!(settings.beam_width > 0, "a beam keeps at least one sequence");

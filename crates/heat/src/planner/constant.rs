@@ -10,7 +10,7 @@ use beadwork_thermal::simulation::DepositError;
 use super::Settings;
 use super::setup::check_time;
 use crate::fill::Fill;
-use crate::model::ThermalModel;
+use crate::model::{NameOf, ThermalModel};
 use crate::plan::{
     HeatPlan, PlanError, PlanOf, conventional, conventional_drafts, drafts_seconds, follow,
     same_order_drafts,
@@ -20,7 +20,7 @@ use crate::plan::{
 /// cheapest plan.
 pub(super) fn solve<M: ThermalModel>(
     model: &M,
-    settings: &Settings,
+    settings: &Settings<NameOf<M>>,
     control: &Control<'_>,
 ) -> Result<PlanOf<M>, PlanError> {
     let fill = model.fill();

@@ -5,7 +5,7 @@ use beadwork_base::Control;
 use super::Settings;
 use super::setup::{Options, try_layers};
 use crate::fill::Fill;
-use crate::model::ThermalModel;
+use crate::model::{NameOf, ThermalModel};
 use crate::plan::{PlanError, PlanOf};
 
 /// A greedy plan, and what it found out.
@@ -18,7 +18,7 @@ pub(super) struct Greedy<M: ThermalModel> {
 /// Tries all named orders of each layer in turn and goes on from the cheapest.
 pub(super) fn solve<M: ThermalModel>(
     model: &M,
-    settings: &Settings,
+    settings: &Settings<NameOf<M>>,
     control: &Control<'_>,
 ) -> Result<PlanOf<M>, PlanError> {
     search(model, settings, control).map(|greedy| greedy.plan)
@@ -27,7 +27,7 @@ pub(super) fn solve<M: ThermalModel>(
 /// As [`solve`].
 pub(super) fn search<M: ThermalModel>(
     model: &M,
-    settings: &Settings,
+    settings: &Settings<NameOf<M>>,
     control: &Control<'_>,
 ) -> Result<Greedy<M>, PlanError> {
     let limit = settings.max_seconds;

@@ -7,14 +7,14 @@ use super::refine::Refinement;
 use super::setup::{Options, check_time, chosen, complete_interrupted, try_layers};
 use super::shortlist::shortlist;
 use crate::fill::Fill;
-use crate::model::ThermalModel;
+use crate::model::{NameOf, ThermalModel};
 use crate::plan::{PlanError, PlanOf, printed_layers};
 
 /// Plans with named orders first, then anneals the lines of each layer within the time that is
 /// left.
 pub(super) fn solve<M: ThermalModel>(
     model: &M,
-    settings: &Settings,
+    settings: &Settings<NameOf<M>>,
     control: &Control<'_>,
 ) -> Result<PlanOf<M>, PlanError> {
     assert!(settings.screened > 0, "at least one order of a layer is tried");

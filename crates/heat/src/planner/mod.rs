@@ -13,8 +13,7 @@ mod smart_scan;
 use beadwork_base::{Control, named_enum};
 use beadwork_part::Order;
 
-use crate::candidates::OrderSet;
-use crate::fill::{Draft, Fill};
+use crate::fill::{Draft, Fill, OrderName};
 use crate::model::{ModelDraft, NameOf, PathOf, ThermalModel};
 use crate::plan::{HeatPlan, PlanError, PlanOf, PlannedLayer, conventional_drafts};
 
@@ -57,11 +56,11 @@ named_enum! {
 ///
 /// Construct it with `..Settings::default()`: fields may be added.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct Settings<N = Order> {
     /// How orders are chosen.
     pub planner: Planner,
     /// The named orders to choose from; the conventional one is always added.
-    pub orders: Vec<Order>,
+    pub orders: Vec<N>,
     /// Maximum printing time of the whole part, s, with travel; infinite for none.
     pub max_seconds: f64,
     /// Sequences that [`Planner::Beam`] keeps, at least 1.
@@ -77,12 +76,12 @@ pub struct Settings {
     pub seed: u64,
 }
 
-impl Default for Settings {
+impl<N: OrderName> Default for Settings<N> {
     /// `lines` with all named orders, annealing, and no limit on the printing time.
     fn default() -> Self {
         Self {
             planner: Planner::Lines,
-            orders: OrderSet::All.orders(),
+            orders: N::all(),
             max_seconds: f64::INFINITY,
             beam_width: 8,
             screened: 4,
@@ -110,7 +109,7 @@ impl Default for Settings {
 /// If a setting that must be at least 1 is 0.
 pub fn plan<M: ThermalModel>(
     model: &M,
-    settings: &Settings,
+    settings: &Settings<NameOf<M>>,
     control: &Control<'_>,
 ) -> Result<PlanOf<M>, PlanError> {
     match settings.planner {
@@ -140,7 +139,7 @@ pub fn plan<M: ThermalModel>(
 pub fn refine<M: ThermalModel>(
     model: &M,
     plan: &PlanOf<M>,
-    settings: &Settings,
+    settings: &Settings<NameOf<M>>,
     control: &Control<'_>,
 ) -> Result<PlanOf<M>, PlanError> {
     let Settings { max_seconds, seed, .. } = *settings;

@@ -1,13 +1,13 @@
 //! What planners have in common.
 
+use std::collections::HashSet;
+
 use beadwork_base::{Control, Interrupted};
-use beadwork_part::Order;
 use beadwork_search::Stop;
 
 use crate::allotment::{Allotment, Choice, allot};
-use crate::candidates::candidates;
 use crate::fill::{Draft, Fill};
-use crate::model::{ModelDraft, PathOf, ThermalModel};
+use crate::model::{ModelDraft, NameOf, PathOf, ThermalModel};
 use crate::plan::{
     HeatPlan, PlanError, PlanOf, conventional_drafts, drafts_seconds, follow, layers,
 };
@@ -25,8 +25,8 @@ pub(super) struct Options<M: ThermalModel> {
 
 impl<M: ThermalModel> Options<M> {
     /// The distinct named orders of a layer, with their times.
-    pub(super) fn new(model: &M, layer: u32, orders: &[Order], control: &Control<'_>) -> Self {
-        Self::of(model, layer, candidates(model.fill(), layer, orders), control)
+    pub(super) fn new(model: &M, layer: u32, orders: &[NameOf<M>], control: &Control<'_>) -> Self {
+        Self::of(model, layer, candidates(model, layer, orders), control)
     }
 
     /// The given candidates, with their times.
@@ -47,6 +47,18 @@ impl<M: ThermalModel> Options<M> {
     pub(super) fn paths(&self) -> Vec<&PathOf<M>> {
         self.candidates.iter().map(|candidate| &candidate.path).collect()
     }
+}
+
+/// The distinct orders of a layer, each under the first name that it has; the conventional one
+/// comes first.
+fn candidates<M: ThermalModel>(model: &M, layer: u32, orders: &[NameOf<M>]) -> Vec<ModelDraft<M>> {
+    let fill = model.fill();
+    let mut seen = HashSet::new();
+    let named = orders.iter().map(|&order| fill.named(layer, order));
+    std::iter::once(fill.conventional(layer))
+        .chain(named)
+        .filter(|candidate| seen.insert(candidate.path.clone()))
+        .collect()
 }
 
 /// The options of all layers, each tried from the state that the best ones before leave.

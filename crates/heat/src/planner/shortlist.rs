@@ -1,12 +1,11 @@
 //! Which named orders of each layer are worth trying on the model.
 
 use beadwork_base::{Control, Interrupted};
-use beadwork_part::Order;
 
 use super::setup::Options;
 use crate::allotment::{Choice, allot};
 use crate::fill::Fill;
-use crate::model::{ModelDraft, Screen, ThermalModel};
+use crate::model::{ModelDraft, NameOf, Screen, ThermalModel};
 use crate::plan::{PlanError, conventional_drafts, drafts_seconds, layers};
 
 /// Prices of time that options are picked at, relative to the one at which the estimated costs meet
@@ -39,7 +38,7 @@ impl<M: ThermalModel> Shortlist<M> {
 /// An interrupted call returns why.
 pub(super) fn shortlist<M: ThermalModel>(
     model: &M,
-    orders: &[Order],
+    orders: &[NameOf<M>],
     (count, limit): (usize, f64),
     report: impl Fn(usize),
     control: &Control<'_>,

@@ -6,13 +6,13 @@ use beadwork_grid::Cell;
 use super::Settings;
 use super::setup::{Options, try_layers};
 use crate::fill::{Draft, Fill, LineSet};
-use crate::model::{ModelDraft, ThermalModel};
+use crate::model::{ModelDraft, NameOf, ThermalModel};
 use crate::plan::{PlanError, PlanOf};
 
 /// Tries the sequences of the linear model along both axes, and goes on from the cheapest order.
 pub(super) fn solve<M: ThermalModel>(
     model: &M,
-    settings: &Settings,
+    settings: &Settings<NameOf<M>>,
     control: &Control<'_>,
 ) -> Result<PlanOf<M>, PlanError> {
     let limit = settings.max_seconds;

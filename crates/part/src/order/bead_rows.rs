@@ -77,30 +77,88 @@ impl BeadRows {
         self.rows.len()
     }
 
+    /// The beads in the order in which they were given, all turned into the rows' direction.
+    pub fn beads(&self) -> &[Bead] {
+        &self.beads
+    }
+
     /// All beads, with the rows in the order of a sequence.
     ///
     /// A row begins at the end that is nearer to the nozzle, and so does each of its beads; of
     /// equal distances, at the end at which the rows' direction begins.
     /// `from_mm` is where the nozzle is; `None` prints the first row along the rows' direction.
     pub fn order(&self, sequence: Sequence, from_mm: Option<[f64; 2]>) -> Vec<Bead> {
-        let mut ordered: Vec<Bead> = Vec::with_capacity(self.beads.len());
-        let mut nozzle_mm = from_mm;
-        for row in sequence.order(self.rows.len()) {
+        let turned = self.row_order(&sequence.order(self.rows.len()), from_mm);
+        turned.iter().map(|turned| turned.of(&self.beads)).collect()
+    }
+
+    /// As [`BeadRows::order`], for a list of rows.
+    ///
+    /// # Panics
+    /// If a number is not below [`BeadRows::row_count`].
+    pub fn row_order(&self, rows: &[usize], from_mm: Option<[f64; 2]>) -> Vec<TurnedBead> {
+        let mut ordered = Vec::with_capacity(self.beads.len());
+        let mut nozzle = BeadNozzle { position_mm: from_mm };
+        for &row in rows {
             let mut row = self.rows[row].clone();
             let (first, last) = (&self.beads[row[0]], &self.beads[row[row.len() - 1]]);
-            if is_second_nearer(nozzle_mm, first.start_mm, last.end_mm()) {
+            if is_second_nearer(nozzle.position_mm, first.start_mm, last.end_mm()) {
                 row.reverse();
             }
-            for bead in row {
-                let bead = &self.beads[bead];
-                let is_reversed = is_second_nearer(nozzle_mm, bead.start_mm, bead.end_mm());
-                let bead = if is_reversed { bead.reversed() } else { bead.clone() };
-                nozzle_mm = Some(bead.end_mm());
-                ordered.push(bead);
-            }
+            ordered.extend(row.into_iter().map(|bead| nozzle.print(bead, &self.beads[bead])));
         }
         ordered
     }
+}
+
+/// A bead of a list, and its direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TurnedBead {
+    /// Number of the bead in the list.
+    pub bead: u32,
+    /// Whether it is printed from its end to its beginning.
+    pub is_reversed: bool,
+}
+
+impl TurnedBead {
+    /// The bead in its direction.
+    ///
+    /// # Panics
+    /// If the list has no such bead.
+    pub fn of(self, beads: &[Bead]) -> Bead {
+        let bead = &beads[self.bead as usize];
+        if self.is_reversed { bead.reversed() } else { bead.clone() }
+    }
+}
+
+/// Position of the nozzle between beads.
+struct BeadNozzle {
+    position_mm: Option<[f64; 2]>,
+}
+
+impl BeadNozzle {
+    /// Prints a bead from the end that is nearer, and returns its direction.
+    fn print(&mut self, number: usize, bead: &Bead) -> TurnedBead {
+        let [start_mm, end_mm] = [bead.start_mm, bead.end_mm()];
+        let is_reversed = is_second_nearer(self.position_mm, start_mm, end_mm);
+        self.position_mm = Some(if is_reversed { start_mm } else { end_mm });
+        TurnedBead { bead: number as u32, is_reversed }
+    }
+}
+
+/// Some beads of a list, in the given order, each from the end that is nearer to the nozzle.
+///
+/// `from_mm` is where the nozzle is; `None` prints the first bead as it is.
+///
+/// # Panics
+/// If a number is not below that of the beads.
+pub fn turn_beads(
+    beads: &[Bead],
+    order: impl IntoIterator<Item = usize>,
+    from_mm: Option<[f64; 2]>,
+) -> Vec<TurnedBead> {
+    let mut nozzle = BeadNozzle { position_mm: from_mm };
+    order.into_iter().map(|bead| nozzle.print(bead, &beads[bead])).collect()
 }
 
 /// Unit vector of the mean direction of all moves, with a direction and its opposite the same; x

@@ -8,7 +8,7 @@ mod sequence;
 #[cfg(test)]
 mod tests;
 
-pub use bead_rows::BeadRows;
+pub use bead_rows::{BeadRows, TurnedBead, turn_beads};
 pub use layer_order::{Order, UnknownOrder};
 pub use line_order::{Axis, Corner, LineOrder, LineOrderError};
 pub use lines::{Ends, Lines, PermutationError};

@@ -131,6 +131,18 @@ pub fn program_events(
 }
 
 impl ProgramEvents {
+    /// The events of each layer of the part, for a program that completes layers from the bed up:
+    /// from where those of the layer below end, up to its last deposition.
+    /// What follows the last layer is left out.
+    pub fn layers(&self) -> Vec<Vec<DepositionEvent>> {
+        let mut begin = 0;
+        let of_layer = |&end: &usize| {
+            let end = end.max(begin);
+            self.events[std::mem::replace(&mut begin, end)..end].to_vec()
+        };
+        self.layer_ends.iter().map(of_layer).collect()
+    }
+
     /// The part as the program prints it: without the voxels that it leaves out.
     pub fn printed(&self, part: &Voxels) -> Voxels {
         let mut materials = part.materials().to_owned();

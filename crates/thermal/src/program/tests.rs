@@ -143,6 +143,11 @@ proptest! {
             prop_assert_eq!(births(&done.events[..end]).len(), cells);
             prop_assert!(done.events[end - 1].voxel.is_some());
         }
+        let layers = done.layers();
+        prop_assert_eq!(layers.concat(), &done.events[..done.layer_ends[part.depth - 1]]);
+        for (z, layer) in (0..).zip(&layers) {
+            prop_assert!(births(layer).iter().all(|voxel| voxel[2] == z));
+        }
     }
 
     #[test]
