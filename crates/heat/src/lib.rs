@@ -51,8 +51,8 @@
 //!
 //! # Conventions
 //! Temperatures and their deviations are in K, times in s.
-//! Orders of cells are lists of cells, row-major with x fastest, as everywhere in beadwork; those of
-//! beads are lists of their numbers and directions.
+//! Orders of cells are lists of cells, row-major with x fastest, as everywhere in beadwork.
+//! Orders of beads are lists of their numbers and directions.
 //! Nothing here does I/O or reads a clock.
 //! The same seed gives the same plan on every machine and any number of threads.
 //!

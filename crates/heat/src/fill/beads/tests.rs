@@ -89,7 +89,7 @@ fn every_order_prints_each_move_and_each_voxel_once() {
         let frame = frame(12, 9);
         // Walls and infill drawn at random, which cross each other.
         let features = [Feature::OuterWall, Feature::Infill, Feature::SolidInfill];
-        let beads: Vec<Bead> = (0..1 + number(5))
+        let beads: Vec<Bead> = (0..=number(5))
             .map(|_| {
                 let cells: Vec<[u32; 2]> =
                     (0..2 + number(7)).map(|_| [number(12), number(9)]).collect();
