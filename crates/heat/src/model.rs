@@ -41,6 +41,19 @@ pub trait ThermalModel: Clone + Send + Sync {
         control: &Control<'_>,
     ) -> Result<f64, DepositError>;
 
+    /// Prints some lines of a layer: the first ones, or those after them.
+    ///
+    /// For the last lines, it returns a cost by which orders of them can be compared: that of the
+    /// layer but for a constant.
+    ///
+    /// Otherwise as [`ThermalModel::deposit`].
+    fn deposit_lines(
+        &mut self,
+        layer: u32,
+        path: &PathOf<Self>,
+        control: &Control<'_>,
+    ) -> Result<f64, DepositError>;
+
     /// A fast estimate of the cost of orders of a layer, from the present state; `None` if there is
     /// none for these costs.
     fn screen(&self, layer: u32) -> Option<Self::Screen>;

@@ -25,6 +25,8 @@ pub struct Solver<F: Fill = Cells> {
     meter: Option<HeatMeter>,
     fill: Arc<F>,
     part: Arc<Voxels>,
+    /// Number of the part's voxels.
+    part_voxels: usize,
     material: Arc<ThermalMaterial>,
     process: Arc<ProcessParameters>,
     position: Option<F::Position>,
@@ -87,6 +89,7 @@ impl<F: Fill> Solver<F> {
             no_travel,
             meter,
             fill: Arc::new(fill),
+            part_voxels: part.count(),
             part,
             material: Arc::new(material.clone()),
             process: Arc::new(process.clone()),
@@ -98,6 +101,45 @@ impl<F: Fill> Solver<F> {
     /// The simulation of the print; that without travel if the costs need no other.
     pub fn simulation(&self) -> &Simulation {
         self.print.as_ref().or(self.no_travel.as_ref()).expect("one of the two is simulated")
+    }
+
+    /// Runs through the events of a path, and returns what they cost.
+    fn run(
+        &mut self,
+        layer: u32,
+        path: &F::Path,
+        events: Vec<DepositionEvent>,
+        control: &Control<'_>,
+    ) -> Result<f64, DepositError> {
+        let voxels = events.iter().filter(|event| event.voxel.is_some()).count();
+        let share = voxels as f64 / self.part_voxels as f64;
+        let Self { print, no_travel, meter, cost, .. } = self;
+        let still = no_travel.as_ref().map(|_| {
+            let mut events = events.clone();
+            remove_pauses(&mut events);
+            events
+        });
+        let of_print = || -> Result<f64, DepositError> {
+            match print {
+                None => Ok(0.0),
+                Some(print) => {
+                    print_cost(print, meter.as_mut(), cost, share, layer, events, control)
+                }
+            }
+        };
+        let of_no_travel = || -> Result<f64, DepositError> {
+            match no_travel.as_mut().zip(still) {
+                None => Ok(0.0),
+                Some((no_travel, events)) => {
+                    no_travel.run(&events, &control.without_progress())?;
+                    Ok(cost.factor(Objective::NoTravel) * deviation(no_travel))
+                }
+            }
+        };
+        let (of_print, of_no_travel) = control.threads.join(of_print, of_no_travel);
+        let cost = of_print? + of_no_travel?;
+        self.position = self.fill.ends(layer, path).map(|[_, end]| end).or(self.position);
+        Ok(cost)
     }
 
     /// The part that is printed.
@@ -194,34 +236,17 @@ impl<F: Fill> ThermalModel for Solver<F> {
     ) -> Result<f64, DepositError> {
         let events = self.fill.events(layer, self.position, path);
         self.simulation().check_complete(layer, &events)?;
-        let share = self.fill.voxel_count(layer) as f64 / self.part.count() as f64;
-        let Self { print, no_travel, meter, cost, .. } = self;
-        let still = no_travel.as_ref().map(|_| {
-            let mut events = events.clone();
-            remove_pauses(&mut events);
-            events
-        });
-        let of_print = || -> Result<f64, DepositError> {
-            match print {
-                None => Ok(0.0),
-                Some(print) => {
-                    print_cost(print, meter.as_mut(), cost, share, layer, events, control)
-                }
-            }
-        };
-        let of_no_travel = || -> Result<f64, DepositError> {
-            match no_travel.as_mut().zip(still) {
-                None => Ok(0.0),
-                Some((no_travel, events)) => {
-                    no_travel.run(&events, &control.without_progress())?;
-                    Ok(cost.factor(Objective::NoTravel) * deviation(no_travel))
-                }
-            }
-        };
-        let (of_print, of_no_travel) = control.threads.join(of_print, of_no_travel);
-        let cost = of_print? + of_no_travel?;
-        self.position = self.fill.ends(layer, path).map(|[_, end]| end).or(self.position);
-        Ok(cost)
+        self.run(layer, path, events, control)
+    }
+
+    fn deposit_lines(
+        &mut self,
+        layer: u32,
+        path: &F::Path,
+        control: &Control<'_>,
+    ) -> Result<f64, DepositError> {
+        let events = self.fill.events(layer, self.position, path);
+        self.run(layer, path, events, control)
     }
 
     fn linear_layer(&self, layer: u32) -> Option<LinearLayer> {

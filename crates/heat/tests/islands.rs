@@ -46,7 +46,7 @@ fn check(part: &Arc<Voxels>) {
             planner,
             orders: OrderSet::All.orders().into_iter().step_by(9).collect(),
             max_seconds: 1.1 * conventional.seconds(),
-            annealing: Some(Annealing { trials: 20, ..Annealing::default() }),
+            annealing: Some(Annealing { trials: 20, model_trials: 120, ..Annealing::default() }),
             ..Settings::default()
         };
         let plan = plan(&model, &settings, &control).unwrap();

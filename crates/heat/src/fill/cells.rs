@@ -144,7 +144,11 @@ impl LineSet for CellLines {
         self.lines.permutation(self.sequence, Ends::Nearest { from })
     }
 
-    fn path(&self, permutation: &[usize], from: Option<Cell>) -> Vec<Cell> {
-        self.lines.flatten(permutation, Ends::Nearest { from })
+    fn path(&self, lines: &[usize], from: Option<Cell>) -> Vec<Cell> {
+        self.lines.flatten(lines, Ends::Nearest { from })
+    }
+
+    fn rest(&self, lines: &[usize], from: Option<Cell>) -> Vec<Cell> {
+        self.path(lines, from)
     }
 }

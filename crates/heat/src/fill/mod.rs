@@ -106,9 +106,16 @@ pub trait LineSet: Send + Sync {
     /// The numbers of the lines in the order from which a search begins.
     fn start(&self, from: Option<Self::Position>) -> Vec<usize>;
 
-    /// The path that prints the lines in the order of a permutation, each from the end nearer to
-    /// the nozzle.
-    fn path(&self, permutation: &[usize], from: Option<Self::Position>) -> Self::Path;
+    /// The path that prints everything else of the layer, if there is anything, and then the lines
+    /// of a list, each from the end nearer to the nozzle: a permutation of all lines, or its first
+    /// ones.
+    fn path(&self, lines: &[usize], from: Option<Self::Position>) -> Self::Path;
+
+    /// The path that prints only the lines of a list, such as the last ones of a permutation, each
+    /// from the end nearer to the nozzle.
+    ///
+    /// After the path of the first ones, from its end, it is the rest of the path of all.
+    fn rest(&self, lines: &[usize], from: Option<Self::Position>) -> Self::Path;
 }
 
 /// A layer before it is deposited.

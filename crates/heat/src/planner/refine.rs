@@ -3,7 +3,7 @@
 use beadwork_base::Control;
 use beadwork_search::Stop;
 
-use super::anneal::{Annealing, Problem, anneal};
+use super::anneal::{Annealing, Problem, Temperatures, anneal};
 use crate::fill::{Draft, Fill, LineSet};
 use crate::model::{ModelDraft, PathOf, PositionOf, Screen, ThermalModel};
 use crate::plan::{HeatPlan, PlanError, PlanOf, PlannedLayer, layers, printed_layers};
@@ -12,6 +12,13 @@ use crate::trials::try_orders;
 /// Weight of the time beyond the limit in the cost of an order: an order that takes twice as long
 /// as permitted costs this many times as much.
 const EXCESS_WEIGHT: f64 = 10.0;
+
+/// Temperatures of annealing with the screen, and with the model, which begins near the end.
+const SCREEN_TEMPERATURES: Temperatures = [0.01, 0.0005];
+const MODEL_TEMPERATURES: Temperatures = [0.003, 0.0002];
+
+/// Difference between times that are the same but for rounding, s.
+const ROUNDING_S: f64 = 1e-9;
 
 /// Odd multipliers that give each layer and each run a seed of its own.
 const LAYER_SEED: u64 = 0x9e37_79b9_7f4a_7c15;
@@ -95,8 +102,7 @@ impl<M: ThermalModel> Refinement<'_, M> {
         above: &Above<PositionOf<M>>,
         control: &Control<'_>,
     ) -> Result<Vec<ModelDraft<M>>, PlanError> {
-        let fill = self.model.fill();
-        let from = state.position();
+        let (fill, from) = (self.model.fill(), state.position());
         let lines = fill.lines(layer, draft.name);
         let start = lines.start(from);
         let screen = state.screen(layer).ok_or(PlanError::NoScreen)?;
@@ -105,38 +111,63 @@ impl<M: ThermalModel> Refinement<'_, M> {
             let travel = end.zip(above.first).map_or(0.0, |(a, b)| fill.travel_seconds(a, b));
             seconds + above.seconds + travel - left
         };
-        let cost = |path: &PathOf<M>| {
+        // What an order costs, if temperatures alone cost `heat`.
+        let with_time = |path: &PathOf<M>, heat: f64| {
             let seconds = state.path_seconds(layer, path);
             let excess = excess(path, seconds).max(0.0) / seconds;
-            screen.cost(path) * (1.0 + EXCESS_WEIGHT * excess) + self.price * seconds
+            heat * (1.0 + EXCESS_WEIGHT * excess) + self.price * seconds
         };
-        let problem = Problem {
-            lines: &lines,
+        let on_screen = |order: &[usize]| {
+            let path = lines.path(order, from);
+            with_time(&path, screen.cost(&path))
+        };
+        let layers = printed_layers(fill);
+        let screened = Problem {
             start: &start,
-            tail: self.tail(&lines, &start),
-            from,
-            trials: self.annealing.trials_per_layer(printed_layers(fill)),
-            cost: &cost,
+            tail: tail(&lines, &start, self.annealing.tail_s),
+            trials: self.annealing.trials_per_layer(layers),
+            temperatures: SCREEN_TEMPERATURES,
+            cost: &on_screen,
         };
+        let trials = self.annealing.model_trials_per_layer(layers);
         let seed = self.seed ^ u64::from(layer).wrapping_mul(LAYER_SEED);
         let run = |run: usize| {
             let seed = seed ^ (run as u64).wrapping_mul(RUN_SEED);
-            lines.path(&anneal(&problem, self.annealing, seed, control), from)
+            let own = control.on_one_thread();
+            let order = anneal(&screened, seed, &own);
+            let tail = tail(&lines, &order, self.annealing.model_tail_s);
+            if trials == 0 || tail < 2 {
+                return lines.path(&order, from);
+            }
+            let (begin, _) = order.split_at(order.len() - tail);
+            let mut before = state.clone();
+            let uninterrupted = own.uninterrupted();
+            let print =
+                |model: &mut M, path: &PathOf<M>| model.deposit_lines(layer, path, &uninterrupted);
+            if print(&mut before, &lines.path(begin, from)).is_err() {
+                return lines.path(&order, from);
+            }
+            let limit = state.path_seconds(layer, &lines.path(&order, from)) + ROUNDING_S;
+            let on_model = |order: &[usize]| {
+                let path = lines.path(order, from);
+                // Most orders take longer, and few of them are worth it.
+                if state.path_seconds(layer, &path) > limit {
+                    return f64::INFINITY;
+                }
+                let mut model = before.clone();
+                let rest = lines.rest(&order[begin.len()..], before.position());
+                // An order that cannot be deposited is reported when it is chosen, so it is not.
+                let heat = print(&mut model, &rest).unwrap_or(f64::INFINITY);
+                with_time(&path, heat)
+            };
+            let start = &order[..];
+            let temperatures = MODEL_TEMPERATURES;
+            let problem = Problem { start, tail, trials, temperatures, cost: &on_model };
+            lines.path(&anneal(&problem, !seed, &own), from)
         };
         let results = control.threads.map_numbers(self.annealing.runs, run);
         let fits = |path: &PathOf<M>| excess(path, state.path_seconds(layer, path)) <= 0.0;
         Ok(results.into_iter().filter(fits).map(|path| Draft { path, name: None }).collect())
-    }
-
-    /// Number of lines at the end of an order that are printed in [`Annealing::tail_s`].
-    fn tail(&self, lines: &impl LineSet, order: &[usize]) -> usize {
-        let mut left = self.annealing.tail_s;
-        let is_inside = |&&line: &&usize| {
-            let is_inside = left > 0.0;
-            left -= lines.seconds(line);
-            is_inside
-        };
-        order.iter().rev().take_while(is_inside).count()
     }
 
     /// For each layer, what the drafts above it take.
@@ -155,4 +186,15 @@ impl<M: ThermalModel> Refinement<'_, M> {
         above.reverse();
         above
     }
+}
+
+/// Number of lines at the end of an order that take the given time.
+fn tail(lines: &impl LineSet, order: &[usize], seconds: f64) -> usize {
+    let mut left = seconds;
+    let is_inside = |&&line: &&usize| {
+        let is_inside = left > 0.0;
+        left -= lines.seconds(line);
+        is_inside
+    };
+    order.iter().rev().take_while(is_inside).count()
 }

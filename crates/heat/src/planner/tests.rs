@@ -11,6 +11,7 @@ use beadwork_thermal::simulation::Method;
 use beadwork_thermal::{ProcessParameters, ThermalMaterial};
 
 use super::*;
+use crate::fill::LineSet;
 use crate::model::{LayerCost, Solver};
 use crate::plan::same_order;
 use crate::testing::{part, solver, stairs};
@@ -32,7 +33,12 @@ fn settings(planner: Planner) -> Settings {
         orders: orders.map(|name| name.parse().unwrap()).to_vec(),
         beam_width: 3,
         screened: 3,
-        annealing: Some(Annealing { runs: 2, trials: 20, ..Annealing::default() }),
+        annealing: Some(Annealing {
+            runs: 2,
+            trials: 20,
+            model_trials: 160,
+            ..Annealing::default()
+        }),
         ..Settings::default()
     }
 }
@@ -206,6 +212,41 @@ fn interrupted_planners_return_a_whole_plan() {
         let plan = plan(&model, &settings(planner), &control).unwrap();
         assert_eq!(plan.stop, Stop::Cancelled, "{planner}");
     }
+}
+
+#[test]
+fn lines_in_two_parts_are_the_layer() {
+    let part = part([14, 9, 3], |[x, y, z]| x < 5 || y < 4 + z);
+    for objective in [Objective::Reward, Objective::NoTravel] {
+        let mut whole = solver(&part, objective);
+        for layer in 0..3 {
+            let lines = whole.fill().lines(layer, None);
+            let order = lines.start(whole.position());
+            let (begin, tail) = order.split_at(order.len() / 2);
+            let control = Control::default();
+            let mut parts = whole.clone();
+            parts.deposit_lines(layer, &lines.path(begin, parts.position()), &control).unwrap();
+            let rest = lines.rest(tail, parts.position());
+            let cost = parts.deposit_lines(layer, &rest, &control).unwrap();
+            let path = lines.path(&order, whole.position());
+            let expected = whole.deposit(layer, &path, &control).unwrap();
+            assert!((cost / expected - 1.0).abs() < 2e-3, "{objective}: {cost} {expected}");
+            assert_eq!(parts.position(), whole.position());
+        }
+    }
+}
+
+#[test]
+fn annealing_on_the_model_gains_more_than_on_the_screen() {
+    let part = part([40, 24, 3], |[x, y, _]| x < 14 || y < 10);
+    let model = solver(&part, Objective::NoTravel);
+    let cost = |model_trials: usize| {
+        let annealing = Annealing { trials: 600, model_trials, ..Annealing::default() };
+        let settings = Settings { annealing: Some(annealing), ..settings(Planner::Lines) };
+        plan(&model, &settings, &Control::default()).unwrap().cost()
+    };
+    let (with, without) = (cost(300), cost(0));
+    assert!(with < without, "{with} {without}");
 }
 
 #[test]

@@ -260,10 +260,14 @@ impl LineSet for BeadLines {
         path.iter().filter_map(|turned| (turned.bead as usize).checked_sub(fixed)).collect()
     }
 
-    fn path(&self, permutation: &[usize], from: Option<[f64; 2]>) -> Vec<TurnedBead> {
+    fn path(&self, lines: &[usize], from: Option<[f64; 2]>) -> Vec<TurnedBead> {
         let mut path: Vec<TurnedBead> = self.layer.fixed().collect();
-        let order = permutation.iter().map(|&line| self.bead(line));
-        path.extend(turn_beads(&self.layer.pieces.beads, order, self.layer.after_fixed(from)));
+        path.extend(self.rest(lines, self.layer.after_fixed(from)));
         path
+    }
+
+    fn rest(&self, lines: &[usize], from: Option<[f64; 2]>) -> Vec<TurnedBead> {
+        let order = lines.iter().map(|&line| self.bead(line));
+        turn_beads(&self.layer.pieces.beads, order, from)
     }
 }

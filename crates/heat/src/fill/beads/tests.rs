@@ -111,6 +111,12 @@ fn every_order_prints_each_move_and_each_voxel_once() {
             permutation.swap(last, number(last as u64 + 1) as usize);
         }
         let name = names[case % names.len()];
+        // A list in two parts is the list.
+        let (begin, tail) = permutation.split_at(permutation.len() / 2);
+        let mut joined = set.path(begin, None);
+        let nozzle = fill.ends(0, &joined).map(|[_, end]| end);
+        joined.extend(set.rest(tail, nozzle));
+        assert_eq!(joined, set.path(&permutation, None));
         let from = (case % 3 > 0).then_some([101.0, 118.0]);
         for path in [
             fill.named(0, name).path,
@@ -218,7 +224,11 @@ fn planners_plan_beads() {
                 planner,
                 beam_width: 2,
                 orders: RowOrder::all().into_iter().step_by(7).collect(),
-                annealing: Some(Annealing { runs: 2, trials: 60, ..Annealing::default() }),
+                annealing: Some(Annealing {
+                    trials: 60,
+                    model_trials: 120,
+                    ..Annealing::default()
+                }),
                 max_seconds: 1.06 * listed.seconds(),
                 ..planner::Settings::default()
             };
