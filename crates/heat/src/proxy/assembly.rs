@@ -36,7 +36,8 @@ impl Assembly<'_> {
             sides: self.sides(first, None),
             source: self.plane(per_voxel(&first.plate, to_plate * self.plate_k(), first), first),
             plate: self.plane(per_voxel(&first.plate, to_plate, first), first),
-            surface: self.plane(self.surface(first), first),
+            faces: self.plane(per_voxel(&first.faces, top_area, first), first),
+            side: (self.coefficients.side_area * self.step_s) as f32,
             below: self.plane(per_voxel(&first.below, between, first), first),
             covered: match second {
                 Some(second) => self.plane(per_voxel(&first.below, top_area, second), second),
@@ -47,8 +48,8 @@ impl Assembly<'_> {
 
     /// A level below it, whose surfaces have the heat transfer coefficient `loss`.
     ///
-    /// `lower` is the level below, unless this is the lowest one; planes that equal `sides` share
-    /// its values.
+    /// `lower` is the level below, unless there is none or it keeps its temperatures; planes that
+    /// equal `sides` share its values.
     pub(super) fn level(
         &self,
         number: usize,
@@ -66,8 +67,13 @@ impl Assembly<'_> {
         if number > 1 {
             pivot.iter_mut().zip(&above).for_each(|(pivot, above)| *pivot += above);
         }
-        let passed_up = lower.map(|lower| {
-            let below = per_voxel(&level.below, self.between(level, &levels[number + 1]), level);
+        let passed_up = levels.get(number + 1).map(|next| {
+            let below = per_voxel(&level.below, self.between(level, next), level);
+            let Some(lower) = lower else {
+                // It keeps its temperatures, and passes them up as they are.
+                pivot.iter_mut().zip(&below).for_each(|(pivot, below)| *pivot += below);
+                return self.plane(below, level);
+            };
             let passed: Vec<f32> =
                 below.iter().zip(&lower.inverse_pivot).map(|(below, p)| below * p).collect();
             for (block, pivot) in pivot.iter_mut().enumerate() {

@@ -4,13 +4,6 @@ use std::ops::Range;
 
 use beadwork_part::slice::Voxels;
 
-/// Layers of each level below the printed layer, from the top; the last number repeats.
-const LEVEL_LAYERS: [usize; 8] = [1, 1, 2, 2, 3, 4, 6, 8];
-
-/// Maximum depth of the model below the printed layer, in layers: 6.75 mm with layers of 0.25 mm,
-/// through which heat takes a minute in the paper's ABS.
-const MAX_DEPTH: usize = 27;
-
 /// Cells beside the printed layer that are part of the model, where lower layers have them.
 const MARGIN: u32 = 8;
 
@@ -27,8 +20,9 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// The box around a layer that has cells, and what lies below it.
-    pub(super) fn new(part: &Voxels, layer: usize) -> Self {
+    /// The box around a layer that has cells, and what lies below it: at most one level for each of
+    /// `layers`, which are their numbers of layers from the top.
+    pub(super) fn new(part: &Voxels, layer: usize, layers: &[usize]) -> Self {
         let (width, height) = (part.frame.width, part.frame.height);
         let (mut columns, mut rows) = (width..0, height..0);
         for cell in part.cells(layer) {
@@ -40,12 +34,12 @@ impl Extent {
             range.start.saturating_sub(MARGIN)..(range.end + MARGIN).min(limit)
         };
         let mut levels = Vec::from([Range { start: layer, end: layer + 1 }]);
-        let deepest = layer.saturating_sub(MAX_DEPTH);
         let mut above = layer;
-        while above > deepest {
-            let layers = LEVEL_LAYERS[(levels.len() - 1).min(LEVEL_LAYERS.len() - 1)];
-            let below = above.saturating_sub(layers).max(deepest);
-            levels.push(below..above);
+        for count in layers {
+            let below = above.saturating_sub(*count);
+            if below < above {
+                levels.push(below..above);
+            }
             above = below;
         }
         Self { columns: widen(columns, width), rows: widen(rows, height), levels }
@@ -210,11 +204,20 @@ impl Blocks {
         coarse
     }
 
+    /// Index of the block of a cell of the part.
+    pub(super) fn block(&self, cell: [u32; 2]) -> usize {
+        self.block_at(self.position(cell))
+    }
+
+    /// Column and row of a cell of the part in the box.
+    pub(super) fn position(&self, [x, y]: [u32; 2]) -> [u32; 2] {
+        [x - self.left, y - self.top]
+    }
+
     /// Index of the block of the cell in a column and row of the box.
-    pub(super) fn block(&self, [x, y]: [u32; 2]) -> usize {
+    pub(super) fn block_at(&self, [column, row]: [u32; 2]) -> usize {
         let shift = self.side.trailing_zeros();
-        let (column, row) = ((x - self.left) >> shift, (y - self.top) >> shift);
-        (row as usize + 1) * self.width + column as usize + 1
+        ((row >> shift) as usize + 1) * self.width + (column >> shift) as usize + 1
     }
 
     /// Number of blocks of a level, with the border.
@@ -226,12 +229,25 @@ impl Blocks {
     pub(super) fn refine(&self, coarse: &Self, values: &[f32]) -> Vec<f32> {
         let mut fine = vec![0.0; self.len()];
         for y in 1..self.height - 1 {
-            let from = &values[(y.div_ceil(2)) * coarse.width..][..coarse.width];
-            let row = &mut fine[y * self.width..][..self.width];
-            for x in 1..self.width - 1 {
-                row[x] = from[x.div_ceil(2)];
+            let from = &values[y.div_ceil(2) * coarse.width..][1..coarse.width - 1];
+            let row = &mut fine[y * self.width..][1..self.width - 1];
+            for (pair, value) in row.as_chunks_mut().0.iter_mut().zip(from) {
+                *pair = [*value; 2];
             }
         }
         fine
+    }
+
+    /// Sums values of blocks half as wide.
+    pub(super) fn sums(&self, fine: &Self, values: &[i32]) -> Vec<i32> {
+        let mut sums = vec![0; self.len()];
+        for y in 1..fine.height - 1 {
+            let from = &values[y * fine.width..][1..fine.width - 1];
+            let row = &mut sums[y.div_ceil(2) * self.width..][1..self.width - 1];
+            for (sum, [left, right]) in row.iter_mut().zip(from.as_chunks().0) {
+                *sum += left + right;
+            }
+        }
+        sums
     }
 }

@@ -16,6 +16,9 @@ use super::geometry::{Blocks, Extent};
 use super::stepper::{State, Stepper};
 use super::{RATIO, start};
 
+/// Layers of each level below the printed layer, from the top.
+const LEVELS: [usize; 8] = [1, 1, 2, 2, 3, 4, 6, 8];
+
 /// Maximum number of blocks of a level, which bounds the memory for the effects of all lines.
 const MAX_BLOCKS: usize = 1 << 12;
 
@@ -60,7 +63,7 @@ impl LinearLayer {
     /// If the part has no such layer.
     pub fn new(simulation: &Simulation, layer: u32, material: &ThermalMaterial) -> Self {
         let (part, process) = (simulation.part(), simulation.process());
-        let extent = Extent::new(part, layer as usize);
+        let extent = Extent::new(part, layer as usize, &LEVELS);
         let coefficients = Coefficients::new(&part.frame, material, process);
         let theta = simulation.temperatures_c() - process.ambient_c;
         let mut blocks = Blocks::new(part, &extent, 2);
@@ -72,6 +75,10 @@ impl LinearLayer {
         let plate = coefficients.plate_k.unwrap_or(0.0) as f32;
         start.theta[0] = start.theta.get(1).cloned().unwrap_or_else(|| vec![plate; blocks.len()]);
         start.deposited.fill(1.0);
+        let sides =
+            |(&sides, &voxels): (&f32, &f32)| if voxels > 0.0 { sides / voxels } else { 0.0 };
+        let layer = &blocks.levels[0];
+        start.open_sides = layer.sides.iter().zip(&layer.voxels).map(sides).collect();
         let levels = blocks.levels.iter().zip(&start.theta);
         let level_k: Vec<f64> =
             levels.map(|(level, theta)| weighted_mean(&level.voxels, theta)).collect();
@@ -181,7 +188,7 @@ impl LinearLayer {
 
 /// The state after a step.
 fn stepped(stepper: &Stepper, state: &State) -> State {
-    let (mut state, mut next) = (state.clone(), state.clone());
+    let (mut state, mut next) = (state.clone(), state.theta.clone());
     stepper.step(&mut state, &mut next, &mut Vec::new());
     state
 }

@@ -12,6 +12,7 @@
 use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
 
 use super::assembly::Assembly;
+use super::births::Counts;
 use super::coefficients::Coefficients;
 use super::geometry::Blocks;
 use super::plane::Plane;
@@ -23,6 +24,8 @@ pub(super) struct State {
     pub(super) theta: Vec<Vec<f32>>,
     /// Share of the voxels of the printed layer in each block that are deposited.
     pub(super) deposited: Vec<f32>,
+    /// Sides in the air per deposited voxel of each block of the printed layer.
+    pub(super) open_sides: Vec<f32>,
 }
 
 /// Steps of one length.
@@ -40,20 +43,10 @@ pub(super) struct Stepper {
     first: FirstLevel,
     /// 1 over the voxels of the printed layer in each block; 0 without any.
     inverse_voxels: Vec<f32>,
-    births: Birth,
+    /// θ of voxels that are deposited, K.
+    birth_k: f32,
     /// See [`Coefficients::loss`].
     loss: [f32; 4],
-}
-
-/// Temperatures of voxels that are deposited.
-#[derive(Clone, Copy, Debug)]
-struct Birth {
-    /// θ of the filament, K.
-    theta: f32,
-    /// θ of the plate, on which voxels without a level below lie, K.
-    plate: f32,
-    /// See [`Coefficients::hold`].
-    hold: f32,
 }
 
 /// A level below the printed layer.
@@ -65,7 +58,8 @@ pub(super) struct LevelStepper {
     pub(super) source: Option<Plane>,
     /// Conductance to the level above.
     pub(super) above: Plane,
-    /// Conductance to the level below over the pivot of that level; `None` in the lowest level.
+    /// Conductance to the level below over the pivot of that level, or 1 if that keeps its
+    /// temperatures; `None` without a level below.
     pub(super) passed_up: Option<Plane>,
     /// 1 / pivot; in the second level the pivot, without what depends on the first.
     pub(super) pivot: Plane,
@@ -79,8 +73,10 @@ pub(super) struct FirstLevel {
     pub(super) source: Plane,
     /// Conductance to the plate.
     pub(super) plate: Plane,
-    /// Surface that faces the air.
-    pub(super) surface: Plane,
+    /// Tops and bottoms that face the air.
+    pub(super) faces: Plane,
+    /// A side that faces the air.
+    pub(super) side: f32,
     /// Conductance to the level below.
     pub(super) below: Plane,
     /// Surface of the second level that the layer covers.
@@ -89,6 +85,8 @@ pub(super) struct FirstLevel {
 
 impl Stepper {
     /// Steps of `step_s`, with surfaces of each level below the first at its mean θ, `level_k`.
+    ///
+    /// Levels that have no mean keep their temperatures; the first two must have one.
     pub(super) fn new(
         blocks: &Blocks,
         coefficients: &Coefficients,
@@ -99,7 +97,7 @@ impl Stepper {
         let first = assembly.first_level();
         let mut levels: Vec<LevelStepper> = Vec::new();
         let mut lower = None;
-        for number in (1..blocks.levels.len()).rev() {
+        for number in (1..level_k.len()).rev() {
             let sides = levels.last().map_or(&first.sides, |before| &before.sides);
             let loss = coefficients.loss_at(level_k[number]) as f32;
             let (level, eliminated) = assembly.level(number, loss, lower.take(), sides);
@@ -110,50 +108,50 @@ impl Stepper {
         let Blocks { width, height, .. } = *blocks;
         let inverse = |&voxels: &f32| if voxels > 0.0 { 1.0 / voxels } else { 0.0 };
         let inverse_voxels = blocks.levels[0].voxels.iter().map(inverse).collect();
-        let births = Birth {
-            theta: coefficients.birth_k as f32,
-            plate: coefficients.plate_k.unwrap_or(coefficients.birth_k) as f32,
-            hold: coefficients.hold as f32,
-        };
+        let birth_k = coefficients.birth_k as f32;
         let loss = coefficients.loss;
-        Self { step_s, width, height, levels, first, inverse_voxels, births, loss }
+        Self { step_s, width, height, levels, first, inverse_voxels, birth_k, loss }
     }
 
-    /// Shares of the voxels of each block, from their numbers.
-    pub(super) fn shares(&self, mut counts: Vec<f32>) -> Vec<f32> {
-        counts.iter_mut().zip(&self.inverse_voxels).for_each(|(count, inverse)| *count *= inverse);
-        counts
+    /// Sets what of each block of the printed layer is deposited, but no temperatures, and resets
+    /// the numbers of new voxels to 0.
+    pub(super) fn refresh(&self, state: &mut State, counts: &mut Counts) {
+        let shares =
+            counts.new.iter().zip(&self.inverse_voxels).map(|(&new, inverse)| new as f32 * inverse);
+        state.deposited = shares.collect();
+        let per_voxel = |(&open, &new): (&i32, &i32)| open as f32 / new.max(1) as f32;
+        state.open_sides = counts.open_sides.iter().zip(&counts.new).map(per_voxel).collect();
+        counts.new.fill(0);
     }
 
-    /// Deposits a number of voxels in each block of the printed layer, and resets the numbers to 0.
-    pub(super) fn deposit(&self, state: &mut State, counts: &mut [f32]) {
-        let (top, rest) = state.theta.split_at_mut(1);
+    /// Deposits the new voxels of each block of the printed layer, and resets their numbers to 0.
+    pub(super) fn deposit(&self, state: &mut State, counts: &mut Counts) {
         Arch::new().dispatch(Deposition {
-            births: self.births,
+            birth_k: self.birth_k,
             inverse_voxels: &self.inverse_voxels,
-            top: &mut top[0],
-            below: rest.first().map(Vec::as_slice),
+            theta: &mut state.theta[0],
             deposited: &mut state.deposited,
+            open_sides: &mut state.open_sides,
             counts,
         });
     }
 
-    /// Advances a state by one step; `next` is overwritten, and becomes the state.
-    pub(super) fn step(&self, state: &mut State, next: &mut State, known: &mut Vec<f32>) {
+    /// Advances a state by one step; `next` is overwritten, and becomes its temperatures.
+    pub(super) fn step(&self, state: &mut State, next: &mut Vec<Vec<f32>>, known: &mut Vec<f32>) {
         known.resize((self.levels.len() + 1) * (self.width - 2), 0.0);
-        Arch::new().dispatch(Sweep { stepper: self, state, next: &mut *next, known });
-        std::mem::swap(&mut state.theta, &mut next.theta);
+        Arch::new().dispatch(Sweep { stepper: self, state, next, known });
+        std::mem::swap(&mut state.theta, next);
     }
 }
 
 /// Voxels that are deposited in all blocks of the printed layer.
 struct Deposition<'a> {
-    births: Birth,
+    birth_k: f32,
     inverse_voxels: &'a [f32],
-    top: &'a mut [f32],
-    below: Option<&'a [f32]>,
+    theta: &'a mut [f32],
     deposited: &'a mut [f32],
-    counts: &'a mut [f32],
+    open_sides: &'a mut [f32],
+    counts: &'a mut Counts,
 }
 
 impl NullaryFnOnce for Deposition<'_> {
@@ -161,38 +159,19 @@ impl NullaryFnOnce for Deposition<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { births, inverse_voxels, top, below, deposited, counts } = self;
-        let count = top.len();
+        let Self { birth_k, inverse_voxels, theta, deposited, open_sides, counts } = self;
+        let count = theta.len();
         let (inverse_voxels, deposited) = (&inverse_voxels[..count], &mut deposited[..count]);
-        let counts = &mut counts[..count];
-        match below {
-            Some(below) => {
-                let below = &below[..count];
-                for block in 0..count {
-                    let new = counts[block] * inverse_voxels[block];
-                    births.mix(&mut top[block], below[block], &mut deposited[block], new);
-                }
-            }
-            None => {
-                for block in 0..count {
-                    let new = counts[block] * inverse_voxels[block];
-                    births.mix(&mut top[block], births.plate, &mut deposited[block], new);
-                }
-            }
+        let (new, open) = (&mut counts.new[..count], &counts.open_sides[..count]);
+        let open_sides = &mut open_sides[..count];
+        for block in 0..count {
+            let share = new[block] as f32 * inverse_voxels[block];
+            deposited[block] += share;
+            let inverse = 1.0 / deposited[block].max(f32::MIN_POSITIVE);
+            open_sides[block] = open[block] as f32 * inverse_voxels[block] * inverse;
+            theta[block] += share * inverse * (birth_k - theta[block]);
         }
-        counts.fill(0.0);
-    }
-}
-
-impl Birth {
-    /// Adds the share `new` of its voxels to a block at `own` above a block at `below`, of which
-    /// the share `deposited` was there before.
-    #[inline(always)]
-    fn mix(self, own: &mut f32, below: f32, deposited: &mut f32, new: f32) {
-        *deposited += new;
-        let weight = new / deposited.max(f32::MIN_POSITIVE);
-        let born = self.theta + self.hold * (self.theta - below);
-        *own += weight * (born - *own);
+        new.fill(0);
     }
 }
 
@@ -203,8 +182,9 @@ impl Birth {
 struct Sweep<'a> {
     stepper: &'a Stepper,
     state: &'a State,
-    next: &'a mut State,
-    /// Of each level but the first, a row of what is known before the first level is solved.
+    next: &'a mut [Vec<f32>],
+    /// Of each level but the first, a row of what is known before the first level is solved; and
+    /// the temperatures of the level below them, which does not change.
     known: &'a mut [f32],
 }
 
@@ -263,9 +243,12 @@ impl<S: Simd> Row<S> {
     }
 
     #[inline(always)]
-    fn step(self, stepper: &Stepper, state: &State, next: &mut State, known: &mut [f32]) {
+    fn step(self, stepper: &Stepper, state: &State, next: &mut [Vec<f32>], known: &mut [f32]) {
         let known = S::as_mut_simd_f32s(known).0;
-        let count = self.count;
+        let (count, moving) = (self.count, stepper.levels.len());
+        if let Some(below) = state.theta.get(moving + 1) {
+            known[moving * count..].copy_from_slice(self.of(below, 0, 0));
+        }
         for (number, level) in stepper.levels.iter().enumerate().rev() {
             let (known, lower) = known[number * count..].split_at_mut(count);
             let flow = Flow::new(self, &state.theta[number + 1], &level.sides);
@@ -273,7 +256,7 @@ impl<S: Simd> Row<S> {
         }
         self.upper_levels(stepper, state, next, &known[..count]);
         for (number, level) in stepper.levels.iter().enumerate().skip(1) {
-            let (upper, lower) = next.theta.split_at_mut(number + 1);
+            let (upper, lower) = next.split_at_mut(number + 1);
             let (up, out) = (self.of(&upper[number], 0, 0), self.of_mut(&mut lower[0]));
             self.back(out, level, &known[number * count..][..count], up);
         }
@@ -323,10 +306,16 @@ impl<S: Simd> Row<S> {
 
     /// The upper two levels, between which heat flows only where the layer is printed.
     #[inline(always)]
-    fn upper_levels(self, stepper: &Stepper, state: &State, next: &mut State, known: &[S::f32s]) {
+    fn upper_levels(
+        self,
+        stepper: &Stepper,
+        state: &State,
+        next: &mut [Vec<f32>],
+        known: &[S::f32s],
+    ) {
         let simd = self.simd;
         let one = simd.splat_f32s(1.0);
-        let (out, rest) = next.theta.split_at_mut(1);
+        let (out, rest) = next.split_at_mut(1);
         let out = self.of_mut(&mut out[0]);
         let count = self.count;
         let first = FirstRow::new(self, stepper, state);
@@ -378,7 +367,9 @@ struct FirstRow<'a, S: Simd> {
     north_share: &'a [S::f32s],
     source: &'a [S::f32s],
     plate: &'a [S::f32s],
-    surface: &'a [S::f32s],
+    faces: &'a [S::f32s],
+    side: S::f32s,
+    open_sides: &'a [S::f32s],
     loss: [S::f32s; 4],
 }
 
@@ -396,7 +387,9 @@ impl<'a, S: Simd> FirstRow<'a, S> {
             north_share: row.of(share, -1, 0),
             source: row.of_plane(&first.source),
             plate: row.of_plane(&first.plate),
-            surface: row.of_plane(&first.surface),
+            faces: row.of_plane(&first.faces),
+            side: row.simd.splat_f32s(first.side),
+            open_sides: row.of(&state.open_sides, 0, 0),
             loss: stepper.loss.map(|coefficient| row.simd.splat_f32s(coefficient)),
         }
     }
@@ -420,7 +413,8 @@ impl<'a, S: Simd> FirstRow<'a, S> {
     fn pivot(&self, x: usize) -> S::f32s {
         let simd = self.simd;
         let fixed = simd.add_f32s(simd.splat_f32s(1.0), self.plate[x]);
-        simd.mul_add_f32s(self.surface[x], self.loss(self.flow.centre[x]), fixed)
+        let surface = simd.mul_add_f32s(self.open_sides[x], self.side, self.faces[x]);
+        simd.mul_add_f32s(surface, self.loss(self.flow.centre[x]), fixed)
     }
 
     #[inline(always)]
@@ -449,7 +443,7 @@ struct Flow<'a, S: Simd> {
 impl<'a, S: Simd> Flow<'a, S> {
     #[inline(always)]
     fn new(row: Row<S>, theta: &'a [f32], sides: &'a [Plane; 4]) -> Self {
-        let [right, left, down, up] = sides.each_ref().map(|side| row.of_plane(side));
+        let [right, left, down, up] = sides;
         Self {
             simd: row.simd,
             centre: row.of(theta, 0, 0),
@@ -457,10 +451,10 @@ impl<'a, S: Simd> Flow<'a, S> {
             west: row.of(theta, 0, -1),
             south: row.of(theta, 1, 0),
             north: row.of(theta, -1, 0),
-            right,
-            left,
-            down,
-            up,
+            right: row.of_plane(right),
+            left: row.of_plane(left),
+            down: row.of_plane(down),
+            up: row.of_plane(up),
         }
     }
 
