@@ -29,7 +29,7 @@ pub struct Annealing {
 
 impl Default for Annealing {
     fn default() -> Self {
-        Self { runs: 2, trials: 9000, tail_s: 15.0, model_trials: 1600, model_tail_s: 12.0 }
+        Self { runs: 2, trials: 9000, tail_s: 15.0, model_trials: 1200, model_tail_s: 12.0 }
     }
 }
 
