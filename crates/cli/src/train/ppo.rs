@@ -47,7 +47,7 @@ const RANDOM: &str = "random:";
 Examples:
   beadwork train ppo example:rectangular --preset small --out runs/rectangular
   beadwork train ppo example:rectangular --preset small --out runs/rectangular --resume
-  beadwork train ppo example:u-shape --preset small --orders all --max-time 1.02 --out runs/u
+  beadwork train ppo example:u-shape --preset estimated --orders all --max-time 1.02 --out runs/u
   beadwork train ppo random:policy --preset general --max-time 1.05 --out runs/general")]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -92,8 +92,9 @@ pub(crate) struct Args {
 #[derive(clap::Args)]
 #[group(required = true, multiple = false)]
 struct Source {
-    /// Built-in configuration: small (minutes), general (for random parts, an hour), paper (each
-    /// voxel is observed, a large network, 500,000 steps; days).
+    /// Built-in configuration: small (minutes), estimated (minutes; candidates are described by
+    /// estimates of what they cost), general (for random parts, an hour), paper (each voxel is
+    /// observed, a large network, 500,000 steps; days).
     #[arg(long, value_name = "NAME")]
     preset: Option<Preset>,
     /// Configuration file.
@@ -104,6 +105,7 @@ struct Source {
 #[derive(Clone, Copy, ValueEnum)]
 enum Preset {
     Small,
+    Estimated,
     General,
     Paper,
 }
@@ -114,6 +116,7 @@ impl Source {
             return Ok(match self.preset {
                 Some(Preset::Paper) => TrainingConfig::paper(),
                 Some(Preset::General) => TrainingConfig::general(),
+                Some(Preset::Estimated) => TrainingConfig::estimated(),
                 _ => TrainingConfig::small(),
             });
         };
@@ -195,6 +198,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let observed = match (random, args.source.preset) {
         (Some(_), _) => HeatSettings::general(),
         (None, Some(Preset::Paper)) => HeatSettings::paper(),
+        (None, Some(Preset::Estimated)) => HeatSettings::estimated(),
         (None, _) => HeatSettings::default(),
     };
     let settings = HeatSettings { baseline, max_time_ratio: args.max_time, ..observed };
