@@ -2,19 +2,21 @@
 
 /// An option of a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Choice {
-    pub(crate) cost: f64,
-    pub(crate) seconds: f64,
+pub struct Choice {
+    /// What it costs.
+    pub cost: f64,
+    /// The time that it takes, s.
+    pub seconds: f64,
 }
 
 /// Options of all layers, and the price of time at which they were taken.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Allotment {
+pub struct Allotment {
     /// Index of each layer's option.
-    pub(crate) taken: Vec<usize>,
+    pub taken: Vec<usize>,
     /// Cost that the last step of the allotment saved per second; 0 if every layer has its best
     /// option.
-    pub(crate) price: f64,
+    pub price: f64,
 }
 
 /// Takes one option per layer, such that all together take at most `limit` seconds and cost little;
@@ -26,7 +28,7 @@ pub(crate) struct Allotment {
 /// The result costs at most one step more than the minimum.
 /// Options of infinite cost are never taken.
 /// Takes O(n log n) for n options.
-pub(crate) fn allot(layers: &[Vec<Choice>], limit: f64) -> Option<Allotment> {
+pub fn allot(layers: &[Vec<Choice>], limit: f64) -> Option<Allotment> {
     let hulls: Vec<Vec<usize>> = layers.iter().map(|options| hull(options)).collect();
     let mut taken: Vec<usize> =
         hulls.iter().map(|hull| hull.first().copied()).collect::<Option<_>>()?;
@@ -166,5 +168,45 @@ mod tests {
         let layers = vec![vec![untried, Choice { cost: 1.0, seconds: 2.0 }]];
         assert_eq!(allot(&layers, 3.0).map(|allotment| allotment.taken), Some(vec![1]));
         assert_eq!(allot(&layers, 1.5), None);
+    }
+
+    /// Seconds of the cheapest options at a price.
+    fn seconds_at(layers: &[Vec<Choice>], price: f64) -> f64 {
+        let score = |choice: &Choice| (choice.cost + price * choice.seconds, choice.seconds);
+        let cheapest = |choices: &Vec<Choice>| {
+            let mut scores: Vec<(f64, f64)> = choices.iter().map(score).collect();
+            scores.sort_by(|a, b| a.partial_cmp(b).expect("finite"));
+            scores[0].1
+        };
+        layers.iter().map(cheapest).sum()
+    }
+
+    #[test]
+    fn the_price_is_where_the_cheapest_options_meet_the_limit() {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(7);
+        let mut unit = || unit(&mut rng);
+        let mut priced = 0;
+        for _ in 0..2000 {
+            let count = 1 + (unit() * 4.0) as usize;
+            let layers: Vec<Vec<Choice>> = (0..count)
+                .map(|_| {
+                    let options = 1 + (unit() * 5.0) as usize;
+                    let mut choice = || Choice { cost: unit() * 8.0, seconds: 1.0 + unit() * 8.0 };
+                    (0..options).map(|_| choice()).collect()
+                })
+                .collect();
+            let fastest = |choices: &Vec<Choice>| {
+                choices.iter().map(|choice| choice.seconds).fold(f64::INFINITY, f64::min)
+            };
+            let fastest: f64 = layers.iter().map(fastest).sum();
+            let limit = fastest + 1e-9 + unit() * 4.0;
+            let price = allot(&layers, limit).expect("the fastest options fit").price;
+            if price > 0.0 {
+                priced += 1;
+                assert!(seconds_at(&layers, price * (1.0 - 1e-3)) > limit);
+            }
+            assert!(seconds_at(&layers, price * (1.0 + 1e-3)) <= limit);
+        }
+        assert!(priced > 500, "{priced}");
     }
 }

@@ -15,6 +15,7 @@
 //!   what a layer costs.
 //! - [`trials`]: many orders of one layer, tried from one state.
 //! - [`candidates`]: sets of named orders.
+//! - [`allotment`]: which option each layer takes within a time limit, and what a second is worth.
 //! - [`bound`]: a limit on how even any order can be, by an argument.
 //! - [`proxy`]: a fast estimate of how even an order leaves a layer, to rank many orders by.
 //!
@@ -60,7 +61,7 @@
 //! A time limit is never exceeded, but plans are not proven to be the best within it.
 //! The planners print whole lines, or patterns; they do not cut lines into pieces.
 
-mod allotment;
+pub mod allotment;
 pub mod bound;
 pub mod candidates;
 pub mod fill;

@@ -33,7 +33,7 @@ pub struct Solver<F: Fill = Cells> {
     cost: Arc<LayerCost>,
 }
 
-/// Why there is no solver of a part.
+/// Error of [`Solver::new`].
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum ModelError {

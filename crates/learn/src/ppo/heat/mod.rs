@@ -3,7 +3,6 @@
 
 mod environment;
 mod policy;
-mod price;
 mod random;
 mod task;
 mod view;

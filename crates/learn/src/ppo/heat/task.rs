@@ -2,6 +2,7 @@
 
 use beadwork_base::{Control, Threads};
 use beadwork_grid::{Cell, RegionError};
+use beadwork_heat::allotment::{Choice, allot};
 use beadwork_heat::fill::Fill;
 use beadwork_heat::model::{Screen, Solver, ThermalModel};
 use beadwork_part::{Order, Pattern};
@@ -10,7 +11,6 @@ use beadwork_thermal::simulation::DepositError;
 use thiserror::Error;
 
 use super::super::range::{RangeError, require};
-use super::price::{Choice, time_price};
 use super::view::{View, unevenness};
 
 /// What a second of printing time costs an agent, beside what the layer costs.
@@ -409,10 +409,13 @@ fn estimated_price(layers: &[LayerTask], settings: &HeatSettings) -> f64 {
     let choice = |(&cost, &seconds): (&f64, &f64)| Choice { cost, seconds };
     let choices =
         |layer: &LayerTask| layer.estimates.iter().zip(&layer.seconds).map(choice).collect();
-    let choices: Vec<Vec<Choice>> = layers.iter().map(choices).collect();
+    // Layers without cells have no estimates.
+    let printed = || layers.iter().filter(|layer| !layer.estimates.is_empty());
+    let choices: Vec<Vec<Choice>> = printed().map(choices).collect();
     let baseline = |layer: &LayerTask| layer.seconds[settings.baseline];
     // Travel between layers is in neither sum.
-    time_price(&choices, ratio * layers.iter().map(baseline).sum::<f64>())
+    let limit_s = ratio * printed().map(baseline).sum::<f64>();
+    allot(&choices, limit_s).map_or(0.0, |allotment| allotment.price)
 }
 
 /// Whether each candidate differs from all before it: copies are masked, so that no action is
